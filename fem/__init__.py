@@ -1,0 +1,1 @@
+"""Predict: flexible bodies, their modes and their base-excited dynamic mass."""

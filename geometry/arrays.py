@@ -1,0 +1,22 @@
+"""Arrays that cannot change under anybody's feet."""
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
+    """Copy `value` into a read-only float64 array of `shape`.
+
+    Raises
+    ------
+    ValueError : `value` has another shape or holds NaN or infinity; the message names it.
+    """
+    array = np.array(value, dtype=np.float64)
+    if array.shape != shape:
+        raise ValueError(f"`{name}` must have shape {shape}, found {array.shape}")
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"`{name}` must be finite, found {array.tolist()}")
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,33 @@
+"""The two ways a run can end badly, and what the user reads then.
+
+`BadInput` is the user's file or argument (exit code 2); `CheckFailed` is data or a model that fails a check (exit code 1).
+Each carries its evidence as attributes, so that a program can act on it and a person can read it in one sentence.
+"""
+
+
+class BadInput(ValueError):
+    """Input that cannot be used: where it stands, which field, what is wrong with it, and what to do.
+
+    Attributes
+    ----------
+    source : file, argument or object that holds the input
+    field : the field, option or key within it; empty when the whole source is at fault
+    problem : the condition that is broken and what was found
+    remedy : what the user can do
+    """
+
+    def __init__(self, *, source: str, problem: str, remedy: str, field: str = "") -> None:
+        self.source = source
+        self.field = field
+        self.problem = problem
+        self.remedy = remedy
+        place = f"{source}: `{field}`" if field else source
+        super().__init__(f"{place}: {problem}. {remedy}".rstrip(". ") + ".")
+
+
+class CheckFailed(RuntimeError):
+    """A check of data or model that did not pass, said in words; `evidence` holds the figures by name."""
+
+    def __init__(self, message: str, **evidence: object) -> None:
+        self.evidence = evidence
+        super().__init__(message)

@@ -1,0 +1,101 @@
+"""Positions, rotations and the rigid transformation [G] of the paper's Eq. 3. Nothing else in massline writes them again.
+
+Frames are right-handed with z up. A `Pose` says where a body's own frame sits in another one:
+``p_outer = rotation @ p_body + position``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array, frozen
+
+ROTATION_ROUNDING = 1e-9
+"""How far R R^T may lie from the identity: a rotation typed with ten digits passes, one typed with four does not."""
+
+
+def skew(vector: npt.ArrayLike) -> Array:
+    """Matrix S of the cross product, ``S @ a = vector x a``; shape (3, 3), unit of `vector`."""
+    x, y, z = np.asarray(vector, dtype=np.float64)
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def rotation_about(axis: str, angle: float) -> Array:
+    """Rotation by `angle` [rad] about the coordinate axis "x", "y" or "z", right-handed; shape (3, 3)."""
+    c, s = np.cos(angle), np.sin(angle)
+    planes = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}
+    if axis not in planes:
+        raise ValueError(f"`axis` must be one of x, y, z, found {axis!r}")
+    i, j = planes[axis]
+    rotation = np.eye(3)
+    rotation[i, i] = rotation[j, j] = c
+    rotation[j, i], rotation[i, j] = s, -s
+    return rotation
+
+
+def proper_rotation(value: npt.ArrayLike, name: str = "rotation") -> Array:
+    """Read-only (3, 3) rotation matrix.
+
+    Raises
+    ------
+    ValueError : not orthonormal within `ROTATION_ROUNDING`, or a reflection (determinant -1).
+    """
+    rotation = frozen(value, (3, 3), name)
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > ROTATION_ROUNDING:
+        raise ValueError(f"`{name}` must be orthonormal, found {rotation.tolist()}")
+    if np.linalg.det(rotation) < 0:
+        raise ValueError(f"`{name}` must be right-handed (determinant +1), found a reflection {rotation.tolist()}")
+    return rotation
+
+
+def rigid_transformation(point: npt.ArrayLike) -> Array:
+    """[G] of the paper's Eq. 3: accelerations of `point` from those of the reference point A.
+
+    Parameters
+    ----------
+    point : (3,) [m], from A, in the axes of A
+
+    Returns
+    -------
+    (3, 6) : columns x, y, z [1] and alpha, beta, gamma [m]
+    """
+    return np.hstack([np.eye(3), -skew(point)])
+
+
+def rigid_transformation_6(point: npt.ArrayLike) -> Array:
+    """All six accelerations of `point` from the six of A: [G] of Eq. 3 above ``[0 I]``; shape (6, 6)."""
+    return np.vstack([rigid_transformation(point), np.hstack([np.zeros((3, 3)), np.eye(3)])])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pose:
+    """Where a body's own frame sits in an outer frame.
+
+    Attributes
+    ----------
+    position : (3,) [m], the body's origin in the outer frame
+    rotation : (3, 3), its columns are the body's axes in the outer frame
+    """
+
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    rotation: Array = field(default_factory=lambda: np.eye(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", frozen(self.position, (3,), "position"))
+        object.__setattr__(self, "rotation", proper_rotation(self.rotation))
+
+    def __matmul__(self, inner: Pose) -> Pose:
+        """The pose of a body placed by `inner` in a frame that this pose places: first `inner`, then `self`."""
+        return Pose(position=self.apply(inner.position), rotation=self.rotation @ inner.rotation)
+
+    def apply(self, points: npt.ArrayLike) -> Array:
+        """Body coordinates (..., 3) [m] expressed in the outer frame."""
+        return np.asarray(points, dtype=np.float64) @ self.rotation.T + self.position
+
+    @property
+    def inverse(self) -> Pose:
+        """The pose of the outer frame seen from the body."""
+        return Pose(position=-self.rotation.T @ self.position, rotation=self.rotation.T)

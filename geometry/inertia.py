@@ -1,0 +1,210 @@
+"""`Inertia`: the ten parameters of the paper's Eq. 4 about a reference point, and everything that may be done to them.
+
+The parameters are the mass, the first moment and the tensor about the reference point A,
+
+    m, m x, m y, m z, Ixx, Iyy, Izz, Ixy, Ixz, Iyz,
+
+with products as *matrix entries*, Ixy = -integral(x y dm), so that the tensor is read straight from the vector. They are
+additive: bodies that share a reference point add and subtract component by component, which is all that composition, tare and
+"holes as negative bodies" need. A difference may therefore be unphysical on purpose, and construction does not forbid it;
+`geometry.consistency` judges, and every door to the outside asks it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array, frozen
+from geometry.frames import Pose, proper_rotation, skew
+
+PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
+"""Names of the ten parameters in the order of Eq. 4; units kg, kg m (three), kg m² (six)."""
+
+
+def tensor_from_six(six: npt.ArrayLike) -> Array:
+    """Symmetric (3, 3) tensor from the entries xx, yy, zz, xy, xz, yz."""
+    xx, yy, zz, xy, xz, yz = np.asarray(six, dtype=np.float64)
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def six_from_tensor(tensor: npt.ArrayLike) -> Array:
+    """Entries xx, yy, zz, xy, xz, yz of a symmetric (3, 3) tensor, its two triangles averaged."""
+    t = np.asarray(tensor, dtype=np.float64)
+    t = (t + t.T) / 2
+    return np.array([t[0, 0], t[1, 1], t[2, 2], t[0, 1], t[0, 2], t[1, 2]])
+
+
+def parallel_axis(mass: float, offset: npt.ArrayLike) -> Array:
+    """Tensor (3, 3) [kg m²] of a point mass at `offset` (3,) [m]: ``m (|r|² 1 - r r^T)``, Huygens-Steiner."""
+    S = skew(offset)
+    return mass * (S.T @ S)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Inertia:
+    """Mass, first moment and tensor of a body about `reference_point`.
+
+    Attributes
+    ----------
+    parameters : (10,), order and units of `PARAMETERS`, about the reference point, in the axes of the body's frame
+    reference_point : (3,) [m], the point A in the body's frame; the frame's origin by default
+
+    Source: paper Eqs. 1 and 4.
+    """
+
+    parameters: Array
+    reference_point: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", frozen(self.parameters, (10,), "parameters"))
+        object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
+
+    # --- ways in -----------------------------------------------------------------------------------------------------
+
+    @staticmethod
+    def from_cog(
+        mass: float, cog: npt.ArrayLike, tensor: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)
+    ) -> Inertia:
+        """From mass [kg], CoG (3,) [m] in the body's frame and tensor (3, 3) [kg m²] *about the CoG*."""
+        offset = np.asarray(cog, dtype=np.float64) - np.asarray(reference_point, dtype=np.float64)
+        about_reference = np.asarray(tensor, dtype=np.float64) + parallel_axis(mass, offset)
+        parameters = np.concatenate([[mass], mass * offset, six_from_tensor(about_reference)])
+        return Inertia(parameters=parameters, reference_point=np.asarray(reference_point, dtype=np.float64))
+
+    @staticmethod
+    def from_mass_matrix(matrix: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Inertia:
+        """From the 6x6 mass matrix of Eq. 1 about `reference_point`.
+
+        Raises
+        ------
+        ValueError : the matrix is not that of a rigid body (unequal masses, coupling not skew, unsymmetric), relative to
+            its own largest entries.
+        """
+        M = frozen(matrix, (6, 6), "matrix")
+        S = M[3:, :3]
+        first_moment = np.array([S[2, 1], S[0, 2], S[1, 0]])
+        parameters = np.concatenate([[M[0, 0]], first_moment, six_from_tensor(M[3:, 3:])])
+        inertia = Inertia(parameters=parameters, reference_point=np.asarray(reference_point, dtype=np.float64))
+        misfit = np.abs(inertia.mass_matrix - M).max()
+        if misfit > 1e-9 * np.abs(M).max():
+            raise ValueError(f"`matrix` must be the mass matrix of a rigid body, found an entry off by {misfit:.3g}")
+        return inertia
+
+    # --- what it is --------------------------------------------------------------------------------------------------
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+        return float(self.parameters[0])
+
+    @property
+    def first_moment(self) -> Array:
+        """Mass times CoG (3,) [kg m], about the reference point."""
+        return self.parameters[1:4]
+
+    @property
+    def tensor(self) -> Array:
+        """Inertia tensor (3, 3) [kg m²] about the reference point, products as matrix entries."""
+        return tensor_from_six(self.parameters[4:])
+
+    @property
+    def cog(self) -> Array:
+        """Centre of gravity (3,) [m] in the body's frame (not from the reference point).
+
+        Raises
+        ------
+        ValueError : the mass is zero, so that there is no CoG.
+        """
+        if self.mass == 0.0:
+            raise ValueError("`mass` must not be zero to have a centre of gravity, found 0 kg")
+        return self.reference_point + self.first_moment / self.mass
+
+    @property
+    def tensor_cog(self) -> Array:
+        """Inertia tensor (3, 3) [kg m²] about the CoG, in the axes of the body's frame."""
+        return self.tensor - parallel_axis(self.mass, self.cog - self.reference_point)
+
+    @property
+    def moments_cog(self) -> Array:
+        """Moments of inertia xx, yy, zz (3,) [kg m²] about the CoG."""
+        return six_from_tensor(self.tensor_cog)[:3]
+
+    @property
+    def products_cog(self) -> Array:
+        """Products of inertia xy, xz, yz (3,) [kg m²] about the CoG, as matrix entries."""
+        return six_from_tensor(self.tensor_cog)[3:]
+
+    @property
+    def mass_matrix(self) -> Array:
+        """6x6 mass matrix of the paper's Eq. 1 about the reference point; order x, y, z, alpha, beta, gamma."""
+        S = skew(self.first_moment)
+        return np.block([[self.mass * np.eye(3), -S], [S, self.tensor]])
+
+    @property
+    def pseudo_inertia(self) -> Array:
+        """4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the reference point, Sigma = tr(I)/2 1 - I.
+
+        It is positive definite exactly when a positive density exists that has these ten parameters (Wensing, Kim and
+        Slotine 2018, doi:10.1109/LRA.2017.2729659).
+        """
+        I = self.tensor
+        sigma = 0.5 * np.trace(I) * np.eye(3) - I
+        h = self.first_moment[:, None]
+        return np.block([[sigma, h], [h.T, np.array([[self.mass]])]])
+
+    def principal(self) -> tuple[Array, Array]:
+        """Principal moments (3,) [kg m²] about the CoG, ascending, and principal axes as columns (3, 3), right-handed."""
+        moments, axes = np.linalg.eigh(self.tensor_cog)
+        if np.linalg.det(axes) < 0:
+            axes[:, 0] = -axes[:, 0]
+        return moments, axes
+
+    # --- what may be done to it --------------------------------------------------------------------------------------
+
+    def about(self, point: npt.ArrayLike) -> Inertia:
+        """The same body about another reference point (3,) [m], in the same frame. Any mass, zero and negative included."""
+        new = np.asarray(point, dtype=np.float64)
+        d = self.reference_point - new
+        h = self.first_moment
+        first_moment = h + self.mass * d
+        # Huygens-Steiner from A to A' without passing through the CoG, so that a massless difference moves too.
+        coupling = 2 * np.dot(h, d) * np.eye(3) - np.outer(h, d) - np.outer(d, h)
+        tensor = self.tensor + coupling + parallel_axis(self.mass, d)
+        return Inertia(parameters=np.concatenate([[self.mass], first_moment, six_from_tensor(tensor)]), reference_point=new)
+
+    def moved(self, displacement: npt.ArrayLike) -> Inertia:
+        """The body carried by `displacement` (3,) [m]; reported about the same point of the frame as before."""
+        carried = Inertia(
+            parameters=self.parameters, reference_point=self.reference_point + np.asarray(displacement, dtype=np.float64)
+        )
+        return carried.about(self.reference_point)
+
+    def rotated(self, rotation: npt.ArrayLike) -> Inertia:
+        """The body turned by `rotation` (3, 3) about the frame's origin; the reference point stays where it was."""
+        R = proper_rotation(rotation)
+        parameters = np.concatenate([[self.mass], R @ self.first_moment, six_from_tensor(R @ self.tensor @ R.T)])
+        return Inertia(parameters=parameters, reference_point=R @ self.reference_point).about(self.reference_point)
+
+    def placed(self, pose: Pose) -> Inertia:
+        """The body, given in its own frame, seen in the outer frame of `pose`; about the outer frame's origin."""
+        return self.about(np.zeros(3)).rotated(pose.rotation).moved(pose.position)
+
+    def __add__(self, other: Inertia) -> Inertia:
+        """Both bodies as one, about the reference point of the first."""
+        other = other.about(self.reference_point)
+        return Inertia(parameters=self.parameters + other.parameters, reference_point=self.reference_point)
+
+    def __sub__(self, other: Inertia) -> Inertia:
+        """What is left when `other` is taken off (tare), about the reference point of the first."""
+        return self + -other
+
+    def __neg__(self) -> Inertia:
+        """The body with its sign changed: a hole."""
+        return Inertia(parameters=-self.parameters, reference_point=self.reference_point)
+
+    def scaled(self, density_ratio: float) -> Inertia:
+        """The same shape with its density multiplied by `density_ratio`."""
+        return Inertia(parameters=self.parameters * density_ratio, reference_point=self.reference_point)

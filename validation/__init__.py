@@ -1,0 +1,1 @@
+"""Cross-check: reference tables, classical measurements, comparison of model and measurement, and the command line."""

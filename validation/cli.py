@@ -1,0 +1,79 @@
+"""The command line: parses, calls, prints. One file a command in `validation/commands`, imported only when it is asked for."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from importlib.metadata import version
+
+import click
+
+from geometry.errors import BadInput, CheckFailed
+
+DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+COMMANDS = {
+    "reference": "Mass, CoG and inertia of articles by three routes, beside published and measured values.",
+    "validate": "Anyone's identified ten parameters against the reference, row by row.",
+    "weigh": "Reduce a weighing: mass with its tolerance, itemised.",
+    "cog": "Reduce a crane-and-balance test: CoG height with its tolerance, itemised.",
+    "pendulum": "Reduce pendulum periods to moments of inertia, with tolerance, itemised.",
+}
+"""Every command and its line in the help; `validation.commands.<name>` holds it."""
+
+
+class _LazyGroup(click.Group):
+    """A group that knows its commands by name and imports one only to run it, so that help answers in a blink."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        module = import_module(f"validation.commands.{cmd_name.replace('-', '_')}")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120})
+@click.version_option(version("massline"), prog_name="massline")
+def cli() -> None:
+    """Know, and prove, the mass, centre of gravity and inertia of a structure.
+
+    Exit codes: 0 done, 1 the data or the model fails a check (said in words), 2 bad input.
+    """
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and leave with its exit code; a user's mistake never shows a traceback."""
+    sys.exit(run(arguments))
+
+
+def run(arguments: list[str] | None = None) -> int:
+    """Run the command line on `arguments` (`sys.argv` by default) and return the exit code."""
+    try:
+        cli.main(args=arguments, prog_name="massline", standalone_mode=False)
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except click.ClickException as error:
+        error.show()
+        return BAD_INPUT
+    except BadInput as error:
+        return _say(str(error), BAD_INPUT)
+    except OSError as error:
+        return _say(f"{error.filename or 'file'}: {error.strerror or error}. Check the path and its permissions.", BAD_INPUT)
+    except CheckFailed as error:
+        return _say(str(error), FAILED_CHECK)
+    except (KeyboardInterrupt, click.Abort):
+        return _say("interrupted; files already finished are kept, none is half-written.", INTERRUPTED)
+    return DONE
+
+
+def _say(message: str, code: int) -> int:
+    click.echo(f"massline: {message}", err=True)
+    return code
