@@ -2,7 +2,7 @@
 
 A positive density with the ten parameters exists exactly when the mass is positive and the pseudo-inertia is positive definite;
 seen from the CoG that is the triangle inequality on the *principal* moments (on the diagonal of a tensor with products it proves
-nothing). The boundary belongs to ideal bodies: a point mass (no moments), a rod (one moment zero) and a lamina (largest moment the
+nothing). The boundary belongs to ideal bodies: a point mass (no moments), a rod (one moment zero), a lamina (largest moment the
 sum of the others) have no volume, yet engineers rightly use them as lumped masses. So they are accepted, named `IDEAL`, and
 refused only where a strictly positive definite matrix is needed (log-Cholesky coordinates).
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable
+from itertools import pairwise
 
 from geometry.article import Article, stacked
 from geometry.articles import clumod, cuboid, disc, fmd
@@ -32,7 +33,7 @@ def built_in(name: str) -> Article:
     BadInput : a part that does not exist, or one on which nothing can be mounted in the middle of the stack.
     """
     articles = [_one(part, name) for part in name.split("+")]
-    for lower, upper in zip(articles, articles[1:], strict=False):
+    for lower, upper in pairwise(articles):
         if lower.seat is None:
             raise BadInput(
                 source=f"article {name}",

@@ -1,6 +1,6 @@
 """Clumod: bottom flange, hollow mast, four hubs and one or four blades that cross the mast at their middle.
 
-No two bodies share volume: each blade has a hole through which the mast passes, and is clamped between the two collars of its hub,
+No two bodies share volume: each blade has a hole through which the mast passes and is clamped between the two collars of its hub,
 which stay on the mast when the blade is taken off. The shorter upper blade is a sandwich, two steel faces and a silicone layer in
 the neutral axis, three bodies. Bolts are not modelled; their holes are.
 """
