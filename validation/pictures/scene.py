@@ -122,8 +122,8 @@ def _ellipsoid(plotter: Plotter, ellipsoid: Ellipsoid) -> None:
     import pyvista
 
     ball = pyvista.Sphere(radius=1.0, theta_resolution=96, phi_resolution=96)
-    ball.points = ellipsoid.stretched(ball.points)
-    plotter.add_mesh(ball, color=ELLIPSOID, opacity=0.13, ambient=0.5, diffuse=0.5, smooth_shading=True)
+    surface = pyvista.PolyData(ellipsoid.stretched(ball.points), ball.faces)
+    plotter.add_mesh(surface, color=ELLIPSOID, opacity=0.13, ambient=0.75, diffuse=0.35, smooth_shading=True)
     turn = np.linspace(0, 2 * np.pi, 181)
     for i in range(3):
         ring = np.zeros((len(turn), 3))
