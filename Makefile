@@ -22,9 +22,9 @@ setup: $(READY) ## the virtual environment .venv from the lock, this project edi
 demo: $(READY) ## everything massline shows, tables on the screen and pictures under out/
 	@$(PYTHON) -m validation.demo
 
-# The source tree answers for itself in a few seconds (do the names come from here? is it light? is it whole?); then the whole suite
-# runs once, against the built wheel, because that is what a user installs. Running everything twice would prove nothing more.
-test: $(READY) ## the source tree's own checks, then the whole suite against the built wheel; ARGS="-k cuboid" picks tests
+# The editable install says in a second that it imports from here; then the whole suite runs once, against the built wheel, because
+# that is what a user installs. The wheel is these very files (test_wheel.py), so running everything twice would prove nothing more.
+test: $(READY) ## where the editable install imports from, then the whole suite on the built wheel; ARGS="-k cuboid" picks tests
 	$(PYTHON) -P -m pytest --quiet tests/architecture/test_origin.py
 	sh tools/suite_on_wheel.sh $(ARGS)
 
@@ -40,8 +40,10 @@ bench: $(READY) ## times as ratios within one run
 blind: ## proof on data whose answer is sealed
 	@echo "There is nothing to prove blind yet: issue 7 (diagnosis) brings the sealed series, the program that scores them, and this target."
 
-# Needs uv on the path (any recent one) and the network. No host and no path of this machine ends up in the file.
-lock: ## requirements.lock anew from pyproject.toml
+# Needs uv on the path (any recent one) and the network. Pins that still fit are kept: delete the file first to renew them all.
+# No registry's host and no path of this machine ends up in it.
+lock: ## requirements.lock from pyproject.toml
+	@command -v uv >/dev/null || { echo "massline: uv is missing; https://docs.astral.sh/uv says how to install it." >&2; exit 1; }
 	uv pip compile pyproject.toml --extra dev --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url \
 		--no-emit-find-links --quiet --output-file requirements.lock
 
