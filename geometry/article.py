@@ -69,7 +69,7 @@ def placed(article: Article, pose: Pose) -> Article:
 def stacked(*articles: Article) -> Article:
     """`articles` on top of one another, lowest first, in the frame of the lowest.
 
-    Part names gain their article as a prefix, ``disc/plate``, when more than one article is stacked.
+    Part names gain their article as a prefix, ``disc/plate``, when more than one article is stacked; a second disc is ``disc-2``.
 
     Raises
     ------
@@ -79,18 +79,25 @@ def stacked(*articles: Article) -> Article:
         return articles[0]
     pose: Pose | None = Pose()
     parts: list[Part] = []
-    for article in articles:
+    for article, prefix in zip(articles, _prefixes(articles), strict=True):
         if pose is None:
             raise ValueError(f"`articles`: nothing can be mounted on {parts[-1].name.split('/')[0]}, found {article.name}")
         there = placed(article, pose)
-        parts += [replace(part, name=f"{article.name}/{part.name}") for part in there.parts]
+        parts += [replace(part, name=f"{prefix}/{part.name}") for part in there.parts]
         pose = there.seat
     return Article(
         name="+".join(article.name for article in articles),
         parts=tuple(parts),
         seat=pose,
-        note=" ".join(article.note for article in articles if article.note),
+        note=" ".join(dict.fromkeys(article.note for article in articles if article.note)),
     )
+
+
+def _prefixes(articles: tuple[Article, ...]) -> list[str]:
+    """Names of `articles`, numbered from the second of a kind on."""
+    names = [article.name for article in articles]
+    before = [names[:index].count(name) for index, name in enumerate(names)]
+    return [f"{name}-{count + 1}" if count else name for name, count in zip(names, before, strict=True)]
 
 
 def seat_at(height: float) -> Pose:

@@ -6,8 +6,9 @@ nothing). The boundary belongs to ideal bodies: a point mass (no moments), a rod
 sum of the others) have no volume, yet engineers rightly use them as lumped masses. So they are accepted, named `IDEAL`, and
 refused only where a strictly positive definite matrix is needed (log-Cholesky coordinates).
 
-Rounding: moments about the CoG are what is left after the parallel-axis terms cancel, so the tolerance is relative to the tensor
-about the reference point, not to the moments themselves.
+Rounding: moments about the CoG are what is left after the parallel-axis terms cancel, so the tolerance is relative to the largest
+tensor that the numbers have been through: about the reference point, and about the frame's origin, through which bodies are
+placed (another reference point does not bring the lost digits back). The moments themselves are no measure of it.
 """
 
 from __future__ import annotations
@@ -55,8 +56,8 @@ class Consistency:
 
 
 def judge(inertia: Inertia, rounding: float = ROUNDING) -> Consistency:
-    """Judge `inertia`; `rounding` is relative to the largest entry of the tensor about the reference point."""
-    zero = rounding * float(np.abs(inertia.tensor).max())
+    """Judge `inertia`; `rounding` is relative to the largest entry of its tensors about reference point and frame's origin."""
+    zero = rounding * max(float(np.abs(tensor).max()) for tensor in (inertia.tensor, inertia.about(np.zeros(3)).tensor))
     if inertia.mass <= 0:
         text = f"the mass must be positive, found {inertia.mass:.6g} kg"
         return Consistency(kind=Kind.UNPHYSICAL, text=text, margin=np.full(3, np.nan), rounding=zero)

@@ -148,7 +148,7 @@ class Inertia:
         """4x4 pseudo-inertia ``[[Sigma, m c], [m c^T, m]]`` about the reference point, Sigma = tr(I)/2 1 - I.
 
         It is positive definite exactly when a positive density exists that has these ten parameters (Wensing, Kim and
-        Slotine 2018, doi:10.1109/LRA.2017.2729659).
+        Slotine, arXiv:1701.04395).
         """
         I = self.tensor
         sigma = 0.5 * np.trace(I) * np.eye(3) - I

@@ -1,0 +1,48 @@
+"""A file is there whole or not at all, and nothing else is left beside it."""
+
+from pathlib import Path
+
+import pytest
+
+from geometry.atomic import write_text, write_with
+
+
+def test_text_arrives_as_written_in_folders_that_did_not_exist(tmp_path: Path) -> None:
+    path = tmp_path / "a" / "b" / "table.md"
+    write_text(path, "Θ = 1 kg m²\n")
+    assert path.read_text(encoding="utf-8") == "Θ = 1 kg m²\n"
+    assert [entry.name for entry in path.parent.iterdir()] == ["table.md"]
+
+
+def test_a_second_writing_replaces_the_first(tmp_path: Path) -> None:
+    path = tmp_path / "table.md"
+    write_text(path, "old, and longer")
+    write_text(path, "new")
+    assert path.read_text(encoding="utf-8") == "new"
+
+
+@pytest.mark.parametrize("interruption", [OSError("disk full"), KeyboardInterrupt()])
+@pytest.mark.parametrize("before", [None, "old"])
+def test_an_interruption_leaves_the_old_file_or_none(tmp_path: Path, interruption: BaseException, before: str | None) -> None:
+    path = tmp_path / "picture.png"
+    if before is not None:
+        path.write_text(before)
+
+    def half(temporary: Path) -> None:
+        temporary.write_text("half of i")
+        raise interruption
+
+    with pytest.raises(type(interruption)):
+        write_with(path, half)
+    assert [entry.read_text() for entry in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+def test_the_writer_sees_the_ending_that_it_chooses_its_format_by(tmp_path: Path) -> None:
+    seen: list[str] = []
+    write_with(tmp_path / "x.step", lambda temporary: seen.append(temporary.suffix))
+    assert seen == [".step"]
+
+
+def test_others_may_read_what_was_written(tmp_path: Path) -> None:
+    write_text(tmp_path / "x.txt", "x")
+    assert (tmp_path / "x.txt").stat().st_mode & 0o777 == 0o644
