@@ -1,6 +1,9 @@
-"""What every test may ask for: the repository's root, the folder of real measured data, a renderer."""
+"""What every test may ask for: the repository, the folder of real measured data, the command line as users run it, a renderer."""
 
 import os
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +15,23 @@ ROOT = Path(__file__).parents[1]
 def root() -> Path:
     """The repository."""
     return ROOT
+
+
+@pytest.fixture(scope="session")
+def code(root: Path) -> Path:
+    """Where the packages under test come from: the unpacked wheel that `make test` names, else the repository."""
+    return Path(os.environ.get("MASSLINE_UNDER_TEST", root)).resolve()
+
+
+@pytest.fixture(scope="session")
+def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
+    """``massline(*arguments, cwd=folder)``: the command line in a process of its own; keywords go to `subprocess.run`."""
+    entry = (sys.executable, "-P", "-c", "from validation.cli import main; main()")
+
+    def run(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([*entry, *arguments], capture_output=True, encoding="utf-8", check=False, **options)
+
+    return run
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from importlib import import_module
 from importlib.metadata import version
@@ -28,9 +29,9 @@ class _LazyGroup(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
         if cmd_name not in COMMANDS:
-            return None
+            raise click.exceptions.NoSuchCommand(cmd_name, possibilities=COMMANDS, ctx=ctx)
         module = import_module(f"validation.commands.{cmd_name.replace('-', '_')}")
         command: click.Command = module.command
         return command
@@ -51,15 +52,19 @@ def cli() -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code; a user's mistake never shows a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without a sign for ² or Θ shows ? instead of stopping the run
     sys.exit(run(arguments))
 
 
 def run(arguments: list[str] | None = None) -> int:
-    """Run the command line on `arguments` (`sys.argv` by default) and return the exit code."""
+    """Run the command line on `arguments` (`sys.argv` by default) and return the exit code.
+
+    A command returns None when it is done, ends early with `ctx.exit(code)`, or raises.
+    """
     try:
-        cli.main(args=arguments, prog_name="massline", standalone_mode=False)
-    except click.exceptions.Exit as stop:
-        return stop.exit_code
+        code = cli.main(args=arguments, prog_name="massline", standalone_mode=False)
     except click.ClickException as error:
         error.show()
         return BAD_INPUT
@@ -71,7 +76,7 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(str(error), FAILED_CHECK)
     except (KeyboardInterrupt, click.Abort):
         return _say("interrupted; files already finished are kept, none is half-written.", INTERRUPTED)
-    return DONE
+    return code if isinstance(code, int) else DONE
 
 
 def _say(message: str, code: int) -> int:

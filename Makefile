@@ -1,0 +1,46 @@
+# The doors of the house. Each works first thing in a fresh clone: Python 3.11, make and the system libraries that README.md names.
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+PYTHON := .venv/bin/python
+READY := .venv/ready
+
+$(READY): requirements.lock pyproject.toml tools/setup.sh tools/doctor.py
+	@sh tools/setup.sh .venv
+	@touch $@
+
+.PHONY: help setup demo test check bench blind lock clean
+
+help: ## what each target does
+	@grep -E '^[a-z]+:.*## ' Makefile | sed -E 's/^([a-z]+):[^#]*## /  make \1\t/' | expand -t 16
+
+setup: $(READY) ## the virtual environment .venv from the lock, this project editable in it
+
+demo: $(READY) ## everything massline shows, tables on the screen and pictures under out/
+	@$(PYTHON) -m validation.demo
+
+# The source tree answers for itself in a few seconds (do the names come from here? is it light? is it whole?); then the whole suite
+# runs once, against the built wheel, because that is what a user installs. Running everything twice would prove nothing more.
+test: $(READY) ## the source tree's own checks, then the whole suite against the built wheel; ARGS="-k cuboid" picks tests
+	$(PYTHON) -P -m pytest --quiet tests/architecture/test_origin.py
+	sh tools/suite_on_wheel.sh $(ARGS)
+
+check: $(READY) ## lint, format, types and the rules of import
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m mypy
+	.venv/bin/lint-imports --no-logo
+
+bench: $(READY) ## times as ratios within one run
+	@set -e; for file in benchmarks/bench_*.py; do $(PYTHON) -m benchmarks.$$(basename $$file .py); done
+
+blind: ## proof on data whose answer is sealed
+	@echo "There is nothing to prove blind yet: issue 7 (diagnosis) brings the sealed series, the program that scores them, and this target."
+
+# Needs uv on the path (any recent one) and the network. No host and no path of this machine ends up in the file.
+lock: ## requirements.lock anew from pyproject.toml
+	uv pip compile pyproject.toml --extra dev --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url \
+		--no-emit-find-links --quiet --output-file requirements.lock
+
+clean: ## everything that was made here
+	rm -rf .venv build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -1,0 +1,65 @@
+"""Every command line that README.md or a page under docs shows is one that works.
+
+Convention: command lines stand in fenced blocks marked ``sh``, one a line.
+
+- Lines that begin with ``massline`` are run, those of one page in order and in one temporary directory, so a line may use what
+  an earlier one wrote. They end with exit code 0, or with the one that a comment at their end states: ``# exit 1``.
+- Lines that begin with ``make`` must name a target that exists. They are not run here, since they run this.
+- ``apt-get`` is that of the setup and of the doctor; ``git clone`` and ``cd`` are the reader's. Nothing else may be there.
+"""
+
+import re
+import shlex
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tools.doctor import install_line
+
+ROOT = Path(__file__).parents[2]
+PAGES = (ROOT / "README.md", *sorted(ROOT.glob("docs/*.md")))
+
+
+def command_lines(page: Path) -> list[str]:
+    """The lines of all blocks marked ``sh``, without empty lines and whole-line comments."""
+    blocks = re.findall(r"^```sh\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    return [line.strip() for block in blocks for line in block.splitlines() if line.strip() and not line.startswith("#")]
+
+
+def expected_exit(line: str) -> int:
+    stated = re.search(r"# exit (\d)$", line)
+    return int(stated.group(1)) if stated else 0
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_massline_line_of_a_page_runs(
+    page: Path, massline: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    for line in command_lines(page):
+        program, *arguments = shlex.split(line, comments=True)
+        if program == "massline":
+            run = massline(*arguments, cwd=tmp_path)
+            assert run.returncode == expected_exit(line), f"$ {line}\n{run.stdout}{run.stderr}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_other_line_of_a_page_is_make_or_belongs_to_the_reader(page: Path) -> None:
+    targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    for line in command_lines(page):
+        program, *arguments = shlex.split(line, comments=True)
+        allowed = {
+            "massline": True,
+            "make": set(arguments) <= set(targets),
+            "apt-get": line in (install_line(), "apt-get install python3.11 python3.11-venv make"),
+            "git": arguments[:1] == ["clone"],
+            "cd": True,
+        }
+        assert allowed.get(program, False), f"{page.name}: {line}"
+
+
+def test_the_readme_shows_the_two_commands_and_the_command_line() -> None:
+    lines = command_lines(PAGES[0])
+    assert {"make demo", "make test"} <= {line.partition("#")[0].strip() for line in lines}
+    assert any(line.startswith("massline") for line in lines)

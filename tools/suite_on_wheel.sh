@@ -1,0 +1,18 @@
+#!/bin/sh
+# Builds the wheel, unpacks it into a folder of its own and runs the whole suite against it. Usage: tools/suite_on_wheel.sh [PYTEST ARGUMENT ...]
+#
+# The locked packages come from .venv. The wheel's folder stands before them on PYTHONPATH, which reaches every process that a test
+# starts; -P and a neutral working directory keep the source tree out. `tests/architecture/test_origin.py` checks that it worked.
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+python=$root/.venv/bin/python
+wheel=$root/build/wheel
+pip="-m pip --disable-pip-version-check --quiet"
+
+rm -rf "$wheel"
+mkdir -p "$wheel/neutral"
+"$python" $pip wheel --no-index --no-deps --no-build-isolation --wheel-dir "$wheel" "$root"
+"$python" $pip install --no-index --no-deps --target "$wheel/site" "$wheel"/massline-*.whl
+
+cd "$wheel/neutral"
+MASSLINE_UNDER_TEST=$wheel/site PYTHONPATH=$wheel/site exec "$python" -P -m pytest "$root/tests" "$@"
