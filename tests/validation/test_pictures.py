@@ -153,17 +153,20 @@ def test_a_length_across_the_line_of_sight_is_true_to_scale_wherever_it_lies() -
 
 
 @pytest.mark.usefixtures("renderer")
-def test_the_cog_is_marked_where_vtk_draws_it() -> None:
-    """A small red ball of a DrawnBody at the CoG of a brick: the middle of its pixels against our own projection."""
+@pytest.mark.parametrize("place", ["cog", "left lower corner", "right upper corner"])
+def test_a_mark_is_set_where_vtk_draws_what_it_marks(place: str) -> None:
+    """A small red ball at the CoG of a brick and at its corners: the middle of its pixels against our own projection."""
     size, foot = (0.2, 0.3, 0.5), (0.1, -0.2, 0.05)
     ellipsoid = equivalent_ellipsoid(of_brick(size, foot))
     view = fitted(brick(size, foot).vertices, (480, 360), margin=30)
-    half = 0.01 * view.towards
-    dot = Arrow(start=ellipsoid.centre - half, end=ellipsoid.centre + half, radius=0.01, colour="#ff0000")
-    image = rendered(view, [brick(size, foot)], ellipsoid, [dot])
+    corners = {"left lower corner": brick(size, foot).vertices[0], "right upper corner": brick(size, foot).vertices[-1]}
+    point, half = corners.get(place, ellipsoid.centre), 0.01 * view.towards
+    image = rendered(
+        view, [brick(size, foot)], ellipsoid, [Arrow(start=point - half, end=point + half, radius=0.01, colour="#ff0000")]
+    )
     rows, columns = np.nonzero(nearest(image, "#ff0000", 0.15))
     assert len(rows) > 50
-    assert_allclose([columns.mean() + 0.5, rows.mean() + 0.5], view.pixel(ellipsoid.centre), rtol=0, atol=1.0)
+    assert_allclose([columns.mean() + 0.5, rows.mean() + 0.5], view.pixel(point), rtol=0, atol=1.0)
 
 
 # --- what is rendered ------------------------------------------------------------------------------------------------

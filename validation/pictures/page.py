@@ -73,7 +73,7 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     bottom = _panel(canvas, blocks(bodies, inertia, ellipsoid))
     _legend(canvas, bodies, bottom)
     _note(canvas, note if _origin_shown(view) else f"The frame's origin lies outside the picture; its axes are shown. {note}")
-    write_with(path, lambda temporary: figure.savefig(temporary, dpi=DPI, metadata=_metadata(temporary)))
+    write_with(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
 
 
 def view_of(bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid) -> View:
@@ -242,8 +242,3 @@ def _legend(canvas: Canvas, bodies: Sequence[DrawnBody], y: float) -> None:
 def _note(canvas: Canvas, note: str) -> None:
     for i, line in enumerate(textwrap.wrap(note, 190)):
         _write(canvas, 48, 1148 + 22 * i, line, 14.5, FAINT, va="baseline")
-
-
-def _metadata(path: Path) -> dict[str, str | None]:
-    """Nothing that changes from run to run."""
-    return {"Software": None} if path.suffix == ".png" else {}
