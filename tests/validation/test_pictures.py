@@ -1,5 +1,6 @@
 """Pictures: the ellipsoid in closed form, the camera against what is rendered, and files that are whole or absent."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -22,6 +23,7 @@ from geometry.inertia import Inertia
 from validation.pictures import DrawnBody, contact_sheet, drawn_bodies, picture, window
 from validation.pictures.ellipsoid import Ellipsoid, equivalent_ellipsoid
 from validation.pictures.labels import Label, arranged
+from validation.pictures.page import shortened
 from validation.pictures.palette import AXES, MATERIALS, OTHERS, colours
 from validation.pictures.panel import direction, significant
 from validation.pictures.scene import Arrow, rendered
@@ -270,12 +272,50 @@ def test_a_picture_without_counted_bodies_is_not_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("renderer")
-def test_a_failed_writing_leaves_the_old_picture(tmp_path: Path) -> None:
-    old = tmp_path / "brick.notaformat"
+def test_a_failed_writing_leaves_the_old_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old = tmp_path / "brick.png"
     old.write_text("old")
-    with pytest.raises(ValueError, match="notaformat"):
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
+    with pytest.raises(OSError, match="No space left"):
         picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), old)
     assert [entry.read_text() for entry in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("name", ["brick", "brick.gif", "brick.png.txt"])
+def test_a_format_that_cannot_be_written_is_refused_before_anything_is_drawn(tmp_path: Path, name: str) -> None:
+    with pytest.raises(BadInput, match=r"a picture ends in \.png, \.jpg, \.jpeg, found"):
+        picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), tmp_path / name)
+
+
+@pytest.mark.usefixtures("renderer")
+def test_names_that_a_user_chose_are_written_as_they_are(tmp_path: Path) -> None:
+    """A file called ``a$b$`` is not mathematics, and a long path or forty materials do not break the page."""
+    bodies = [brick((0.1, 0.1, 0.1), (0.11 * i, 0, 0), material=f"$alloy_{{{i} unfinished") for i in range(40)]
+    picture("/a/very/long/path" * 10 + "$x$.step", bodies, of_brick((4.4, 0.1, 0.1)), tmp_path / "x.jpg", note="$ {long} " * 300)
+    assert imread(tmp_path / "x.jpg").shape == (1200, 1600, 3)
+
+
+def test_a_long_name_loses_its_middle() -> None:
+    assert shortened("abcdefghij", 10) == "abcdefghij"
+    assert shortened("abcdefghijk", 9) == "abcd…hijk"
+
+
+def test_a_drawn_body_is_a_copy_that_cannot_be_changed_and_refuses_what_is_no_mesh() -> None:
+    vertices = CORNERS.copy()
+    body = DrawnBody(name="brick", material="steel", vertices=vertices, faces=FACES)
+    vertices[0] = 9.0
+    assert body.vertices[0, 0] == 0.0
+    for array in (body.vertices, body.faces):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    with pytest.raises(ValueError, match="`faces` must be"):
+        DrawnBody(name="brick", material="steel", vertices=CORNERS, faces=FACES + 1)
+    with pytest.raises(ValueError, match="`vertices` must"):
+        DrawnBody(name="brick", material="steel", vertices=CORNERS * np.nan, faces=FACES)
 
 
 @pytest.fixture
@@ -320,7 +360,7 @@ def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.usefixtures("renderer")
-def test_nothing_is_said_without_a_screen(root: Path) -> None:
+def test_nothing_is_said_without_a_screen() -> None:
     """A process of its own without DISPLAY: neither VTK nor Mesa writes to standard error."""
     code = (
         "from validation.pictures.scene import _shot\n"
@@ -330,8 +370,8 @@ def test_nothing_is_said_without_a_screen(root: Path) -> None:
         "with off_screen():\n"
         "    assert _shot(fitted(np.eye(3), (32, 24), 2), lambda plotter: None).min() == 255\n"
     )
-    quiet = {name: value for name, value in os.environ.items() if name != "DISPLAY"} | {"PYTHONPATH": str(root)}
-    ended = subprocess.run([sys.executable, "-c", code], env=quiet, capture_output=True, text=True, check=False)
+    quiet = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    ended = subprocess.run([sys.executable, "-P", "-c", code], env=quiet, capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
 
 
@@ -371,8 +411,8 @@ def test_figures_keep_five_significant_digits(value: float, text: str) -> None:
 
 
 def test_a_principal_axis_is_named_when_it_is_one_of_the_frame_and_spelt_out_otherwise() -> None:
-    assert direction(np.array([0.0, 0.0, 1.0])) == "$z$"
-    assert direction(np.array([-1.0, 0.0, 0.0])) == "−$x$"
+    assert direction(np.array([0.0, 0.0, 1.0])) == "along $z$"
+    assert direction(np.array([-1.0, 0.0, 0.0])) == "along −$x$"
     assert direction(np.array([0.6, -0.8, 0.0])) == "(0.600, −0.800, 0.000)"
 
 
