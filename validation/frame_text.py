@@ -1,9 +1,9 @@
 """The user's own frame in one line: ``"0 0 45 mm; z 90 deg"``.
 
-Before the semicolon stands where the origin is, seen from the article's frame, with its unit; after it, optionally, the turns that
-carry the article's axes into the user's, each about an axis of the frame as turned so far, in the order written. A file may say
-the same as a table with ``origin = "0 0 45 mm"`` and ``rotation``, either such turns or a 3x3 matrix whose columns are the user's
-axes in the article's frame.
+Before the semicolon stands where the origin is, seen from the article's frame, with its unit; after it, optionally, the turns
+that carry the article's axes into the user's, each about an axis of the frame as turned so far, in the order written. A file may
+say the same as a table with ``origin = "0 0 45 mm"`` and ``rotation``, either such turns or a 3x3 matrix whose columns are the
+user's axes in the article's frame.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ def pose_of(frame: object, source: str, field: str = "frame") -> Pose:
         return Pose(position=position(origin, source, field), rotation=_rotation(turns, source, field))
     table = keys.require_table(frame, source=source, where=field)
     keys.require_known(table, ("origin", "rotation"), source=source, where=field)
-    origin = position(table.get("origin", "0 0 0 m"), source, f"{field}.origin")
-    return Pose(position=origin, rotation=_rotation(table.get("rotation", ""), source, f"{field}.rotation"))
+    there = position(table.get("origin", "0 0 0 m"), source, f"{field}.origin")
+    return Pose(position=there, rotation=_rotation(table.get("rotation", ""), source, f"{field}.rotation"))
 
 
 def position(text: object, source: str, field: str) -> Array:

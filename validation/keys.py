@@ -37,7 +37,9 @@ def require_present(table: Mapping[str, Any], needed: Collection[str], *, source
         if key not in table:
             like = difflib.get_close_matches(key, list(table), n=1)
             instead = f", found {like[0]!r} instead" if like else ""
-            raise BadInput(source=source, field=f"{where}.{key}" if where else key, problem=f"is missing{instead}", remedy="Add it")
+            raise BadInput(
+                source=source, field=f"{where}.{key}" if where else key, problem=f"is missing{instead}", remedy="Add it"
+            )
 
 
 def require_table(value: object, *, source: str, where: str) -> dict[str, Any]:

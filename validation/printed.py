@@ -1,7 +1,7 @@
 """Values with the digits that were printed: ``"33.92 kg"``, ``"47.40 +/- 0.05 kg"``.
 
-A value without a tolerance is known to half a unit of its last printed digit and no better: that is the rounding of the print, and
-it is the least that two such values can be held to.
+A value without a tolerance is known to half a unit of its last printed digit and no better: that is the rounding of the print,
+and it is the least that two such values can be held to.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """`ReferenceTable`: what the routes, print, balance, pendulum and identification say about one article, side by side.
 
 Ten quantities by columns. Every column but one is held against the *reference* of its quantity: the published value (for Clumod
-that of the FE model) where one is printed, as in the paper's Tables 1 and 2; the exact route where none is. A deviation is given in
-per cent of the reference, in its own unit where the reference is zero, and in units of the combined tolerance, both in quadrature.
-A quantity's verdict names the columns that lie outside.
+that of the FE model) where one is printed, as in the paper's Tables 1 and 2; the exact route where none is. A deviation is given
+in per cent of the reference, in its own unit where the reference is zero, and in units of the combined tolerance (both in
+quadrature). A quantity's verdict names the columns that lie outside.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@
 
 - ``format = 1``;
 - `article`, optional, a reminder of what was identified;
-- `frame`, optional: where the file's own frame sits in the article's (see `validation.frame_text`); left out, the file is taken to
-  be in the frame in which it is to be shown, by default the article's.
+- `frame`, optional: where the file's own frame sits in the article's (see `validation.frame_text`); left out, the file is taken
+  to be in the frame in which it is to be shown, by default the article's.
 
 The same may be written in JSON. Missing values are allowed and come out as not stated.
 """

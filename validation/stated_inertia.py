@@ -12,8 +12,8 @@ products    Θxy, Θxz, Θyz about `about`, with the sign that ``products_sign``
             "positive-integral", +∫xy dm, as SolidWorks and others print; there is no default
 =========== =====================================================================================================================
 
-Beside it, at most one of ``[tolerance]`` (a half-width for each group, absolute or per cent), ``[interval95]`` (low and high for each
-value) and `covariance` (10x10, SI, in the order mass, cog or first_moment, moments, products; half-widths are 1.96 standard
+Beside it, at most one of ``[tolerance]`` (a half-width for each group, absolute or per cent), ``[interval95]`` (low and high for
+each value) and `covariance` (10x10, SI, in the order mass, cog or first_moment, moments, products; half-widths are 1.96 standard
 deviations). Values left out, or "not stated", stay unstated, and so does what would follow from them.
 """
 
@@ -70,7 +70,8 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
     form = _form(inertia, source)
     values = tuple(stated for key in _used(form) for stated in _group(inertia, key, source))
     values, spread, note = _with_tolerances(values, table, form, source)
-    if form.first_moment and (values[MASS] is None or values[MASS].value == 0):
+    mass = values[MASS]
+    if form.first_moment and (mass is None or mass.value == 0):
         raise BadInput(
             source=source, field="inertia.mass", problem="a first moment says nothing without a mass", remedy="State the mass"
         )
@@ -206,7 +207,9 @@ def _covariance(values: tuple[Stated | None, ...], table: Mapping[str, Any], for
     try:
         C = frozen(table["covariance"], (10, 10), "covariance")
     except (ValueError, TypeError) as error:
-        raise BadInput(source=source, field="covariance", problem=str(error), remedy="Write ten lists of ten numbers, SI") from None
+        raise BadInput(
+            source=source, field="covariance", problem=str(error), remedy="Write ten lists of ten numbers, SI"
+        ) from None
     scale = np.sqrt(np.abs(np.diag(C)))
     correlation = C / np.outer(scale, scale) if np.all(scale > 0) else np.full((10, 10), np.nan)
     if not np.allclose(correlation, correlation.T, rtol=0, atol=1e-9) or np.linalg.eigvalsh(correlation)[0] < -1e-9:

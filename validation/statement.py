@@ -122,7 +122,16 @@ def seen_from(said: Statement, frame: Pose) -> Statement:
         tensor = R.T @ tensor_from_six(values[TENSOR]) @ R
         return np.concatenate([values[:1], R.T @ (values[COG] - p), six_from_tensor(tensor)])
 
-    return replace(said, values=through(change, said.values))
+    values = through(change, said.values)
+    lengths, moments = _largest(said.values[COG], *p), _largest(said.values[TENSOR])
+    size = (0.0, *[lengths] * 3, *[moments] * 6)
+    # The cosine of 90 degrees is not quite zero; what it leaves behind is.
+    kept = (v if v is None or abs(v.value) > _LEFT * s else replace(v, value=0.0) for v, s in zip(values, size, strict=True))
+    return replace(said, values=tuple(kept))
+
+
+def _largest(values: Sequence[Stated | None], *more: float) -> float:
+    return max((abs(v) for v in (*(s.value for s in values if s is not None), *more)), default=0.0)
 
 
 def through(
@@ -169,3 +178,4 @@ def jacobian(change: Callable[[Array], Array], point: Array) -> Array:
 
 _NOBODYS_ZERO = np.array([0.917, 0.331, 0.457, 0.593, 0.709, 0.811, 0.929, 0.137, 0.173, 0.219])
 _SEEN = 1e-9
+_LEFT = 1e-13

@@ -1,4 +1,4 @@
-"""What is in print about the built-in articles: the tables of the paper as data, with every printed digit and their own deviations."""
+"""What is in print about the built-in articles: the paper's tables as data, every digit kept, with their own deviations."""
 
 from __future__ import annotations
 

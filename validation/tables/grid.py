@@ -37,9 +37,7 @@ def deviations(table: ReferenceTable) -> Grid:
     """How far every column lies from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict."""
     columns = [c for c in table.columns if any(row(table, c, k) for k in range(len(QUANTITIES)))]
     body = [
-        cells
-        for column in columns
-        for cells in zip(*(_deviation(table, column, k) for k in range(len(QUANTITIES))), strict=True)
+        cells for column in columns for cells in zip(*(_deviation(table, column, k) for k in range(len(QUANTITIES))), strict=True)
     ]
     verdicts = tuple(verdict(table, k) for k in range(len(QUANTITIES)))
     header = [text for column in columns for text in (table.columns[column].name, "tol.")]
@@ -49,7 +47,7 @@ def deviations(table: ReferenceTable) -> Grid:
 
 def notes(table: ReferenceTable) -> tuple[str, ...]:
     """What must be known to read the table."""
-    against = {PUBLISHED: "the published value", None: ""}
+    against = {PUBLISHED: "the published value", MEASURED: "the measured value"}
     kinds = dict.fromkeys(against.get(c, f"route {c}") for c in table.reference_columns if c is not None)
     tolerances = tuple(
         f"Tolerance of {said.name}: {said.tolerance_note}."
@@ -84,7 +82,8 @@ def _decimals(table: ReferenceTable, k: int) -> int:
     """Decimals of a value that nobody printed."""
     kind = next(span for span in (slice(MASS, 1), COG, TENSOR) if span.start <= k < span.stop)
     largest = max(
-        (abs(stated.value) * q.per_si for c in table.columns for stated, q in _kind(table, c, kind) if stated is not None), default=0
+        (abs(stated.value) * q.per_si for c in table.columns for stated, q in _kind(table, c, kind) if stated is not None),
+        default=0,
     )
     significant = SIGNIFICANT - 1 - math.floor(math.log10(largest)) if largest else SIGNIFICANT - 1
     published = [stated.decimals for stated, _ in _kind(table, PUBLISHED, kind) if stated and stated.decimals is not None]
