@@ -6,6 +6,7 @@ price of the first answer.
 
 import sys
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -36,10 +37,11 @@ def tessellations() -> tuple[dict[str, Callable[[], object]], dict[str, str]]:
     """The mesh route at every chord error, and its error in mass and in the tensor beside the bound that is stated."""
     article = built_in(ARTICLE)
     exact = multibody.inertia(article).parameters
-    callables, notes = {}, {}
+    callables: dict[str, Callable[[], object]] = {}
+    notes = {}
     for chord in CHORDS:
         name = f"chord {1e6 * chord:g} µm"
-        callables[name] = lambda chord=chord: by_mesh(article, chord)
+        callables[name] = partial(by_mesh, article, chord)
         error = np.abs(by_mesh(article, chord).parameters - exact) / np.abs(exact).max()
         stated = tessellation_error(article, chord) / np.abs(exact).max()
         notes[name] = f"{error.max():.1e} ({stated.max():.1e})"

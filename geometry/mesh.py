@@ -1,31 +1,60 @@
-"""The door to trimesh: a closed triangle mesh and its inertia."""
+"""Door to trimesh: closed mesh -> `Inertia`, the second of the three routes, and mesh files -> `TriangleMesh`.
+
+trimesh gives mass -1 for an inside-out box and NaN for a flat one without a word, so `geometry.mesh_checks` stands before it. Its
+tensors are matrix entries (products negative integrals, as in Eq. 4) about the *centre of mass*, for the density that it is told.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
-import numpy as np
 import numpy.typing as npt
 
 from geometry.arrays import Array
-from geometry.errors import BadInput
 from geometry.inertia import Inertia
+from geometry.lengths import METRE, LengthUnit
+from geometry.mesh_checks import require_closed_volume
+from geometry.triangles import TriangleMesh
+
+__all__ = ["MassProperties", "TriangleMesh", "from_trimesh", "inertia", "to_trimesh"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class TriangleMesh:
-    """Triangles: `vertices` (n, 3) [m] and `faces` (k, 3), counter-clockwise seen from outside."""
+class MassProperties(NamedTuple):
+    """Mass properties as trimesh has them: `mass` [kg], `center_mass` (3,) [m], `inertia` (3, 3) [kg m²] about it."""
 
-    vertices: Array
-    faces: npt.NDArray[np.int64]
+    mass: float
+    center_mass: Array
+    inertia: Array
 
 
-def inertia(mesh: TriangleMesh, density: float, source: str) -> Inertia:
-    """Inertia of a closed mesh of uniform `density` [kg/m³], about the mesh's origin."""
-    import trimesh
+def from_trimesh(mass: float, center_mass: npt.ArrayLike, inertia: npt.ArrayLike) -> Inertia:
+    """From trimesh's mass [kg], centre of mass (3,) [m] and tensor (3, 3) [kg m²] about it; the result is about the origin."""
+    return Inertia.from_cog(mass, center_mass, inertia)
 
-    body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    if not body.is_volume:
-        raise BadInput(source=source, problem="the mesh is not a closed volume", remedy="Close it")
-    body.density = density
-    return Inertia.from_cog(body.mass, body.center_mass, body.moment_inertia)
+
+def to_trimesh(inertia: Inertia) -> MassProperties:
+    """Mass, centre of mass and the tensor about it, as trimesh has them; the mass must not be zero."""
+    return MassProperties(mass=inertia.mass, center_mass=inertia.cog, inertia=inertia.tensor_cog)
+
+
+def inertia(mesh: TriangleMesh, density: float, source: str, unit: LengthUnit = METRE) -> Inertia:
+    """Inertia about the mesh's origin of the body within `mesh`, of `density` [kg/m³].
+
+    Exact for the polyhedron: Mirtich 1996, "Fast and accurate computation of polyhedral mass properties", as trimesh has it.
+    `source` and `unit` are how a refusal names the mesh and its lengths.
+
+    Raises
+    ------
+    BadInput : the mesh is not the skin of a body; `geometry.mesh_checks` lists the ways.
+    """
+    require_closed_volume(mesh, source, unit)
+    return inertia_unchecked(mesh, density)
+
+
+def inertia_unchecked(mesh: TriangleMesh, density: float) -> Inertia:
+    """As `inertia`, for a mesh that has passed `geometry.mesh_checks` already, or that is a piece of one."""
+    from trimesh.triangles import mass_properties
+
+    middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits
+    found: Any = mass_properties(mesh.triangles - middle, density=density)
+    return from_trimesh(found.mass, found.center_mass, found.inertia).moved(middle)
