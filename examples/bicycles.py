@@ -6,8 +6,8 @@ calibrated with a solid steel bar (P). The data are the measurements and publish
 
 The published frame has x forwards, z *down*, its origin at the rear wheel's contact point. A body hung from the rod in
 orientation i, turned by alpha_i from the horizontal, has the rod's axis along ``(cos β, 0, -sin β)`` with β = lam - alpha (lam is
-the tilt of the steer axis from the vertical). The plumb line through the rod runs along the same direction, at the measured distance a_i from the
-wheel's axle, and through the CoG: ``x sin β + z cos β = -a`` from the axle.
+the tilt of the steer axis from the vertical). The plumb line through the rod runs along the same direction, at the measured
+distance a_i from the wheel's axle, and through the CoG: ``x sin β + z cos β = -a`` from the axle.
 
     python examples/bicycles.py --data ../shared/data
 """

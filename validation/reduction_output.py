@@ -1,0 +1,25 @@
+"""How `weigh`, `cog` and `pendulum` answer: a table with its budgets, or the JSON object of the output contract."""
+
+from __future__ import annotations
+
+from validation.output import print_json
+from validation.reduction import Reduction
+from validation.results_file import reference
+
+
+def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
+    """Print `reduction` beside what is published about the article `against` (None: beside nothing).
+
+    Raises
+    ------
+    BadInput : nothing is published about `against`.
+    """
+    published = reference(against) if against else None
+    if as_json:
+        print_json(reduction.json(published))
+        return
+    from rich.console import Console
+
+    console = Console()
+    for page in reduction.pages(published):
+        console.print(page)
