@@ -26,6 +26,7 @@ SI_UNITS = {
     "acceleration": "m/s^2",
     "density": "kg/m^3",
     "moment of inertia": "kg m^2",
+    "first moment": "kg m",
     "angle": "rad",
     "ratio": "1",
 }
