@@ -27,8 +27,8 @@ TRESPASSES = {
 
 DOORS = {
     "cadquery": "geometry/cad/solids.py",
-    "trimesh": "geometry/mesh.py",
-    "igl": "geometry/self_intersection.py",
+    "trimesh": "geometry/mesh/mass.py",
+    "igl": "geometry/mesh/self_intersection.py",
     "pinocchio": "geometry/multibody.py",
     "exudyn": "fem/flexible_body.py",
     "pyvista": "validation/pictures.py",
