@@ -211,8 +211,8 @@ def _description_in(folder: Path) -> Path:
         )
     raise BadInput(
         source=str(folder),
-        problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} that says what they are made of",
-        remedy=f"Put this into {there} and correct units and materials:\n\n{description.template(folder.name, parts)}\nThen come back",
+        problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
+        remedy=f"Put this into {there}, corrected:\n\n{description.template(folder.name, parts)}\nThen try again",
     )
 
 
