@@ -7,6 +7,7 @@ from pathlib import Path
 
 from geometry import atomic
 from geometry.cad.solids import OccShape
+from geometry.cad.step import silence
 
 
 def write_step(path: Path, solids: Mapping[str, OccShape], name: str) -> None:
@@ -16,7 +17,8 @@ def write_step(path: Path, solids: Mapping[str, OccShape], name: str) -> None:
     assembly = Assembly(name=name)
     for body, solid in solids.items():
         assembly.add(solid, name=body)
-    atomic.write_with(path, lambda temporary: assembly.export(str(temporary), "STEP"))
+    with silence():
+        atomic.write_with(path, lambda temporary: assembly.export(str(temporary), "STEP"))
 
 
 def write_stl(path: Path, solid: OccShape, chord: float = 0.01) -> None:

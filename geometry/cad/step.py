@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import signal
 from collections import Counter
@@ -103,6 +104,7 @@ def _survived(path: Path) -> bool:
     if child:
         return not os.WIFSIGNALED(os.waitpid(child, 0)[1])
     try:
+        faulthandler.disable()
         for number in (1, 2):
             os.dup2(os.open(os.devnull, os.O_WRONLY), number)
         signal.alarm(TIME_LIMIT)
@@ -128,7 +130,7 @@ def _leaves(path: Path) -> list[tuple[str, OccShape]]:
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-    with _silence():
+    with silence():
         reader = STEPCAFControl_Reader()
         reader.SetNameMode(True)
         Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
@@ -203,7 +205,7 @@ def _require_sound(body: Body, source: str) -> None:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def silence() -> Iterator[None]:
     """Keep OCC's own messages off the terminal; its printers are put back afterwards."""
     from OCP.Message import Message
 
