@@ -1,4 +1,4 @@
-"""What every test may ask for: the repository's root, the folder of real measured data, the command line as users run it."""
+"""What every test may ask for: the repository, the folder of real measured data, the command line as users run it, a renderer."""
 
 import os
 import subprocess
@@ -7,6 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# The same examples in every run: a submission fails for what it changed, not for luck. No deadline: a busy machine is no mistake.
+settings.register_profile("massline", derandomize=True, deadline=None, database=None)
+settings.load_profile("massline")
 
 ROOT = Path(__file__).parents[1]
 
@@ -44,6 +49,19 @@ def shared(root: Path) -> Path:
 def data(root: Path) -> Path:
     """Real measured data: `MASSLINE_DATA`, or ``../shared/data``."""
     return _present(Path(os.environ.get("MASSLINE_DATA", root.parent / "shared" / "data")), "MASSLINE_DATA or ../shared/data")
+
+
+@pytest.fixture(scope="session")
+def renderer() -> None:
+    """Off-screen rendering; a machine without OpenGL says so and skips."""
+    from geometry.errors import CheckFailed
+    from validation.pictures.window import off_screen
+
+    try:
+        with off_screen():
+            pass
+    except CheckFailed as error:
+        pytest.skip(str(error))
 
 
 def _present(folder: Path, what: str) -> Path:

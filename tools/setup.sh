@@ -16,7 +16,7 @@ find_python() {
             return
         fi
     done
-    say "Python 3.11 is missing (no python3.11 on the path, and python3 is another version)."
+    say "Python 3.11 is missing (neither python3.11 nor a python3 of that version is on the path)."
     say "On Debian 12, as root: apt-get install python3.11 python3.11-venv"
     return 1
 }

@@ -11,8 +11,13 @@ from geometry.inertia import Inertia
 
 
 def print_json(value: dict[str, Any]) -> None:
-    """Print `value` as the one JSON object of a command; NaN and infinity are refused, they are not JSON."""
-    click.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+    """Print `value` as the one JSON object of a command."""
+    click.echo(json_text(value))
+
+
+def json_text(value: dict[str, Any]) -> str:
+    """`value` as one JSON object; NaN and infinity are refused, they are not JSON."""
+    return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def inertia_json(inertia: Inertia) -> dict[str, Any]:

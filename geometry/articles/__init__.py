@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
+from types import MappingProxyType
 
 from geometry.article import Article, stacked
 from geometry.articles import clumod, cuboid, disc, fmd
+from geometry.articles.changes import files
+from geometry.articles.dimensions import Dimensions, load
 from geometry.errors import BadInput
 
-_BUILDERS: dict[str, Callable[[], Article]] = {
-    "cuboid": cuboid.build,
-    "disc": disc.build,
-    "fmd": fmd.build,
-    "clumod-1": clumod.one_blade,
-    "clumod-4": clumod.four_blades,
+_BUILDERS: dict[str, tuple[str, Callable[[Dimensions], Article]]] = {
+    "cuboid": ("cuboid", cuboid.build),
+    "disc": ("disc", disc.build),
+    "fmd": ("fmd", fmd.build),
+    "clumod-1": ("clumod", clumod.one_blade),
+    "clumod-4": ("clumod", clumod.four_blades),
 }
+"""By name: the dimension file of an article and what builds it."""
 
 NAMES = tuple(_BUILDERS)
 """Built-in articles that a stack can be made of."""
@@ -25,14 +29,20 @@ SETUPS = ("fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
 """The set-ups of the paper's tests, bottom to top."""
 
 
-def built_in(name: str) -> Article:
+def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Article:
     """The built-in article or stack called `name`, parts joined by "+" from bottom to top; frame of the lowest part.
+
+    `changes` are the user's own dimensions, ``{"fmd.load_cell.moving_fraction": 0.6}``; see `geometry.articles.changes`.
 
     Raises
     ------
-    BadInput : a part that does not exist, or one on which nothing can be mounted in the middle of the stack.
+    BadInput : a part that does not exist, one on which nothing can be mounted in the middle of the stack, a dimension that
+        does not exist, is not of this stack or makes no body.
     """
-    articles = [_one(part, name) for part in name.split("+")]
+    parts = name.split("+")
+    _require_known(parts, name)
+    _require_used(changes, parts, name)
+    articles = [_built(part, changes) for part in parts]
     for lower, upper in pairwise(articles):
         if lower.seat is None:
             raise BadInput(
@@ -43,12 +53,38 @@ def built_in(name: str) -> Article:
     return stacked(*articles)
 
 
-def _one(part: str, whole: str) -> Article:
-    if part in _BUILDERS:
-        return _BUILDERS[part]()
-    near = difflib.get_close_matches(part, NAMES, n=1)
-    raise BadInput(
-        source=f"article {whole}",
-        problem=f"no built-in article is called {part!r}",
-        remedy=(f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(NAMES)}, joined by +, and files",
-    )
+def _built(part: str, changes: Mapping[str, float]) -> Article:
+    file, build = _BUILDERS[part]
+    dimensions = load(file, changes)
+    try:
+        return build(dimensions)
+    except ValueError as error:
+        if isinstance(error, BadInput) or not changes:
+            raise
+        raise BadInput(
+            source=f"article {part}",
+            problem=f"no body has the dimensions {', '.join(f'{key}={value:g}' for key, value in changes.items())}: {error}",
+            remedy="Check the sizes and their unit",
+        ) from error
+
+
+def _require_known(parts: list[str], whole: str) -> None:
+    for part in parts:
+        if part not in _BUILDERS:
+            near = difflib.get_close_matches(part, NAMES, n=1)
+            raise BadInput(
+                source=f"article {whole}",
+                problem=f"no built-in article is called {part!r}",
+                remedy=(f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(NAMES)}, joined by +, and files",
+            )
+
+
+def _require_used(changes: Mapping[str, float], parts: list[str], whole: str) -> None:
+    used = {_BUILDERS[part][0] for part in parts}
+    for file in sorted(files(changes) - used):
+        raise BadInput(
+            source=f"article {whole}",
+            field=file,
+            problem=f"a dimension of {file!r} was given, but {whole} is made of {', '.join(sorted(used))}",
+            remedy="Name a dimension of a part of the article",
+        )

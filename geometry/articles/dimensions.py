@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from importlib.resources import files
+from types import MappingProxyType
 from typing import Any
+
+from geometry.articles.changes import apply
 
 Dimensions = dict[str, Any]
 """One dimension file or a table of it: numbers in SI, strings, and nested tables."""
 
 
-def load(name: str) -> Dimensions:
-    """The dimensions of the built-in part `name`, from ``geometry/articles/<name>.toml``; lengths [m], angles [rad]."""
+def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dimensions:
+    """The dimensions of the built-in part `name`, from ``geometry/articles/<name>.toml``; lengths [m], angles [rad].
+
+    `changes` replace entries, in the file's own units; `geometry.articles.changes` says how they are named and what is refused.
+    """
     text = files("geometry.articles").joinpath(f"{name}.toml").read_text(encoding="utf-8")
-    return to_si(tomllib.loads(text))
+    return to_si(apply(tomllib.loads(text), name, changes))
 
 
 def to_si(table: dict[str, Any]) -> Dimensions:

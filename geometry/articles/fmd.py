@@ -36,6 +36,8 @@ def _cover_plate(d: Dimensions, underside: float) -> Part:
 
 
 def _load_cells(d: Dimensions) -> tuple[Part, ...]:
+    if not 0 <= d["moving_fraction"] <= 1:
+        raise ValueError(f"`moving_fraction` must lie between 0 and 1, found {d['moving_fraction']:g}")
     split = d["height"] * (0.5 - d["moving_fraction"])
     halves = (("moving", split, d["height"] / 2, True), ("fixed", -d["height"] / 2, split, False))
     return tuple(

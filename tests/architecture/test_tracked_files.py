@@ -18,11 +18,13 @@ THIS = Path(__file__).name
 
 def tracked(root: Path) -> list[Path]:
     """Files of the repository that git would take, committed or not; without git every file outside the ignored folders."""
-    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-    if shutil.which("git") and (root / ".git").exists():
-        names = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout.split("\0")
-        return [path for name in names if name and (path := root / name).is_file()]
-    ignored = {line.rstrip("/") for line in (root / ".gitignore").read_text(encoding="utf-8").splitlines() if line.endswith("/")}
+    if shutil.which("git"):
+        command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+        listed = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
+        if listed.returncode == 0:
+            return [path for name in listed.stdout.split("\0") if name and (path := root / name).is_file()]
+    lines = (root / ".gitignore").read_text(encoding="utf-8").splitlines()
+    ignored = {".git", *(line.rstrip("/") for line in lines if line.endswith("/"))}
     return [path for path in root.rglob("*") if path.is_file() and not ignored & set(path.relative_to(root).parts)]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 
-STEPS = (1.0, 1.8, 2.8, 4.0)
+STEPS = (1.0, 1.8, 2.8, 4.0, 6.0, 9.0)
 """Distances that are tried, in units of the label's own."""
 
 TURNS = np.radians([0, 25, -25, 50, -50, 80, -80, 120, -120, 160, -160])

@@ -1,0 +1,116 @@
+"""Four bicycles on pendulums: measured periods reduced to the published inertias, with massline's general functions.
+
+Wheels (F, R), fork (H) and frame (B) of each bicycle were hung from a torsion rod and swung as compound pendulums; the rod was
+calibrated with a solid steel bar (P). The data are the measurements and published results of BicycleParameters
+(github.com/moorepants/BicycleParameters, data/bicycles, commit e061bc9, BSD-2); massline holds no copy.
+
+The published frame has x forwards, z *down*, its origin at the rear wheel's contact point. A body hung from the rod in
+orientation i, turned by alpha_i from the horizontal, has the rod's axis along ``(cos β, 0, -sin β)`` with β = lam - alpha (lam is
+the tilt of the steer axis from the vertical). The plumb line through the rod runs along the same direction, at the measured
+distance a_i from the wheel's axle, and through the CoG: ``x sin β + z cos β = -a`` from the axle.
+
+    python examples/bicycles.py --data ../shared/data
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+from numpy import pi
+from rich.console import Console
+from rich.table import Table
+from uncertainties import UFloat, umath
+
+from validation.orientations import PLANAR, meeting_point, tensor_from_axes
+from validation.pendulum import compound_pendulum, rod_inertia, torsion_pendulum, torsion_stiffness
+from validation.quantities import tagged
+
+BICYCLES = ("Browser", "Fisher", "Pista", "Yellow")
+HANGINGS = ("1", "2", "3")
+
+Quantities = dict[str, UFloat]
+
+
+def read(file: Path) -> Quantities:
+    """The lines ``name = value`` or ``name = value+/-tolerance`` of a file of the set; lengths m, periods s, angles deg."""
+    pairs = (line.split("=") for line in file.read_text(encoding="utf-8").splitlines() if "=" in line)
+    return {name.strip(): _value(name.strip(), text) for name, text in pairs}
+
+
+def reduce(measured: Quantities) -> Quantities:
+    """All published quantities from the measured ones."""
+    m = dict(measured)
+    bar = rod_inertia(mass=m["mP"], length=m["lP"], diameter=m["dP"])
+    m["k"] = torsion_stiffness(known_inertia=bar, period=m["TtP1"])
+    m["lam"] = pi / 180 * (90 - m["gamma"])
+    return _geometry(m) | _wheel(m, "F") | _wheel(m, "R") | _frame_or_fork(m, "B") | _frame_or_fork(m, "H")
+
+
+def _value(name: str, text: str) -> UFloat:
+    value, _, tolerance = text.partition("+/-")
+    return tagged(float(value), float(tolerance or 0), name)
+
+
+def _roll_out(m: Quantities, wheel: str) -> UFloat:
+    return m[f"d{wheel}"] / (2 * pi * m[f"n{wheel}"])
+
+
+def _geometry(m: Quantities) -> Quantities:
+    rF, lam = _roll_out(m, "F"), m["lam"]
+    trail = (rF * umath.sin(lam) - m["f"]) / umath.cos(lam)
+    given = {name: m[name] for name in ("g", "w", "lam", "mB", "mF", "mH", "mR")}
+    return given | {"rF": rF, "rR": _roll_out(m, "R"), "c": trail}
+
+
+def _wheel(m: Quantities, wheel: str) -> Quantities:
+    """A wheel is round: one torsional period about a diameter and one compound period about an axis parallel to its axle."""
+    swing = {"mass": m[f"m{wheel}"], "gravity": m["g"], "arm": m[f"l{wheel}"], "period": m[f"Tc{wheel}1"]}
+    across = torsion_pendulum(stiffness=m["k"], period=m[f"Tt{wheel}1"])
+    return {f"I{wheel}xx": across, f"I{wheel}yy": compound_pendulum(**swing)}
+
+
+def _frame_or_fork(m: Quantities, body: str) -> Quantities:
+    """Frame and fork have a plane of symmetry: three hanging orientations in it, and a swing about the axle across it."""
+    betas = [m["lam"] - pi / 180 * m[f"alpha{body}{i}"] for i in HANGINGS]
+    x, z = meeting_point([(umath.sin(b), umath.cos(b)) for b in betas], [-m[f"a{body}{i}"] for i in HANGINGS])
+    moments = [torsion_pendulum(stiffness=m["k"], period=m[f"Tt{body}{i}"]) for i in HANGINGS]
+    tensor = tensor_from_axes([(umath.cos(b), 0.0, -umath.sin(b)) for b in betas], moments, PLANAR)
+    arm = umath.sqrt(x**2 + z**2)
+    tensor["yy"] = compound_pendulum(mass=m[f"m{body}"], gravity=m["g"], arm=arm, period=m[f"Tc{body}1"])
+    axle_x, axle_z = (m["w"], -_roll_out(m, "F")) if body == "H" else (0.0, -_roll_out(m, "R"))
+    return {f"x{body}": x + axle_x, f"z{body}": z + axle_z} | {f"I{body}{entry}": value for entry, value in tensor.items()}
+
+
+def comparison(folder: Path, bicycle: str) -> list[tuple[str, UFloat, UFloat]]:
+    """Name, computed and published value of every published quantity of one bicycle; `folder` holds the set."""
+    computed = reduce(read(folder / f"{bicycle}Measured.txt"))
+    published = read(folder / f"{bicycle}Benchmark.txt")
+    return [(name, computed[name], published[name]) for name in sorted(published)]
+
+
+def _table(folder: Path, bicycle: str) -> Table:
+    table = Table(title=f"{bicycle}: computed beside published (kg, m, rad, kg m²)", title_justify="left")
+    for heading in ("quantity", "computed", "tolerance", "published", "tolerance", "deviation / tolerance"):
+        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for name, ours, theirs in comparison(folder, bicycle):
+        figures = (ours.nominal_value, ours.std_dev, theirs.nominal_value, theirs.std_dev)
+        deviation = abs(ours.nominal_value - theirs.nominal_value) / theirs.std_dev
+        table.add_row(name, *(f"{figure:.6g}" for figure in figures), f"{deviation:.1e}")
+    return table
+
+
+@click.command()
+@click.option(
+    "--data", "folder", envvar="MASSLINE_DATA", default="../shared/data", type=click.Path(path_type=Path), show_default=True
+)
+def main(folder: Path) -> None:
+    """Print computed beside published inertias of the four bicycles in FOLDER/bicycle_pendulum."""
+    if not (folder / "bicycle_pendulum").is_dir():
+        raise click.UsageError(f"{folder}/bicycle_pendulum is absent; give the data folder with --data or MASSLINE_DATA")
+    for bicycle in BICYCLES:
+        Console().print(_table(folder / "bicycle_pendulum", bicycle))
+
+
+if __name__ == "__main__":
+    main()

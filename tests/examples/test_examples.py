@@ -1,0 +1,34 @@
+"""The examples run, and what they print and draw is what they promise."""
+
+import io
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+
+def test_the_quickstart_prints_three_routes_that_agree_and_the_tare(root: Path) -> None:
+    printed = io.StringIO()
+    runpy.run_path(str(root / "examples" / "quickstart.py"))["main"](Console(file=printed, width=160))
+    text = printed.getvalue()
+    for route in ("occ", "trimesh", "pinocchio"):
+        assert re.search(rf"{route}\s.*4\d\.\d{{4}}", text)
+    assert "agree: " in text
+    assert "disagree" not in text
+    assert len(re.findall(r"\b22\.9\d{3}\b", text)) >= 3
+    assert "satisfy the triangle inequality" in text
+
+
+@pytest.mark.usefixtures("renderer")
+def test_the_pictures_are_drawn_and_put_on_one_sheet_that_fits_a_readme(root: Path, tmp_path: Path) -> None:
+    names = ("cuboid", "disc")
+    runpy.run_path(str(root / "examples" / "pictures.py"))["main"](tmp_path, tmp_path / "docs" / "sheet.png", names)
+    drawn = {entry.relative_to(tmp_path).as_posix() for entry in tmp_path.rglob("*.png")}
+    assert drawn == {"cuboid.png", "disc.png", "docs/sheet.png"}
+    assert (tmp_path / "docs" / "sheet.png").stat().st_size < 300_000
+
+
+def test_the_sheet_in_the_readme_is_small(root: Path) -> None:
+    assert 50_000 < (root / "docs" / "pictures" / "articles.png").stat().st_size < 300_000

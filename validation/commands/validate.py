@@ -1,0 +1,109 @@
+"""``massline validate``: anyone's identified ten parameters against the reference, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geometry.errors import CheckFailed
+from validation.commands import options
+
+if TYPE_CHECKING:
+    from validation.cross_check import CrossCheck
+    from validation.statement import Statement
+
+REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
+
+
+@click.command("validate")
+@click.argument("result", metavar="RESULT")
+@click.option("--against", "article", metavar="ARTICLE", required=True, help="The article that RESULT is about.")
+@click.option(
+    "--reference",
+    "choice",
+    type=click.Choice(REFERENCES),
+    default="occ",
+    show_default=True,
+    help="What RESULT is held against: a route from the geometry (as uncertain as the published values), or what is in print.",
+)
+@options.JSON
+@options.FRAME
+@options.asked
+def command(
+    result: str,
+    article: str,
+    choice: str,
+    as_json: bool,
+    frame: str | None,
+    chord: str,
+    unit: str | None,
+    material: str | None,
+) -> None:
+    """Anyone's identified ten parameters against the reference of ARTICLE.
+
+    RESULT is a TOML or JSON file (format = 1, see docs/reference-tables.md), the JSON of `massline identify`, or clumod-1-table2,
+    the paper's own. It states its reference point, sign of products and frame; --frame is the frame in which the rows are
+    printed, and that of a RESULT which states none.
+
+    Exit code 0 when every stated value lies within the combined tolerance of result and reference, 1 when one does not or when no
+    body can have these parameters.
+    """
+    from geometry.frames import Pose
+    from validation.article_reference import reference
+    from validation.cross_check import cross_check, summary
+    from validation.frame_text import read_frame
+    from validation.progress import shown
+    from validation.reference_table import IDENTIFIED
+    from validation.result_file import read
+
+    pose = None if frame is None else read_frame(frame)
+    said = read(result, article=article, frame=pose)
+    with shown(f"{choice} of {article}", quiet=as_json):
+        known = reference(article, choice, options.reading(chord, unit, material), pose or Pose())
+    check = cross_check(said.statement, known)
+    words = summary(check, f"{article} ({choice})")
+    if as_json:
+        tolerances = {"result": said.statement.tolerance_note, "reference": known.tolerance_note}
+        more = {"article": article, "reference": choice, "tolerance_note": tolerances, "warnings": said.warnings}
+        _print_json(check, words, more)
+    else:
+        _print(
+            f"{said.statement.source} against {article} ({choice})",
+            {choice: known, IDENTIFIED: said.statement},
+            check,
+            said.warnings,
+        )
+    if not check.passed:
+        raise CheckFailed(words)
+    if not as_json:
+        click.echo(f"{words}.")
+
+
+def _print(title: str, columns: dict[str, Statement], check: CrossCheck, warnings: Sequence[str]) -> None:
+    from validation.reference_table import ReferenceTable
+    from validation.tables import text
+
+    odd = [f"Not stated by the result: {', '.join(check.not_stated)}."] if check.not_stated else []
+    odd += [f"Nothing to hold against: {', '.join(check.not_known)}."] if check.not_known else []
+    odd += [f"{words[0].upper()}{words[1:]}." for words in (check.physics, *warnings)]
+    click.echo(text.render(ReferenceTable(article=title, columns=columns, footnotes=tuple(odd))))
+
+
+def _print_json(check: CrossCheck, words: str, more: dict[str, Any]) -> None:
+    from validation.output import print_json
+    from validation.rows import rows_json
+
+    print_json(
+        {
+            "rows": [{**line, "deviation": row.deviation} for row in check.rows for line in rows_json([row])],
+            "passed": check.passed,
+            "text": words,
+            "physical": check.physical,
+            "physics": check.physics,
+            "not_stated": list(check.not_stated),
+            "not_known": list(check.not_known),
+            **more,
+        }
+    )

@@ -1,0 +1,178 @@
+"""Measurement files: small TOML files with a unit for every value. The one door through which they come in.
+
+    format = 1
+    kind = "weighing"            # or "crane-cog", "pendulum", "results"
+    title = "..."                # a sentence, printed above the results
+    origin = "..."               # where the numbers come from; printed with every result
+
+What else a file holds depends on its kind; `validation.weighing`, `validation.crane_cog`, `validation.pendulum_file` and
+`validation.results_file` say so. A key that a kind does not know is refused by name, since a misspelt tolerance is a lost one.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geometry.errors import BadInput
+from validation.quantities import exact, quantity
+
+if TYPE_CHECKING:
+    from uncertainties import UFloat
+
+FORMAT = 1
+KINDS = ("weighing", "crane-cog", "pendulum", "results")
+HEAD = ("format", "kind", "title", "origin", "article")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fields:
+    """One table of a measurement file, with its place, so that every complaint can name it.
+
+    Attributes
+    ----------
+    source : the file
+    place : dotted path of the table in the file; empty for the file itself
+    table : its keys and values
+    """
+
+    source: str
+    place: str
+    table: dict[str, Any]
+
+    def path(self, key: str) -> str:
+        """`key` with the path of its table."""
+        return f"{self.place}.{key}" if self.place else key
+
+    def refused(self, key: str, problem: str, remedy: str) -> BadInput:
+        """The complaint about `key`, ready to be raised."""
+        return BadInput(source=self.source, field=self.path(key), problem=problem, remedy=remedy)
+
+    def only(self, keys: Iterable[str]) -> Fields:
+        """Pass unchanged; BadInput when the table has a key besides `keys`, with the nearest of them."""
+        known = sorted(keys)
+        for key in self.table:
+            if key not in known:
+                near = difflib.get_close_matches(key, known, n=1)
+                raise self.refused(
+                    key, "no such key", (f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(known)}"
+                )
+        return self
+
+    def quantity(self, key: str, dimension: str, name: str = "") -> UFloat:
+        """The quantity under `key`, in SI, called `name` in budgets; BadInput when it is absent or unreadable."""
+        if key not in self.table:
+            raise self.refused(key, f"a {dimension} is missing here", "Add it, with its unit and tolerance")
+        return quantity(self.table[key], dimension, source=self.source, field=self.path(key), name=name or key.replace("_", " "))
+
+    def optional(self, key: str, dimension: str, name: str = "") -> UFloat | None:
+        """The same, or None where `key` is absent."""
+        return self.quantity(key, dimension, name) if key in self.table else None
+
+    def quantity_or_zero(self, key: str, dimension: str) -> UFloat:
+        """The same, or an exact zero where `key` is absent."""
+        return self.quantity(key, dimension) if key in self.table else exact(0.0)
+
+    def positive(self, key: str, dimension: str, name: str = "") -> UFloat:
+        """The quantity under `key`; BadInput when it is not positive."""
+        value = self.quantity(key, dimension, name)
+        if value.nominal_value <= 0:
+            raise self.refused(key, f"it must be positive, found {self.table[key]!r}", "Check the sign and the number")
+        return value
+
+    def text(self, key: str, default: str = "") -> str:
+        """The text under `key`, or `default`; BadInput when it is something else."""
+        value = self.table.get(key, default)
+        if not isinstance(value, str):
+            raise self.refused(key, f"a text is expected, found {value!r}", 'Put it in quotes, "like this"')
+        return value
+
+    def choice(self, key: str, choices: tuple[str, ...]) -> str:
+        """The text under `key`, one of `choices`; BadInput else."""
+        value = self.text(key)
+        if value not in choices:
+            near = difflib.get_close_matches(value, choices, n=1)
+            hint = f"Did you mean {near[0]}? " if near else ""
+            raise self.refused(key, f"found {value!r}", f"{hint}Known are {', '.join(choices)}")
+        return value
+
+    def integer(self, key: str, default: int, least: int) -> int:
+        """The whole number under `key`, at least `least`, or `default`."""
+        value = self.table.get(key, default)
+        if not isinstance(value, int) or isinstance(value, bool) or value < least:
+            raise self.refused(
+                key, f"a whole number, {least} or more, is expected, found {value!r}", "Write it without unit and quotes"
+            )
+        return value
+
+    def switch(self, key: str, default: bool) -> bool:
+        """true or false under `key`, or `default`."""
+        value = self.table.get(key, default)
+        if not isinstance(value, bool):
+            raise self.refused(key, f"true or false is expected, found {value!r}", "Write it without quotes")
+        return value
+
+    def inner(self, key: str) -> Fields:
+        """The table under `key`; empty where it is absent."""
+        value = self.table.get(key, {})
+        if not isinstance(value, dict):
+            raise self.refused(key, f"a table is expected, found {value!r}", f"Start it with [{self.path(key)}]")
+        return Fields(source=self.source, place=self.path(key), table=value)
+
+    def each(self, key: str) -> tuple[Fields, ...]:
+        """The tables under `key`, one or more; BadInput when there is none."""
+        value = self.table.get(key, [])
+        if not isinstance(value, list) or not value or not all(isinstance(entry, dict) for entry in value):
+            raise self.refused(key, "one table or more is expected", f"Start each with [[{self.path(key)}]]")
+        return tuple(Fields(source=self.source, place=f"{self.path(key)}[{i}]", table=entry) for i, entry in enumerate(value, 1))
+
+
+def read(name: str, kinds: tuple[str, ...]) -> Fields:
+    """The measurement file at path `name`, or shipped under that name (with or without ``.toml``), of one of `kinds`.
+
+    Raises
+    ------
+    BadInput : no such file, not TOML, another format number or another kind.
+    """
+    text = _text(name)
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(source=name, problem=f"not a TOML file: {error}", remedy="See docs/classical-measurements.md") from None
+    fields = Fields(source=name, place="", table=table)
+    if table.get("format") != FORMAT or isinstance(table["format"], bool):
+        raise fields.refused(
+            "format", f"format {FORMAT} is understood, found {table.get('format')!r}", f"Write format = {FORMAT}"
+        )
+    kind = fields.choice("kind", KINDS)
+    if kind not in kinds:
+        commands = {"weighing": "massline weigh", "crane-cog": "massline cog", "pendulum": "massline pendulum"}
+        problem = f"this is a {kind} file, where {' or '.join(kinds)} is needed"
+        raise fields.refused("kind", problem, f"Reduce it with `{commands.get(kind, 'weigh, cog or pendulum')}`")
+    return fields
+
+
+def shipped() -> tuple[str, ...]:
+    """Names of the measurement files that come with massline."""
+    folder = files("validation").joinpath("published")
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")))
+
+
+def _text(name: str) -> str:
+    path = Path(name)
+    known = shipped()
+    if path.is_file():
+        try:
+            return path.read_text(encoding="utf-8")
+        except UnicodeDecodeError:
+            raise BadInput(source=name, problem="not a text file in UTF-8", remedy="Save it as UTF-8") from None
+    if name.removesuffix(".toml") in known:
+        return files("validation").joinpath("published", f"{name.removesuffix('.toml')}.toml").read_text(encoding="utf-8")
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f"Did you mean {near[0]}? " if near else ""
+    raise BadInput(source=name, problem="no such file", remedy=f"{hint}Shipped with massline are {', '.join(known)}")

@@ -1,0 +1,27 @@
+"""Progress on standard error for work over a second: what is being done now, silent where nobody watches."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def shown(words: str, *, quiet: bool = False) -> Iterator[None]:
+    """Show `words` with a spinner while the block runs, if standard error is a terminal and not `quiet`."""
+    if quiet or not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(words):
+        yield
+
+
+def counted(items: Iterable[str], words: str, *, quiet: bool = False) -> Iterator[str]:
+    """`items` one after the other, each announced as ``words: item (2 of 5)`` while the caller works on it."""
+    listed = list(items)
+    for number, item in enumerate(listed, start=1):
+        with shown(f"{words}: {item} ({number} of {len(listed)})", quiet=quiet):
+            yield item

@@ -1,0 +1,74 @@
+"""What is in print about the built-in articles: the paper's tables as data, every digit kept, with their own deviations."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from geometry.frames import Pose
+from validation import stated_inertia
+from validation.statement import Statement
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Published:
+    """What is in print about one article, in the article's own frame.
+
+    Attributes
+    ----------
+    source : the table it comes from
+    statements : by column: "published", "measured", "identified"; only what is printed
+    deviation_of : the column whose deviations are printed; empty when none are
+    printed_deviation : mass, CoG x, y, z, moments xx, yy, zz, as printed with their unit
+    footnotes : what must be known to read the table
+    """
+
+    source: str = ""
+    statements: Mapping[str, Statement] = field(default_factory=dict)
+    deviation_of: str = ""
+    printed_deviation: tuple[str, ...] = ()
+    footnotes: tuple[str, ...] = ()
+
+
+RESULTS = ("clumod-1-table2",)
+"""Identified results in print; each is a result file that `massline validate` takes by this name."""
+
+
+def published(article: str) -> Published:
+    """What is in print about the built-in `article`; empty for one about which nothing is."""
+    table = _tables().get(article)
+    if table is None:
+        return Published()
+    statements = {
+        column: stated_inertia.read({"source": table["source"], **table[column]}, f"published {article}", Pose())
+        for column in ("published", "measured")
+        if column in table
+    }
+    if "identified" in table:
+        statements["identified"] = stated_inertia.read(result_table(table["identified"]), table["identified"], Pose())
+    printed = table["printed_deviation"]
+    return Published(
+        source=table["source"],
+        statements=statements,
+        deviation_of=printed["of"],
+        printed_deviation=(printed["mass"], *printed["cog"], *printed["moments"]),
+        footnotes=tuple(table["footnotes"]),
+    )
+
+
+def result_table(name: str) -> dict[str, Any]:
+    """The result file in print called `name`, one of `RESULTS`."""
+    return tomllib.loads(_text(f"{name}.toml"))
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    return tomllib.loads(_text("reference.toml"))
+
+
+def _text(name: str) -> str:
+    return files("validation.published").joinpath(name).read_text(encoding="utf-8")

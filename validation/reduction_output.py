@@ -1,0 +1,30 @@
+"""How `weigh`, `cog` and `pendulum` answer: a table with its budgets, or the JSON object of the output contract."""
+
+from __future__ import annotations
+
+from validation.output import print_json
+from validation.reduction import Reduction
+from validation.results_file import reference
+
+PIPED_WIDTH = 130
+"""Columns of what goes to a file or a pipe, where nobody's window is narrower."""
+
+
+def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
+    """Print `reduction` beside what is published about the article `against` (None: beside nothing).
+
+    Raises
+    ------
+    BadInput : nothing is published about `against`.
+    """
+    published = reference(against) if against else None
+    if as_json:
+        print_json(reduction.json(published))
+        return
+    from rich.console import Console
+
+    console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, PIPED_WIDTH)
+    for page in reduction.pages(published):
+        console.print(page)

@@ -1,0 +1,154 @@
+"""Somebody's identified ten parameters, from a file: our own format, what `massline identify --json` prints, or a bare INERTIA.
+
+`validation.stated_inertia` documents the tables that hold the values. Around them stand
+
+- ``format = 1``;
+- `article`, optional, a reminder of what was identified;
+- `frame`, optional: where the file's own frame sits in the article's (see `validation.frame_text`); left out, the file is taken
+  to be in the frame in which it is to be shown, by default the article's.
+
+The same may be written in JSON. Missing values are allowed and come out as not stated.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from geometry.errors import BadInput
+from geometry.frames import Pose
+from validation import keys, published, stated_inertia
+from validation.frame_text import pose_of
+from validation.statement import Stated, Statement
+
+_PRINTED = {"mass_kg": (1.0, 1), "cog_mm": (1e-3, 3), "moi_cog_kgm2": (1.0, 3), "poi_cog_kgm2": (1.0, 3)}
+"""Keys of INERTIA: factor to SI and length."""
+
+_IDENTIFY = ("inertia", "origin", "interval95")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result:
+    """A result as read.
+
+    Attributes
+    ----------
+    statement : in the frame in which it is to be shown
+    warnings : what is odd about the file, in words
+    """
+
+    statement: Statement
+    warnings: tuple[str, ...] = ()
+
+
+def read(name: str, *, article: str, frame: Pose | None = None) -> Result:
+    """The result in the file `name`, or in print under that name, about `article`, seen from `frame` (its pose in the article's).
+
+    Raises
+    ------
+    BadInput : not TOML or JSON, none of the three forms, unknown keys, missing units, a frame that is not known.
+    OSError : the file cannot be read.
+    """
+    table = _table(name)
+    about = table.get("article")
+    odd = f"{name}: says that it is about {about}, held against {article}"
+    return Result(statement=_statement(table, name, article, frame), warnings=(odd,) if about not in (None, article) else ())
+
+
+def _table(name: str) -> dict[str, Any]:
+    path = Path(name)
+    if name in published.RESULTS and not path.exists():
+        return published.result_table(name)
+    try:
+        text = path.read_text(encoding="utf-8")
+        table = json.loads(text, parse_constant=_refused_constant) if path.suffix == ".json" else tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        raise BadInput(source=name, problem=f"is not UTF-8 text: {error}", remedy="Save it as UTF-8") from None
+    except (tomllib.TOMLDecodeError, ValueError) as error:
+        form = "JSON" if path.suffix == ".json" else "TOML"
+        raise BadInput(source=name, problem=f"is not {form}: {error}", remedy="Correct it; .json is read as JSON") from None
+    if not isinstance(table, dict):
+        raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
+    return table
+
+
+def _refused_constant(word: str) -> None:
+    raise ValueError(f"a value must be finite, found {word}")
+
+
+def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
+    if "format" in table:
+        return _own_format(table, name, frame or Pose())
+    if "mass_kg" in table:
+        return _from_inertia(table, name)
+    if any(key in table for key in _IDENTIFY[1:]) and "inertia" in table:
+        return _identified(table, name, article, frame)
+    raise BadInput(
+        source=name,
+        field="format",
+        problem=f"is none of the forms that can be read, found the keys {', '.join(table) or '(none)'}",
+        remedy=keys.nearest("format", table) + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`",
+    )
+
+
+def _own_format(table: dict[str, Any], name: str, shown: Pose) -> Statement:
+    if table["format"] != 1:
+        raise BadInput(source=name, field="format", problem=f"must be 1, found {table['format']!r}", remedy="Write format = 1")
+    keys.require_known(table, ("format", "article", "frame", *stated_inertia.TABLES), source=name)
+    own = shown.inverse @ pose_of(table["frame"], name) if "frame" in table else Pose()
+    return stated_inertia.read(table, name, own)
+
+
+def _identified(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
+    if table.get("origin") == "F" and frame is None and not article.startswith("fmd"):
+        raise BadInput(
+            source=name,
+            field="origin",
+            problem=f"the CoG is stated from F, and {article} does not say where F is",
+            remedy='Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"',
+        )
+    inertia = keys.require_table(table["inertia"], source=name, where="inertia")
+    intervals = keys.require_table(table.get("interval95") or {}, source=name, where="interval95")
+    return _from_inertia(inertia, name, intervals)
+
+
+def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] | None = None) -> Statement:
+    keys.require_present(inertia, _PRINTED, source=name)
+    if inertia.get("about", "cog") != "cog":
+        problem = f'INERTIA is about "cog", found {inertia["about"]!r}'
+        raise BadInput(source=name, field="about", problem=problem, remedy="State another point in a file of format = 1")
+    values: list[Stated | None] = []
+    for key, (factor, length) in _PRINTED.items():
+        ends = _list((intervals or {}).get(key), length, name, f"interval95.{key}")
+        for value, pair in zip(_list(inertia[key], length, name, key), ends, strict=True):
+            values.append(_one(value, pair, factor, name, key))
+    note = "95 % intervals" if intervals else "none stated"
+    return Statement(name="identified", values=tuple(values), source=name, tolerance_note=note)
+
+
+def _list(value: Any, length: int, name: str, field: str) -> list[Any]:
+    if value is None:
+        return [None] * length
+    listed = [value] if length == 1 else value
+    if not isinstance(listed, list) or len(listed) != length:
+        raise BadInput(source=name, field=field, problem=f"must be a list of {length}, found {value!r}", remedy="See INERTIA")
+    return listed
+
+
+def _one(value: Any, pair: Any, factor: float, name: str, field: str) -> Stated | None:
+    if value is None:
+        return None
+    stated = Stated(value=_finite(value, name, field) * factor)
+    if pair is None:
+        return stated
+    low, high = (_finite(end, name, f"interval95.{field}") * factor for end in _list(pair, 2, name, f"interval95.{field}"))
+    return stated_inertia.with_interval(stated, low, high, name, f"interval95.{field}")
+
+
+def _finite(value: Any, name: str, field: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < float("inf"):
+        raise BadInput(source=name, field=field, problem=f"must be a finite number, found {value!r}", remedy="Correct it")
+    return float(value)

@@ -1,0 +1,139 @@
+"""A reference table laid out as strings: two grids, the values and their deviations, and the notes below them.
+
+No digit that was printed is lost, none is invented: a published value keeps its own decimals, a route is shown with one more than
+the published value, or with six significant digits of the largest entry of its kind. The decimal points of a column line up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from validation.reference_table import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, row, verdict
+from validation.rows import NONE
+from validation.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Stated
+
+SIGNIFICANT = 6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Grid:
+    """Header and lines of strings; the first column reads from the left, the last too when `words`, all else from the right."""
+
+    header: tuple[str, ...]
+    lines: tuple[tuple[str, ...], ...]
+    words: bool = False
+
+
+def values(table: ReferenceTable) -> Grid:
+    """What every column says, with its tolerance where it has one that is more than rounding."""
+    names = tuple(table.columns)
+    body = [tuple(_value(table, column, k) for k in range(len(QUANTITIES))) for column in names]
+    lines = tuple(zip(*((_labels(), *(_aligned(column) for column in body))), strict=True))
+    return Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
+
+
+def deviations(table: ReferenceTable) -> Grid:
+    """How far every column lies from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict."""
+    columns = [c for c in table.columns if any(row(table, c, k) for k in range(len(QUANTITIES)))]
+    body = [
+        cells for column in columns for cells in zip(*(_deviation(table, column, k) for k in range(len(QUANTITIES))), strict=True)
+    ]
+    verdicts = tuple(verdict(table, k) for k in range(len(QUANTITIES)))
+    header = [text for column in columns for text in (table.columns[column].name, "tol.")]
+    lines = tuple(zip(*((_labels(), *(_aligned(cells) for cells in body), verdicts)), strict=True))
+    return Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
+
+
+def notes(table: ReferenceTable) -> tuple[str, ...]:
+    """What must be known to read the table."""
+    against = {PUBLISHED: "the published value", MEASURED: "the measured value"}
+    kinds = dict.fromkeys(against.get(c, f"route {c}") for c in table.reference_columns if c is not None)
+    tolerances = tuple(
+        f"Tolerance of {said.name}: {said.tolerance_note}."
+        for column, said in table.columns.items()
+        if column in (PUBLISHED, MEASURED, IDENTIFIED) and said.tolerance_note
+    )
+    return (
+        *((table.note,) if table.note else ()),
+        *((f"Routes: {table.agreement}.",) if table.agreement else ()),
+        f"Deviations are from {' or, where none is printed, '.join(kinds)}; tol.: in combined tolerances, beyond 1 is outside.",
+        *tolerances,
+        *table.footnotes,
+    )
+
+
+def _labels() -> tuple[str, ...]:
+    return tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES)
+
+
+def _value(table: ReferenceTable, column: str, k: int) -> str:
+    stated = table.stated(column, k)
+    if stated is None:
+        return NONE
+    per_si = QUANTITIES[k].per_si
+    printed = stated.decimals is not None
+    decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
+    text = number(stated.value * per_si, decimals)
+    return f"{text} ± {_tolerance(stated, per_si, decimals)}" if printed and not _is_rounding(stated, per_si) else text
+
+
+def _decimals(table: ReferenceTable, k: int) -> int:
+    """Decimals of a value that nobody printed."""
+    kind = next(span for span in (slice(MASS, 1), COG, TENSOR) if span.start <= k < span.stop)
+    largest = max(
+        (abs(stated.value) * q.per_si for c in table.columns for stated, q in _kind(table, c, kind) if stated is not None),
+        default=0,
+    )
+    significant = SIGNIFICANT - 1 - math.floor(math.log10(largest)) if largest else SIGNIFICANT - 1
+    published = [stated.decimals for stated, _ in _kind(table, PUBLISHED, kind) if stated and stated.decimals is not None]
+    return max(significant, *(d + 1 for d in published), 0)
+
+
+def _kind(table: ReferenceTable, column: str, kind: slice) -> list[tuple[Stated | None, Quantity]]:
+    return [(table.stated(column, k), QUANTITIES[k]) for k in range(kind.start, kind.stop)]
+
+
+def _is_rounding(stated: Stated, per_si: float) -> bool:
+    """Whether the tolerance is half a unit of the last printed digit, which the digits say already."""
+    if stated.tolerance is None or stated.decimals is None:
+        return True
+    return math.isclose(stated.tolerance * per_si, 0.5 * 10.0**-stated.decimals, rel_tol=1e-6)
+
+
+def _tolerance(stated: Stated, per_si: float, decimals: int) -> str:
+    """Two significant digits at the least, rounded up never away."""
+    size = (stated.tolerance or 0.0) * per_si
+    return number(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))
+
+
+def _deviation(table: ReferenceTable, column: str, k: int) -> tuple[str, str]:
+    one = row(table, column, k)
+    if one is None or one.deviation is None:
+        return NONE, NONE
+    percent, many = one.deviation_percent, one.deviation_in_tolerances
+    is_length = COG.start <= k < COG.stop
+    own = f"{number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
+    relative = None if percent is None else f"{number(percent, 2)} %"
+    size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
+    return size, NONE if many is None else number(many, 1)
+
+
+def number(value: float, decimals: int) -> str:
+    """`value` with `decimals`; what rounds to zero has no sign."""
+    text = f"{value:.{decimals}f}"
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def _aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
+    """`cells` padded so that their decimal points stand below each other."""
+    parts = [_split(cell) for cell in cells]
+    left, right = (max(len(part[side]) for part in parts) for side in (0, 1))
+    return tuple(f"{a:>{left}}{b:<{right}}" for a, b in parts)
+
+
+def _split(cell: str) -> tuple[str, str]:
+    """`cell` before and from its first decimal point, or before its first space."""
+    first = cell.split(" ")[0]
+    whole = first.partition(".")[0]
+    return whole, cell[len(whole) :]

@@ -1,0 +1,27 @@
+"""A reference table in Markdown (pipe tables), padded so that its source reads as a table too."""
+
+from __future__ import annotations
+
+from validation.reference_table import ReferenceTable
+from validation.tables.grid import Grid, deviations, notes, values
+
+
+def render(table: ReferenceTable) -> str:
+    """`table` as a section of a Markdown page."""
+    grids = "\n\n".join(_grid(grid) for grid in (values(table), deviations(table)))
+    listed = "\n".join(f"- {note}" for note in notes(table))
+    return f"### {table.article}\n\n{grids}\n\n{listed}\n"
+
+
+def _grid(grid: Grid) -> str:
+    columns = list(zip(grid.header, *grid.lines, strict=True))
+    widths = [max(3, *(len(cell) for cell in column)) for column in columns]
+    left = {0, len(grid.header) - 1} if grid.words else {0}
+    rule = [":" + "-" * (w - 1) if k in left else "-" * (w - 1) + ":" for k, w in enumerate(widths)]
+    lines = [grid.header, tuple(rule), *grid.lines]
+    return "\n".join(_line(line, widths, left) for line in lines)
+
+
+def _line(cells: tuple[str, ...], widths: list[int], left: set[int]) -> str:
+    padded = (f"{cell:<{w}}" if k in left else f"{cell:>{w}}" for k, (cell, w) in enumerate(zip(cells, widths, strict=True)))
+    return "| " + " | ".join(padded) + " |"
