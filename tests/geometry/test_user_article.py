@@ -1,5 +1,6 @@
 """A user's own article: figures against closed forms and a CAD's own, and every refusal with its evidence."""
 
+import os
 import re
 import subprocess
 import sys
@@ -304,9 +305,11 @@ def test_doubled_part_names_are_refused(tmp_path: Path) -> None:
     assert "'block' names more than one part" in refused(described(tmp_path, twice)).problem
 
 
-def test_options_beside_a_description_are_refused(tmp_path: Path) -> None:
-    assert refused(one_part(tmp_path), unit="mm").field == "unit"
-    assert refused(one_part(tmp_path), material="steel").field == "material"
+def test_options_go_to_the_parts_that_state_nothing_themselves(tmp_path: Path) -> None:
+    volume = 0.16 * 0.07 * 0.4
+    bare = one_part(tmp_path, unit="", material="")
+    assert_allclose(inertias(load(bare, unit="mm", material="steel"))["trimesh"].mass, 7850 * volume, rtol=1e-6)
+    assert_allclose(inertias(load(one_part(tmp_path), unit="m", material="steel"))["trimesh"].mass, 2700 * volume, rtol=1e-6)
 
 
 def test_a_folder_without_description_gets_one_that_works_when_pasted(tmp_path: Path) -> None:
@@ -325,11 +328,11 @@ def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def example(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def example(root: Path, code: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What ``examples/own_article.py`` writes."""
     folder = tmp_path_factory.mktemp("own")
     subprocess.run(
-        [sys.executable, root / "examples" / "own_article.py", folder], cwd=root, env={"PYTHONPATH": str(root)}, check=True
+        [sys.executable, root / "examples" / "own_article.py", folder], env={**os.environ, "PYTHONPATH": str(code)}, check=True
     )
     return folder
 
@@ -387,7 +390,7 @@ def test_a_unit_beside_a_step_file_is_refused(example: Path) -> None:
     assert "states its own unit" in refused(example / "hammer.step", unit="in", material="steel").problem
 
 
-def write_assembly(path: Path, names: list[str], unit: str = "MM") -> Path:
+def write_assembly(path: Path, names: list[str]) -> Path:
     """Boxes of 10 mm in a nested assembly, the second half of them in a turned sub-assembly of their own."""
     import cadquery
 
@@ -398,7 +401,7 @@ def write_assembly(path: Path, names: list[str], unit: str = "MM") -> Path:
             target.add(cadquery.Solid.makeBox(10, 10, 10), name=name, loc=cadquery.Location((20 * k, 0, 0)))
     if len(names) > 1:
         outer.add(inner, loc=cadquery.Location((0, 100, 0), (0, 0, 1), 90))
-    outer.export(str(path), "STEP", unit=unit) if unit != "MM" else outer.export(str(path), "STEP")
+    outer.export(str(path), "STEP")
     return path
 
 
@@ -409,11 +412,18 @@ def test_nested_assemblies_put_every_body_in_its_place_and_number_doubled_names(
     assert_allclose(centres, [[0.005, 0.005, 0.005], [0.025, 0.005, 0.005], [-0.005, 0.105, 0.005]], atol=1e-12)
 
 
-def test_a_step_file_in_inches_comes_out_in_metres(tmp_path: Path) -> None:
+def test_a_material_by_the_name_that_bodies_share_goes_to_all_of_them(tmp_path: Path) -> None:
+    write_assembly(tmp_path / "a.step", ["bolt", "nut", "bolt"])
+    row = 'format = 1\n[[part]]\nname = "a"\nfile = "a.step"\nmaterials = {bolt = "1000 kg/m^3", nut = "steel"}\n'
+    densities = {part.name: part.material.density for part in load(described(tmp_path, row)).parts}
+    assert densities == {"a/bolt-1": 1000, "a/nut": 7850, "a/bolt-2": 1000}
+
+
+def test_a_step_file_is_read_in_the_unit_that_it_states(tmp_path: Path) -> None:
     text = write_assembly(tmp_path / "mm.step", ["a"]).read_text(encoding="utf-8")
-    inches = text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")
-    assert inches != text
-    (tmp_path / "m.stp").write_text(inches, encoding="utf-8")
+    metres = text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")
+    assert metres != text
+    (tmp_path / "m.stp").write_text(metres, encoding="utf-8")
     for name, volume in (("mm.step", 1e-6), ("m.stp", 1e3)):
         assert_allclose(inertias(load(tmp_path / name, material="1 kg/m^3"))["occ"].mass, volume, rtol=1e-9)
 
