@@ -177,7 +177,7 @@ def test_tools_of_one_material_agree_with_their_cad(data: Path, tool: str) -> No
 def test_a_hammer_taken_as_one_density_is_tens_of_mm_wrong_and_the_user_is_told(data: Path) -> None:
     expected, volume = cad(data, "machinist_hammer")
     article = load(data / TOOLS / "machinist_hammer" / "mesh.ply", material=f"{expected.mass / volume} kg/m^3")
-    assert np.linalg.norm(inertias(article)["trimesh"].cog - expected.cog) > 0.05
+    assert np.linalg.norm(inertias(article)["trimesh"].cog - expected.cog) == pytest.approx(0.0791, rel=0.01)
     touch, bodies = article.warnings
     assert "overlap by 52.1126 mm³" in touch
     assert "2 separate bodies are taken as one material (body 1: 12661.7 mm³ around (" in bodies
@@ -191,9 +191,9 @@ def test_the_hammer_comes_right_with_a_density_for_each_body(data: Path, tmp_pat
     article = load(described(tmp_path, "format = 1\n" + "\n".join(parts)))
     found, (expected, _) = inertias(article)["trimesh"], cad(data, "machinist_hammer")
     assert [part.name for part in article.parts] == ["head", "handle"]
-    assert np.linalg.norm(found.cog - expected.cog) < 0.5e-3
+    assert np.linalg.norm(found.cog - expected.cog) < 0.1e-3
     assert found.mass == pytest.approx(expected.mass, rel=5e-3)
-    assert_allclose(found.moments_cog, expected.moments_cog, rtol=1e-2)
+    assert_allclose(found.moments_cog, expected.moments_cog, rtol=5e-3)
     assert any("overlap" in warning for warning in article.warnings)
 
 
