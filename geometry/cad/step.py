@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import faulthandler
+import os
+import signal
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,6 +21,9 @@ from geometry.frames import Pose
 
 ENDINGS = (".step", ".stp")
 """What can be read, upper or lower case."""
+
+TIME_LIMIT = 600
+"""Seconds after which a file that OCC never finishes counts as corrupt."""
 
 
 class Body(NamedTuple):
@@ -49,6 +55,8 @@ def read(path: Path) -> tuple[Body, ...]:
         raise BadInput(source=source, problem="it is not a STEP file (it does not begin with ISO-10303-21)", remedy=_AGAIN)
     if b"END-ISO-10303-21" not in content[-256:]:
         raise BadInput(source=source, problem="it is cut short (it does not end with END-ISO-10303-21)", remedy=_AGAIN)
+    if not _survived(path):
+        raise BadInput(source=source, problem="OCC breaks down on it: the file is corrupt", remedy=_AGAIN)
     try:
         found = _leaves(path)
     except BadInput:
@@ -90,6 +98,29 @@ def curved_reach(solid: OccShape) -> tuple[float, Array]:
 _AGAIN = "Check that the file is whole and what its ending says, and export it again as STEP (AP203, AP214 or AP242)"
 
 
+def _survived(path: Path) -> bool:
+    """Whether OCC lives through reading and meshing the file: on corrupt ones it may end its process, so a child goes first."""
+    child = os.fork()
+    if child:
+        return not os.WIFSIGNALED(os.waitpid(child, 0)[1])
+    try:
+        faulthandler.disable()
+        for number in (1, 2):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), number)
+        signal.alarm(TIME_LIMIT)
+        for _, shape in _leaves(path):
+            for solid in shape.Solids():
+                _rehearse(solid)
+    finally:
+        os._exit(0)  # what the child found wrong without dying is found again, and said, by the parent
+
+
+def _rehearse(solid: OccShape) -> None:
+    solid.isValid()
+    solid.Volume()
+    solid.tessellate(1e-3 * solid.BoundingBox().DiagonalLength, 0.5)
+
+
 def _leaves(path: Path) -> list[tuple[str, OccShape]]:
     """Names and placed CadQuery shapes of everything in the file that is not itself an assembly."""
     from OCP.IFSelect import IFSelect_RetDone
@@ -99,7 +130,7 @@ def _leaves(path: Path) -> list[tuple[str, OccShape]]:
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-    with _silence():
+    with silence():
         reader = STEPCAFControl_Reader()
         reader.SetNameMode(True)
         Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
@@ -174,7 +205,7 @@ def _require_sound(body: Body, source: str) -> None:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def silence() -> Iterator[None]:
     """Keep OCC's own messages off the terminal; its printers are put back afterwards."""
     from OCP.Message import Message
 

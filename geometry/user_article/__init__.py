@@ -6,6 +6,6 @@ against each other. ``docs/own-article.md`` shows the files.
 
 from geometry.user_article.loading import ENDINGS, load
 from geometry.user_article.nouns import UserArticle, UserPart
-from geometry.user_article.routes import agreement, inertias
+from geometry.user_article.routes import agreement, inertias, tessellation_error
 
-__all__ = ["ENDINGS", "UserArticle", "UserPart", "agreement", "inertias", "load"]
+__all__ = ["ENDINGS", "UserArticle", "UserPart", "agreement", "inertias", "load", "tessellation_error"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -34,8 +35,8 @@ def load(path: str | Path, *, unit: str | None = None, material: str | None = No
     """The article in the file or folder `path`, every mesh closed and checked, every body with its material.
 
     `unit` is that of a mesh file's numbers (mm, cm, m, in, ft); it may be left out where the file itself states one, and STEP
-    always does. `material` is a name of the library or a density such as ``"7800 kg/m^3"``, for all bodies of one file; an
-    ``article.toml`` holds both itself and takes neither.
+    always does. `material` is a name of the library or a density such as ``"7800 kg/m^3"``, for all bodies; of an
+    ``article.toml`` both go to the parts that state none themselves.
 
     Raises
     ------
@@ -46,22 +47,21 @@ def load(path: str | Path, *, unit: str | None = None, material: str | None = No
         raise BadInput(source=str(path), problem="there is no such file or folder", remedy="Check the path")
     if path.is_dir():
         path = _description_in(path)
+    given = None if material is None else made_of(material, "--material")
     if path.suffix.lower() == ".toml":
-        _require_nothing_else(path, unit=unit, material=material)
-        return _described(path)
-    entry = PartEntry(
-        name=path.stem, file=path, unit=unit, material=None if material is None else made_of(material, "--material")
-    )
-    parts, warnings = _parts(entry)
+        return _described(path, unit, given)
+    parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given))
     return _finished(path.stem, parts, f"{path.stem}: read from {path.name}.", warnings)
 
 
-def _described(path: Path) -> UserArticle:
+def _described(path: Path, unit: str | None, material: Material | None) -> UserArticle:
+    """The article that `path` describes; `unit` and `material` go to the parts that state none."""
     found = description.read(path)
     parts: list[UserPart] = []
     warnings: list[str] = []
     for entry in found.parts:
-        there, said = _parts(entry)
+        default = None if entry.file.suffix.lower() in STEP_ENDINGS else unit
+        there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or material))
         parts += there
         warnings += said
     return _finished(found.name, tuple(parts), f"{found.name}: read from {path.name}.", tuple(warnings))
@@ -211,17 +211,6 @@ def _description_in(folder: Path) -> Path:
         )
     raise BadInput(
         source=str(folder),
-        problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} that says what they are made of",
-        remedy=f"Put this into {there} and correct units and materials:\n\n{description.template(folder.name, parts)}\nThen come back",
+        problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
+        remedy=f"Put this into {there}, corrected:\n\n{description.template(folder.name, parts)}\nThen try again",
     )
-
-
-def _require_nothing_else(path: Path, **options: str | None) -> None:
-    for name, value in options.items():
-        if value is not None:
-            raise BadInput(
-                source=str(path),
-                field=name,
-                problem=f"{value!r} was given beside a file that holds the {name} of every part",
-                remedy=f"Leave it out, or change it in {path.name}",
-            )

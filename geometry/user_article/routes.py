@@ -35,7 +35,7 @@ def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
         return Agreement(agree=True, text=text, difference=_ZERO, tolerance=_ZERO, excess=0.0)
     occ, trimesh = found["occ"], found["trimesh"]
     difference = np.abs(occ.parameters - trimesh.parameters)
-    tolerance = sum((_missed(part) for part in article.parts), ROUNDING * _size(occ))
+    tolerance = ROUNDING * _size(occ) + tessellation_error(article)
     ratio = difference / tolerance
     k = int(np.argmax(ratio))
     relation = "agree" if ratio[k] <= 1 else "disagree"
@@ -47,6 +47,11 @@ def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
         tolerance=frozen(tolerance, (10,), "tolerance"),
         excess=float(ratio[k]),
     )
+
+
+def tessellation_error(article: UserArticle) -> Array:
+    """What meshes of solids may be off by: bound on each of the ten parameters (10,), about the article's origin."""
+    return sum((_missed(part) for part in article.parts if part.solid is not None), np.zeros(10))
 
 
 def overlap_warnings(parts: tuple[UserPart, ...]) -> Iterator[str]:

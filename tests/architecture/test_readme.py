@@ -4,13 +4,16 @@ Convention: command lines stand in fenced blocks marked ``sh``, one a line.
 
 - Lines that begin with ``massline`` are run, those of one page in order and in one temporary directory, so a line may use what
   an earlier one wrote. They end with exit code 0, or with the one that a comment at their end states: ``# exit 1``.
+- Lines that begin with ``python examples/`` run that script of the repository, likewise.
 - Lines that begin with ``make`` must name a target that exists. They are not run here, since they run this.
 - ``apt-get`` is that of the setup and of the doctor; ``git clone`` and ``cd`` are the reader's. Nothing else may be there.
 """
 
+import os
 import re
 import shlex
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -33,14 +36,20 @@ def expected_exit(line: str) -> int:
     return int(stated.group(1)) if stated else 0
 
 
+def script(name: str, *arguments: str, code: Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the repository's script `name` on the packages in `code`, in the folder `cwd`."""
+    command, where = [sys.executable, str(ROOT / name), *arguments], {**os.environ, "PYTHONPATH": str(code)}
+    return subprocess.run(command, cwd=cwd, env=where, capture_output=True, encoding="utf-8", check=False)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_massline_line_of_a_page_runs(
-    page: Path, massline: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+    page: Path, massline: Callable[..., subprocess.CompletedProcess[str]], code: Path, tmp_path: Path
 ) -> None:
     for line in command_lines(page):
         program, *arguments = shlex.split(line, comments=True)
-        if program == "massline":
-            run = massline(*arguments, cwd=tmp_path)
+        if program in ("massline", "python"):
+            run = massline(*arguments, cwd=tmp_path) if program == "massline" else script(*arguments, code=code, cwd=tmp_path)
             assert run.returncode == expected_exit(line), f"$ {line}\n{run.stdout}{run.stderr}"
 
 
@@ -51,6 +60,7 @@ def test_every_other_line_of_a_page_is_make_or_belongs_to_the_reader(page: Path)
         program, *arguments = shlex.split(line, comments=True)
         allowed = {
             "massline": True,
+            "python": (ROOT / arguments[0]).parent == ROOT / "examples",
             "make": set(arguments) <= set(targets),
             "apt-get": line in (install_line(), "apt-get install python3.11 python3.11-venv make"),
             "git": arguments[:1] == ["clone"],

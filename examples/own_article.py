@@ -1,0 +1,61 @@
+"""Write a hammer of two materials as a CAD and a mesher would: one STEP assembly, and two STL files with their article.toml.
+
+Run it as ``python examples/own_article.py [FOLDER]``; ``docs/own-article.md`` works with what it leaves in the folder
+(``out/own-article`` when none is given).
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from geometry import atomic
+from geometry.article import Part
+from geometry.cad.export import write_step, write_stl
+from geometry.cad.solids import solid
+from geometry.materials import material
+from geometry.shapes import Box, Cylinder, Shape, upright
+
+ARTICLE = """\
+format = 1
+
+[article]
+name = "hammer"
+
+[[part]]
+name = "handle"
+file = "handle.stl"
+unit = "mm"
+material = "oak"
+
+[[part]]
+name = "head"
+file = "head.stl"
+unit = "mm"
+density = "7800 kg/m^3"
+"""
+
+
+def parts() -> tuple[Part, Part]:
+    """A round oak handle of 25 mm and 250 mm, and on it a steel head of 110 x 30 x 30 mm; z up, origin under the handle."""
+    handle = Shape(solids=(upright(Cylinder(diameter=0.025, height=0.25), bottom=0.0),))
+    head = Shape(solids=(upright(Box(size=np.array([0.11, 0.03, 0.03])), bottom=0.25),))
+    return (
+        Part(name="handle", material=material("oak"), shape=handle),
+        Part(name="head", material=material("cast-carbon-steel"), shape=head),
+    )
+
+
+def write(folder: Path) -> None:
+    """Write the hammer's files into `folder`."""
+    solids = {part.name: solid(part) for part in parts()}
+    write_step(folder / "hammer.step", solids, "hammer")
+    for name, body in solids.items():
+        write_stl(folder / f"{name}.stl", body)
+    atomic.write_text(folder / "article.toml", ARTICLE)
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("out/own-article"))
