@@ -88,9 +88,9 @@ def exact(value: float) -> UFloat:
     return AffineScalarFunc(value, LinearCombination({}))
 
 
-def doubtful_at_first_order(value: UFloat) -> bool:
-    """Whether the tolerance of an input is so large beside its value that first-order propagation is doubtful."""
-    return bool(value.nominal_value and value.std_dev > FIRST_ORDER_LIMIT * abs(value.nominal_value))
+def doubtful_at_first_order(value: float, tolerance: float) -> bool:
+    """Whether the `tolerance` of an input is so large beside its `value` that first-order propagation is doubtful."""
+    return value != 0 and tolerance > FIRST_ORDER_LIMIT * abs(value)
 
 
 @cache
