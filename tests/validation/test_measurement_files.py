@@ -163,6 +163,19 @@ def test_damping_of_a_recorded_signal_is_taken_off_without_being_asked(tmp_path:
     assert_allclose(found.terms["Izz"]["damping"], -(0.05**2), rtol=1e-6)
 
 
+def test_swings_about_one_axis_are_averaged_and_what_they_share_does_not_average_out(tmp_path: Path) -> None:
+    one, two = reduced(tmp_path, HEAD + SWING), reduced(tmp_path, HEAD + SWING + SWING)
+    assert_allclose(two.results["Izz"].nominal_value, one.results["Izz"].nominal_value, rtol=1e-13)
+    alone, averaged = rows_of_budget(one), rows_of_budget(two)
+    assert_allclose(averaged["mass"], alone["mass"], rtol=1e-12)
+    assert_allclose(averaged["period"], alone["period"] / np.sqrt(2), rtol=1e-12)
+
+
+def test_corrections_of_averaged_swings_are_averaged(tmp_path: Path) -> None:
+    both = reduced(tmp_path, HEAD + SWING + 'damping = "5 %"\n' + SWING)
+    assert_allclose(both.terms["Izz"]["damping"], -(0.05**2) / 2, rtol=1e-12)
+
+
 def test_the_position_of_the_cog_is_an_input_like_any_other(tmp_path: Path) -> None:
     swing = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.1 m", "0.8 m"]')
     entries = rows_of_budget(reduced(tmp_path, HEAD + swing))
