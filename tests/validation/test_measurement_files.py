@@ -1,6 +1,7 @@
 """Measurement files and the commands that reduce them: what ships, every way to give a swing, every refusal."""
 
 import json
+from copy import deepcopy
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,8 @@ from click.testing import CliRunner, Result
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation import pendulum_file
-from validation.measurement_file import read, shipped
+from validation import crane_cog, pendulum_file, results_file, weighing
+from validation.measurement_file import Fields, read, shipped
 from validation.reduction import Reduction
 from validation.results_file import reference
 
@@ -292,3 +293,35 @@ def test_what_does_not_exist_is_refused_with_what_does(command: str, arguments: 
     result = run(command, *arguments)
     assert isinstance(result.exception, BadInput)
     assert words in str(result.exception)
+
+
+REDUCE = {
+    "weighing": weighing.reduce,
+    "crane-cog": crane_cog.reduce,
+    "pendulum": pendulum_file.reduce,
+    "results": results_file.reduce,
+}
+ODD = [None, True, -1, 0, 1e300, float("nan"), "", "x", "-1 kg", "1 m", "0 s", [], [1], {}, {"a": 1}, "1e308 kg"]
+
+
+def places(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    items = table.items() if isinstance(table, dict) else enumerate(table) if isinstance(table, list) else ()
+    return [spot for key, value in items for spot in ((*path, key), *places(value, (*path, key)))]
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(name: str) -> None:
+    fields = read(name, KINDS)
+    for path in places(fields.table):
+        for odd in ODD:
+            table = deepcopy(fields.table)
+            spot: Any = table
+            for key in path[:-1]:
+                spot = spot[key]
+            spot[path[-1]] = odd
+            changed = Fields(source="file.toml", place="", table=table)
+            try:
+                reduction = REDUCE[fields.text("kind")](changed)
+            except BadInput:
+                continue
+            json.dumps(reduction.json(), allow_nan=False)

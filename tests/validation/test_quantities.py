@@ -52,6 +52,7 @@ def test_what_people_write_is_understood(text: str, dimension: str, value: float
         ("5 kgm", "mass", "'kgm' is not known"),
         ("5 +/- -1 kg", "mass", "must not be negative"),
         ("1e400 kg", "mass", "finite"),
+        ("1e30 kg", "mass", "no measured mass has this size"),
         ("nan kg", "mass", "cannot be read"),
         ("1,5 kg", "mass", "cannot be read"),
         ("5 kg +/- 1", "mass", "tolerance needs its unit"),
