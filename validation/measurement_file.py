@@ -14,7 +14,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,11 +39,14 @@ class Fields:
     source : the file
     place : dotted path of the table in the file; empty for the file itself
     table : its keys and values
+    inputs : quantities already read, by path: an input that several swings share stays one input, so that its tolerance does not
+        average out between them
     """
 
     source: str
     place: str
     table: dict[str, Any]
+    inputs: dict[str, UFloat] = field(default_factory=dict, repr=False)
 
     def path(self, key: str) -> str:
         """`key` with the path of its table."""
@@ -68,7 +71,11 @@ class Fields:
         """The quantity under `key`, in SI, called `name` in budgets; BadInput when it is absent or unreadable."""
         if key not in self.table:
             raise self.refused(key, f"a {dimension} is missing here", "Add it, with its unit and tolerance")
-        return quantity(self.table[key], dimension, source=self.source, field=self.path(key), name=name or key.replace("_", " "))
+        path = self.path(key)
+        if path not in self.inputs:
+            label = name or key.replace("_", " ")
+            self.inputs[path] = quantity(self.table[key], dimension, source=self.source, field=path, name=label)
+        return self.inputs[path]
 
     def optional(self, key: str, dimension: str, name: str = "") -> UFloat | None:
         """The same, or None where `key` is absent."""
@@ -122,14 +129,18 @@ class Fields:
         value = self.table.get(key, {})
         if not isinstance(value, dict):
             raise self.refused(key, f"a table is expected, found {value!r}", f"Start it with [{self.path(key)}]")
-        return Fields(source=self.source, place=self.path(key), table=value)
+        return Fields(source=self.source, place=self.path(key), table=value, inputs=self.inputs)
 
     def each(self, key: str) -> tuple[Fields, ...]:
         """The tables under `key`, one or more; BadInput when there is none."""
         value = self.table.get(key, [])
         if not isinstance(value, list) or not value or not all(isinstance(entry, dict) for entry in value):
             raise self.refused(key, "one table or more is expected", f"Start each with [[{self.path(key)}]]")
-        return tuple(Fields(source=self.source, place=f"{self.path(key)}[{i}]", table=entry) for i, entry in enumerate(value, 1))
+        places = [f"{self.path(key)}[{i}]" for i in range(1, len(value) + 1)]
+        return tuple(
+            Fields(source=self.source, place=place, table=entry, inputs=self.inputs)
+            for place, entry in zip(places, value, strict=True)
+        )
 
 
 def read(name: str, kinds: tuple[str, ...]) -> Fields:

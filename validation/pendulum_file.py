@@ -122,8 +122,14 @@ def _moments(swings: list[_Swing], file: Fields) -> tuple[dict[str, UFloat], dic
         same = [swing for swing in swings if swing.axis == axis]
         if same:
             results[f"I{letter}{letter}"] = sum(swing.moment for swing in same) / len(same)
-            terms[f"I{letter}{letter}"] = same[0].effects()
+            terms[f"I{letter}{letter}"] = _mean_effects(same)
     return results, terms
+
+
+def _mean_effects(swings: list[_Swing]) -> dict[str, float]:
+    each = [swing.effects() for swing in swings]
+    names = [name for name in TERMS if any(name in effects for effects in each)]
+    return {name: sum(effects.get(name, 0.0) for effects in each) / len(each) for name in names}
 
 
 def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -> _Swing:
@@ -215,7 +221,7 @@ def _radii_from_positions(entry: Fields, article: Fields) -> tuple[UFloat, UFloa
         places = f"{one.nominal_value:.6g} and {two.nominal_value:.6g} m"
         problem = f"the CoG at {cog.nominal_value:.6g} m is not between the ropes at {places}"
         raise entry.refused("positions", problem, "One rope would have to push; check the places and the CoG")
-    return (s1, s2) if s1.nominal_value > 0 else (-s1, -s2)
+    return s1, s2  # both negative where the places are listed downwards: only their product and squares are used
 
 
 def _period(entry: Fields) -> tuple[UFloat, periods.Decay | None, tuple[str, ...]]:

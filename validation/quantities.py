@@ -35,6 +35,9 @@ SI_UNITS = {
 FIRST_ORDER_LIMIT = 0.1
 """Relative tolerance above which first order is doubtful: the neglected terms are of the order of its square, 1 %."""
 
+LARGEST = 1e15
+"""In SI, and its inverse: no quantity of a test article lies beyond, and arithmetic stays far from overflow."""
+
 _NAMED = {**SI_UNITS, "force": "N", "frequency": "Hz", "area": "m^2", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
@@ -70,8 +73,10 @@ def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = 
         width *= factor
     if first and match["tolerance"] and not last:
         raise _refused(f"the tolerance needs its unit too, found {text!r}", dimension, source, field)
-    if width < 0 or not (math.isfinite(value) and math.isfinite(width)):
+    if width < 0 or not math.isfinite(value + width):
         raise _refused(f"a tolerance must not be negative and all must be finite, found {text!r}", dimension, source, field)
+    if any(size and not 1 / LARGEST < size < LARGEST for size in (abs(value), width)):
+        raise _refused(f"no measured {dimension} has this size, found {text!r}", dimension, source, field)
     return tagged(value, width, name or field)
 
 
@@ -89,9 +94,9 @@ def exact(value: float) -> UFloat:
     return AffineScalarFunc(value, LinearCombination({}))
 
 
-def doubtful_at_first_order(value: UFloat) -> bool:
-    """Whether the tolerance of an input is so large beside its value that first-order propagation is doubtful."""
-    return bool(value.nominal_value and value.std_dev > FIRST_ORDER_LIMIT * abs(value.nominal_value))
+def doubtful_at_first_order(value: float, tolerance: float) -> bool:
+    """Whether the `tolerance` of an input is so large beside its `value` that first-order propagation is doubtful."""
+    return value != 0 and tolerance > FIRST_ORDER_LIMIT * abs(value)
 
 
 @cache

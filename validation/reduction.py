@@ -29,6 +29,9 @@ QUANTITIES = {
 }
 """Key of a result -> its words, the unit it is printed in, and how many of that unit make one SI unit."""
 
+SMALL_SHARE = 0.01
+"""Share of the variance below which an input cannot spoil a result, however wide its own tolerance."""
+
 LEVEL = "Tolerances: one level for all inputs, independent, combined in quadrature to first order."
 
 
@@ -75,10 +78,10 @@ class Reduction:
 
     @property
     def all_notes(self) -> tuple[str, ...]:
-        """The notes, and one for every input whose tolerance is too large for first order."""
-        inputs = {variable.tag: variable for value in self.results.values() for variable in value.error_components()}
-        wide = [tag for tag, variable in inputs.items() if doubtful_at_first_order(variable)]
-        said = [f"The tolerance of {tag} exceeds 10 % of it: first order is doubtful." for tag in wide if tag]
+        """The notes, and one for every input that matters and whose tolerance is too large for first order."""
+        items = [item for value in self.results.values() for item in itemised(value) if item.share > SMALL_SHARE]
+        wide = dict.fromkeys(item.name for item in items if doubtful_at_first_order(item.value, item.tolerance))
+        said = [f"The tolerance of {name} exceeds 10 % of it: first order is doubtful." for name in wide]
         return (*self.notes, *said)
 
     def pages(self, reference: Mapping[str, UFloat] | None = None) -> Iterator[RenderableType]:

@@ -1,6 +1,7 @@
 """Measurement files and the commands that reduce them: what ships, every way to give a swing, every refusal."""
 
 import json
+from copy import deepcopy
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,8 @@ from click.testing import CliRunner, Result
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation import pendulum_file
-from validation.measurement_file import read, shipped
+from validation import crane_cog, pendulum_file, results_file, weighing
+from validation.measurement_file import Fields, read, shipped
 from validation.reduction import Reduction
 from validation.results_file import reference
 
@@ -163,6 +164,19 @@ def test_damping_of_a_recorded_signal_is_taken_off_without_being_asked(tmp_path:
     assert_allclose(found.terms["Izz"]["damping"], -(0.05**2), rtol=1e-6)
 
 
+def test_swings_about_one_axis_are_averaged_and_what_they_share_does_not_average_out(tmp_path: Path) -> None:
+    one, two = reduced(tmp_path, HEAD + SWING), reduced(tmp_path, HEAD + SWING + SWING)
+    assert_allclose(two.results["Izz"].nominal_value, one.results["Izz"].nominal_value, rtol=1e-13)
+    alone, averaged = rows_of_budget(one), rows_of_budget(two)
+    assert_allclose(averaged["mass"], alone["mass"], rtol=1e-12)
+    assert_allclose(averaged["period"], alone["period"] / np.sqrt(2), rtol=1e-12)
+
+
+def test_corrections_of_averaged_swings_are_averaged(tmp_path: Path) -> None:
+    both = reduced(tmp_path, HEAD + SWING + 'damping = "5 %"\n' + SWING)
+    assert_allclose(both.terms["Izz"]["damping"], -(0.05**2) / 2, rtol=1e-12)
+
+
 def test_the_position_of_the_cog_is_an_input_like_any_other(tmp_path: Path) -> None:
     swing = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.1 m", "0.8 m"]')
     entries = rows_of_budget(reduced(tmp_path, HEAD + swing))
@@ -279,3 +293,35 @@ def test_what_does_not_exist_is_refused_with_what_does(command: str, arguments: 
     result = run(command, *arguments)
     assert isinstance(result.exception, BadInput)
     assert words in str(result.exception)
+
+
+REDUCE = {
+    "weighing": weighing.reduce,
+    "crane-cog": crane_cog.reduce,
+    "pendulum": pendulum_file.reduce,
+    "results": results_file.reduce,
+}
+ODD = [None, True, -1, 0, 1e300, float("nan"), "", "x", "-1 kg", "1 m", "0 s", [], [1], {}, {"a": 1}, "1e308 kg"]
+
+
+def places(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    items = table.items() if isinstance(table, dict) else enumerate(table) if isinstance(table, list) else ()
+    return [spot for key, value in items for spot in ((*path, key), *places(value, (*path, key)))]
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(name: str) -> None:
+    fields = read(name, KINDS)
+    for path in places(fields.table):
+        for odd in ODD:
+            table = deepcopy(fields.table)
+            spot: Any = table
+            for key in path[:-1]:
+                spot = spot[key]
+            spot[path[-1]] = odd
+            changed = Fields(source="file.toml", place="", table=table)
+            try:
+                reduction = REDUCE[fields.text("kind")](changed)
+            except BadInput:
+                continue
+            json.dumps(reduction.json(), allow_nan=False)
