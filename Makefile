@@ -5,6 +5,9 @@
 PYTHON := .venv/bin/python
 READY := .venv/ready
 
+# The matrices here are small: a second BLAS thread costs more than it saves, and makes the last digits depend on the machine.
+export OPENBLAS_NUM_THREADS := 1
+
 $(READY): requirements.lock pyproject.toml tools/setup.sh tools/doctor.py
 	@sh tools/setup.sh .venv
 	@touch $@

@@ -7,6 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# The same examples in every run: a submission fails for what it changed, not for luck. No deadline: a busy machine is no mistake.
+settings.register_profile("massline", derandomize=True, deadline=None, database=None)
+settings.load_profile("massline")
 
 ROOT = Path(__file__).parents[1]
 

@@ -32,6 +32,7 @@ A compound swing needs `arm` (pivot to CoG) instead of ropes. Several swings abo
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -247,7 +248,9 @@ def _record(entry: Fields) -> tuple[Any, Any]:
     if not path.is_file():
         raise entry.refused("signal", f"no file {path}", "The path is relative to the measurement file")
     try:
-        columns = np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an empty file is refused below, in words
+            columns = np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64)
     except (ValueError, UnicodeDecodeError) as error:
         why = str(error).splitlines()[0]
         raise entry.refused("signal", f"{path} is no table of numbers ({why})", "Two columns, comma between") from None
@@ -264,12 +267,11 @@ def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: periods.
     for key, dimension in _SIZES.items():
         name = key.replace("_", "-")
         stated = entry.optional(key, dimension)
+        if stated is not None and (stated.nominal_value < 0 or (key == "damping" and stated.nominal_value >= 1)):
+            remedy = "Damping is a ratio from 0 to 1, the others are not negative"
+            raise entry.refused(key, f"out of range: {entry.table[key]!r}", remedy)
         if key == "damping" and stated is None and recorded is not None:
             stated = recorded.damping_ratio
-        if stated is not None and (stated.nominal_value < 0 or (key == "damping" and stated.nominal_value >= 1)):
-            raise entry.refused(
-                key, f"out of range: {entry.table.get(key)!r}", "Damping is a ratio from 0 to 1, the others positive"
-            )
         if stated is None and switches.switch(name, False) and key in _OWN_KEYS[entry.text("suspension")]:
             raise entry.refused(
                 key, f"the correction {name} is switched on, but its size is missing", "State it, or switch it off"

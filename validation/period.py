@@ -26,6 +26,13 @@ NOISE_REFUSED, NOISE_WARNED = 0.5, 0.1
 """Residual over signal, both root mean square: above the first it is no decaying sinusoid, above the second it is said."""
 
 
+ROUNDING = 1e-6
+"""Residual over signal below which the residual is the rounding of the record's digits, and its correlation means nothing."""
+
+GROWTH_REFUSED = 0.2
+"""Logarithm of the growth over the record above which it is no free decay; noise alone may show a little growth."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Decay:
     """A decaying sinusoid fitted to a record.
@@ -100,27 +107,22 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
         sinusoid in it.
     """
     t, y = _checked(time, signal, source)
-    omega0 = _spectral_peak(t, y)
-    cycles0 = omega0 * (t[-1] - t[0]) / (2 * np.pi)
-    _require_resolved(cycles0, len(t), source)
     t = t - t[0]
+    omega0 = _spectral_peak(t, y)
+    _require_resolved(omega0 * t[-1] / (2 * np.pi), len(t), source)
     delta, omega, covariance, fit = _fitted(t, y, omega0)
+    _require_resolved(omega * t[-1] / (2 * np.pi), len(t), source)
     residual, swing = y - fit.full, fit.full - fit.baseline
     noise = float(np.std(residual) / np.std(swing))
-    cycles = omega * t[-1] / (2 * np.pi)
-    _require_resolved(cycles, len(t), source)
-    if noise > NOISE_REFUSED or delta >= omega:
-        problem = f"no decaying sinusoid: what the best one leaves over is {100 * noise:.0f} % of it"
-        raise BadInput(source=source, field="signal", problem=problem, remedy="Record a free decay, or filter what disturbs it")
-    correlation = max(0.0, float(np.corrcoef(residual[:-1], residual[1:])[0, 1])) if np.std(residual) > 1e-12 * np.std(y) else 0.0
-    widening = np.sqrt((1 + correlation) / max(1 - correlation, 0.01))
+    _require_decay(delta, omega, t[-1], noise, source)
+    correlation = _correlation(residual) if noise > ROUNDING else 0.0
+    widening = np.sqrt((1 + correlation) / (1 - min(correlation, 0.99)))
     s_delta, s_omega = widening * np.sqrt(np.diag(covariance))
-    zeta = delta / np.hypot(delta, omega)
     return Decay(
         period=tagged(2 * np.pi / omega, 2 * np.pi / omega**2 * s_omega, "fit of the signal"),
-        damping_ratio=tagged(zeta, s_delta / omega, "damping from the signal"),
+        damping_ratio=tagged(delta / np.hypot(delta, omega), s_delta / omega, "damping from the signal"),
         amplitude=float(np.sqrt(2) * np.std(swing)),
-        cycles=float(cycles),
+        cycles=float(omega * t[-1] / (2 * np.pi)),
         notes=_notes(noise, correlation, fit, swing),
     )
 
@@ -174,6 +176,21 @@ def _require_resolved(cycles: float, samples: int, source: str) -> None:
         raise BadInput(source=source, field="signal", problem=problem, remedy="Sample faster; a slower record may be aliased")
 
 
+def _require_decay(delta: float, omega: float, duration: float, noise: float, source: str) -> None:
+    if noise > NOISE_REFUSED or delta >= omega:
+        problem = f"no decaying sinusoid: what the best one leaves over is {100 * noise:.0f} % of it"
+    elif delta * duration < -GROWTH_REFUSED:
+        problem = f"the oscillation grows, by a factor {np.exp(-delta * duration):.3g} over the record"
+    else:
+        return
+    raise BadInput(source=source, field="signal", problem=problem, remedy="Record a free decay, or filter what disturbs it")
+
+
+def _correlation(residual: Array) -> float:
+    """Correlation of neighbouring residuals; a negative one is taken as none."""
+    return max(0.0, float(np.corrcoef(residual[:-1], residual[1:])[0, 1]))
+
+
 def _columns(t: Array, delta: float, omega: float) -> Array:
     envelope = np.exp(-delta * (t - t[-1] / 2))
     ramp = t / t[-1] - 0.5
@@ -207,6 +224,6 @@ def _notes(noise: float, correlation: float, fit: _Fit, swing: Array) -> tuple[s
         f"The residual is {100 * noise:.0f} % of the signal.": noise > NOISE_WARNED,
         f"The baseline drifts by {drift:.1f} amplitudes; a straight drift is fitted, a bent one is not.": drift > 1,
         f"Neighbouring residuals are correlated ({correlation:.2f}): something else than one decaying sinusoid is in the record; "
-        "the tolerance is widened.": correlation > 0.5 and noise > 1e-6,
+        "the tolerance is widened.": correlation > 0.5,
     }
     return tuple(sentence for sentence, true in said.items() if true)

@@ -6,6 +6,9 @@ from validation.output import print_json
 from validation.reduction import Reduction
 from validation.results_file import reference
 
+PIPED_WIDTH = 130
+"""Columns of what goes to a file or a pipe, where nobody's window is narrower."""
+
 
 def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
     """Print `reduction` beside what is published about the article `against` (None: beside nothing).
@@ -21,5 +24,7 @@ def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
     from rich.console import Console
 
     console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, PIPED_WIDTH)
     for page in reduction.pages(published):
         console.print(page)

@@ -20,7 +20,7 @@ OccShape = Any
 
 def solid(part: Part) -> OccShape:
     """The part as a CadQuery compound [mm], in the article's frame, its voids cut out."""
-    return _cut(_compound(part.shape.solids), part.shape.voids).moved(_location(part.pose))
+    return _cut(_compound(part.shape.solids), part.shape.voids).moved(location(part.pose))
 
 
 def _cut(material: OccShape, voids: Iterable[Placed]) -> OccShape:
@@ -35,7 +35,7 @@ def _compound(solids: Iterable[Placed]) -> OccShape:
 
 
 def _placed(placed: Placed) -> OccShape:
-    return _primitive(placed.primitive).moved(_location(placed.pose))
+    return _primitive(placed.primitive).moved(location(placed.pose))
 
 
 def _primitive(primitive: Primitive) -> OccShape:
@@ -49,7 +49,7 @@ def _primitive(primitive: Primitive) -> OccShape:
     return Solid.makeCylinder(primitive.diameter / 2 / MM, height, Vector(0, 0, -height / 2))
 
 
-def _location(pose: Pose) -> Any:
+def location(pose: Pose) -> Any:
     """`pose` as a CadQuery location, its translation in millimetres."""
     from cadquery import Location
     from OCP.gp import gp_Trsf

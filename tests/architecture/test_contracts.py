@@ -17,6 +17,7 @@ TRESPASSES = {
     "cadquery": ("geometry", "from OCP.gp import gp_Trsf"),
     "gmsh": ("fem", "import gmsh"),
     "trimesh": ("validation", "import trimesh"),
+    "igl": ("geometry", "from igl.copyleft import cgal"),
     "pinocchio": ("fem", "import coal"),
     "exudyn": ("geometry", "import exudyn"),
     "pyvista": ("geometry", "import vtkmodules.all"),
@@ -26,7 +27,8 @@ TRESPASSES = {
 
 DOORS = {
     "cadquery": "geometry/cad/solids.py",
-    "trimesh": "geometry/mesh.py",
+    "trimesh": "geometry/mesh/mass.py",
+    "igl": "geometry/mesh/self_intersection.py",
     "pinocchio": "geometry/multibody.py",
     "exudyn": "fem/flexible_body.py",
     "pyvista": "validation/pictures.py",

@@ -4,9 +4,12 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from tools.doctor import LIBRARIES, install_line, installed, main, missing, report
 
@@ -74,3 +77,11 @@ def set_up(root: Path, folder: Path, *, path: Path, then: str = "") -> subproces
     environment = {**os.environ, "PATH": f"{path}:{then}".rstrip(":")}
     command = ["/bin/sh", str(root / "tools/setup.sh"), str(folder / "venv")]
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_the_lock_satisfies_what_the_project_asks_for(root: Path) -> None:
+    pattern = re.compile(r"^([a-z0-9._-]+)==(\S+)", re.MULTILINE)
+    locked = {canonicalize_name(name): version for name, version in pattern.findall((root / "requirements.lock").read_text())}
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [Requirement(line) for line in (*project["dependencies"], *project["optional-dependencies"]["dev"])]
+    assert [str(want) for want in wanted if locked.get(canonicalize_name(want.name), "0") not in want.specifier] == []

@@ -20,7 +20,8 @@ heights = st.floats(0.01, 2)
 
 def brick(name: str, height: float = 0.1, seat: Pose | None = None) -> Article:
     shape = Shape(solids=(Placed(primitive=Box(size=np.array([0.1, 0.1, height]))),))
-    return Article(name=name, parts=(Part(name="body", material=material("steel"), shape=shape),), seat=seat)
+    pose = Pose(position=np.array([0.3, -0.2, 0.0]), rotation=rotation_about("y", 0.7))
+    return Article(name=name, parts=(Part(name="body", material=material("steel"), shape=shape, pose=pose),), seat=seat)
 
 
 @pytest.mark.parametrize("name", [*NAMES, *SETUPS, "disc+cuboid"])
@@ -91,8 +92,9 @@ def test_each_article_sits_on_the_seat_of_the_one_below(first: float, second: fl
 @given(heights, st.floats(-3, 3))
 def test_a_turned_seat_turns_what_stands_on_it(height: float, angle: float) -> None:
     seat = Pose(position=np.array([0.1, 0.2, height]), rotation=rotation_about("z", angle))
-    top = stacked(brick("a", seat=seat), brick("b")).parts[1]
-    assert_allclose(top.pose.apply([1, 0, 0]), seat.apply([1, 0, 0]), rtol=0, atol=1e-15)
+    above = brick("b")
+    top = stacked(brick("a", seat=seat), above).parts[1]
+    assert_allclose(top.pose.apply([1, 0, 0]), seat.apply(above.parts[0].pose.apply([1, 0, 0])), rtol=0, atol=1e-14)
 
 
 @given(heights, st.floats(-3, 3))
@@ -113,7 +115,9 @@ def test_a_single_article_is_its_own_stack() -> None:
 
 
 def test_two_articles_of_one_kind_can_stand_on_each_other() -> None:
-    assert [part.name for part in built_in("disc+disc+cuboid").parts] == ["disc/plate", "disc-2/plate", "cuboid/block"]
+    stack = built_in("disc+disc+cuboid")
+    assert [part.name for part in stack.parts] == ["disc/plate", "disc-2/plate", "cuboid/block"]
+    assert stack.note.count(built_in("disc").note) == 1
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.lengths import MILLIMETRE
 from geometry.mesh import inertia
-from geometry.mesh_checks import require_closed_volume
-from geometry.triangles import TriangleMesh, joined, merged, placed, scaled, selected, turned
+from geometry.mesh.checks import require_closed_volume
+from geometry.mesh.triangles import TriangleMesh, joined, merged, placed, scaled, selected, turned
 
 trimesh = pytest.importorskip("trimesh", reason="makes the meshes that are judged here")
 

@@ -1,5 +1,6 @@
 """Pictures: the ellipsoid in closed form, the camera against what is rendered, and files that are whole or absent."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -22,6 +23,7 @@ from geometry.inertia import Inertia
 from validation.pictures import DrawnBody, contact_sheet, drawn_bodies, picture, window
 from validation.pictures.ellipsoid import Ellipsoid, equivalent_ellipsoid
 from validation.pictures.labels import Label, arranged
+from validation.pictures.page import shortened, view_of
 from validation.pictures.palette import AXES, MATERIALS, OTHERS, colours
 from validation.pictures.panel import direction, significant
 from validation.pictures.scene import Arrow, rendered
@@ -153,17 +155,20 @@ def test_a_length_across_the_line_of_sight_is_true_to_scale_wherever_it_lies() -
 
 
 @pytest.mark.usefixtures("renderer")
-def test_the_cog_is_marked_where_vtk_draws_it() -> None:
-    """A small red ball of a DrawnBody at the CoG of a brick: the middle of its pixels against our own projection."""
+@pytest.mark.parametrize("place", ["cog", "left lower corner", "right upper corner"])
+def test_a_mark_is_set_where_vtk_draws_what_it_marks(place: str) -> None:
+    """A small red ball at the CoG of a brick and at its corners: the middle of its pixels against our own projection."""
     size, foot = (0.2, 0.3, 0.5), (0.1, -0.2, 0.05)
     ellipsoid = equivalent_ellipsoid(of_brick(size, foot))
     view = fitted(brick(size, foot).vertices, (480, 360), margin=30)
-    half = 0.01 * view.towards
-    dot = Arrow(start=ellipsoid.centre - half, end=ellipsoid.centre + half, radius=0.01, colour="#ff0000")
-    image = rendered(view, [brick(size, foot)], ellipsoid, [dot])
+    corners = {"left lower corner": brick(size, foot).vertices[0], "right upper corner": brick(size, foot).vertices[-1]}
+    point, half = corners.get(place, ellipsoid.centre), 0.01 * view.towards
+    image = rendered(
+        view, [brick(size, foot)], ellipsoid, [Arrow(start=point - half, end=point + half, radius=0.01, colour="#ff0000")]
+    )
     rows, columns = np.nonzero(nearest(image, "#ff0000", 0.15))
     assert len(rows) > 50
-    assert_allclose([columns.mean() + 0.5, rows.mean() + 0.5], view.pixel(ellipsoid.centre), rtol=0, atol=1.0)
+    assert_allclose([columns.mean() + 0.5, rows.mean() + 0.5], view.pixel(point), rtol=0, atol=1.0)
 
 
 # --- what is rendered ------------------------------------------------------------------------------------------------
@@ -245,13 +250,13 @@ def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(
         assert nearest(image, colour, 0.25).sum() > 100
 
 
-@pytest.mark.usefixtures("renderer")
-def test_a_frame_far_away_does_not_make_the_article_small(tmp_path: Path) -> None:
-    for foot in ((0.0, 0.0, 0.0), (0.0, 0.0, 50.0)):
-        size = (0.2, 0.1, 0.4)
-        picture("brick", [brick(size, foot)], of_brick(size, foot), tmp_path / f"{foot[2]:g}.png")
-    near, far = (nearest(np.round(255 * imread(tmp_path / f"{z}.png")[..., :3]), MATERIALS["steel"], 0.4).sum() for z in (0, 50))
-    assert far > 0.9 * near
+@pytest.mark.parametrize(("height", "shown"), [(0.0, True), (0.1, True), (50.0, False)])
+def test_the_frames_origin_is_in_the_picture_unless_it_would_make_the_article_small(height: float, shown: bool) -> None:
+    size, foot = (0.2, 0.1, 0.4), (0.0, 0.0, height)
+    view = view_of([brick(size, foot)], equivalent_ellipsoid(of_brick(size, foot)))
+    origin = view.pixel(np.zeros(3))
+    assert np.all((origin >= 0) & (origin <= view.size)) == shown
+    assert 0.4 / view.scale > 0.5 * view.size[1]
 
 
 def test_an_impossible_inertia_is_not_drawn(tmp_path: Path) -> None:
@@ -267,12 +272,50 @@ def test_a_picture_without_counted_bodies_is_not_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("renderer")
-def test_a_failed_writing_leaves_the_old_picture(tmp_path: Path) -> None:
-    old = tmp_path / "brick.notaformat"
+def test_a_failed_writing_leaves_the_old_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old = tmp_path / "brick.png"
     old.write_text("old")
-    with pytest.raises(ValueError, match="notaformat"):
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
+    with pytest.raises(OSError, match="No space left"):
         picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), old)
     assert [entry.read_text() for entry in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("name", ["brick", "brick.gif", "brick.png.txt"])
+def test_a_format_that_cannot_be_written_is_refused_before_anything_is_drawn(tmp_path: Path, name: str) -> None:
+    with pytest.raises(BadInput, match=r"a picture ends in \.png, \.jpg, \.jpeg, found"):
+        picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), tmp_path / name)
+
+
+@pytest.mark.usefixtures("renderer")
+def test_names_that_a_user_chose_are_written_as_they_are(tmp_path: Path) -> None:
+    """A file called ``a$b$`` is not mathematics, and a long path or forty materials do not break the page."""
+    bodies = [brick((0.1, 0.1, 0.1), (0.11 * i, 0, 0), material=f"$alloy_{{{i} unfinished") for i in range(40)]
+    picture("/a/very/long/path" * 10 + "$x$.step", bodies, of_brick((4.4, 0.1, 0.1)), tmp_path / "x.jpg", note="$ {long} " * 300)
+    assert imread(tmp_path / "x.jpg").shape == (1200, 1600, 3)
+
+
+def test_a_long_name_loses_its_middle() -> None:
+    assert shortened("abcdefghij", 10) == "abcdefghij"
+    assert shortened("abcdefghijk", 9) == "abcd…hijk"
+
+
+def test_a_drawn_body_is_a_copy_that_cannot_be_changed_and_refuses_what_is_no_mesh() -> None:
+    vertices = CORNERS.copy()
+    body = DrawnBody(name="brick", material="steel", vertices=vertices, faces=FACES)
+    vertices[0] = 9.0
+    assert body.vertices[0, 0] == 0.0
+    for array in (body.vertices, body.faces):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    with pytest.raises(ValueError, match="`faces` must be"):
+        DrawnBody(name="brick", material="steel", vertices=CORNERS, faces=FACES + 1)
+    with pytest.raises(ValueError, match="`vertices` must"):
+        DrawnBody(name="brick", material="steel", vertices=CORNERS * np.nan, faces=FACES)
 
 
 @pytest.fixture
@@ -317,7 +360,7 @@ def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.usefixtures("renderer")
-def test_nothing_is_said_without_a_screen(root: Path) -> None:
+def test_nothing_is_said_without_a_screen() -> None:
     """A process of its own without DISPLAY: neither VTK nor Mesa writes to standard error."""
     code = (
         "from validation.pictures.scene import _shot\n"
@@ -327,8 +370,8 @@ def test_nothing_is_said_without_a_screen(root: Path) -> None:
         "with off_screen():\n"
         "    assert _shot(fitted(np.eye(3), (32, 24), 2), lambda plotter: None).min() == 255\n"
     )
-    quiet = {name: value for name, value in os.environ.items() if name != "DISPLAY"} | {"PYTHONPATH": str(root)}
-    ended = subprocess.run([sys.executable, "-c", code], env=quiet, capture_output=True, text=True, check=False)
+    quiet = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    ended = subprocess.run([sys.executable, "-P", "-c", code], env=quiet, capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
 
 
@@ -368,8 +411,8 @@ def test_figures_keep_five_significant_digits(value: float, text: str) -> None:
 
 
 def test_a_principal_axis_is_named_when_it_is_one_of_the_frame_and_spelt_out_otherwise() -> None:
-    assert direction(np.array([0.0, 0.0, 1.0])) == "$z$"
-    assert direction(np.array([-1.0, 0.0, 0.0])) == "−$x$"
+    assert direction(np.array([0.0, 0.0, 1.0])) == "along $z$"
+    assert direction(np.array([-1.0, 0.0, 0.0])) == "along −$x$"
     assert direction(np.array([0.6, -0.8, 0.0])) == "(0.600, −0.800, 0.000)"
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.arrays import Array, frozen
 from geometry.article import Article
 
 CHORD = 1e-4
@@ -32,6 +32,15 @@ class DrawnBody:
     vertices: Array
     faces: npt.NDArray[np.int64]
     counted: bool = True
+
+    def __post_init__(self) -> None:
+        vertices = np.asarray(self.vertices)
+        object.__setattr__(self, "vertices", frozen(vertices, (len(vertices), 3), "vertices"))
+        faces = np.array(self.faces, dtype=np.int64)
+        if faces.ndim != 2 or faces.shape[1] != 3 or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
+            raise ValueError(f"`faces` must be (k, 3) indices of {len(vertices)} vertices, found shape {faces.shape}")
+        faces.setflags(write=False)
+        object.__setattr__(self, "faces", faces)
 
 
 def drawn_bodies(article: Article, chord: float = CHORD) -> tuple[DrawnBody, ...]:

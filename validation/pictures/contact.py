@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from geometry.atomic import write_with
 from geometry.errors import BadInput
+from validation.pictures.files import save
 
 COLUMNS = 2
 TILE = (800, 600)
@@ -20,7 +20,7 @@ def contact_sheet(paths: Sequence[Path], path: Path) -> None:
 
     Raises
     ------
-    BadInput : no picture, or a file that is none.
+    BadInput : no picture, a file that is none, or an unknown ending of `path`.
     """
     from PIL import Image
 
@@ -33,7 +33,7 @@ def contact_sheet(paths: Sequence[Path], path: Path) -> None:
         sheet.paste(_tile(tile), (column * TILE[0], row * TILE[1]))
     octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
     finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
-    write_with(path, lambda temporary: finished.save(temporary, optimize=True))
+    save(path, lambda temporary: finished.save(temporary, optimize=True))
 
 
 def _tile(path: Path) -> Any:

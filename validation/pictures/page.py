@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.atomic import write_with
 from geometry.consistency import require_physical
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from validation.pictures.bodies import DrawnBody
 from validation.pictures.ellipsoid import Ellipsoid, equivalent_ellipsoid
+from validation.pictures.files import require_format, save
 from validation.pictures.labels import Label, arranged
 from validation.pictures.palette import AXES, ELLIPSOID, FAINT, INK, PAPER, UNCOUNTED, colours
 from validation.pictures.panel import Block, blocks
@@ -30,6 +30,9 @@ DPI = 100
 
 PANEL = (1156, 1556)
 """Left and right edge of the panel [pixel]."""
+
+LEGEND_ENTRIES = 20
+"""There is no room for more; of very many materials the last in the alphabet are named."""
 
 AXIS_LENGTH, FRAME_LENGTH = 190.0, 95.0
 AXIS_RADIUS, FRAME_RADIUS = 3.6, 2.2
@@ -56,9 +59,10 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
 
     Raises
     ------
-    BadInput : no body counts, or no body can have this `inertia`.
+    BadInput : no body counts, no body can have this `inertia`, or the ending of `path` is unknown.
     CheckFailed : nothing can be rendered on this machine.
     """
+    require_format(path)
     if not any(body.counted for body in bodies):
         raise BadInput(source=f"picture of {title}", field="bodies", problem="no body counts", remedy="Give at least one")
     ellipsoid = equivalent_ellipsoid(require_physical(inertia, f"picture of {title}"))
@@ -73,7 +77,7 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     bottom = _panel(canvas, blocks(bodies, inertia, ellipsoid))
     _legend(canvas, bodies, bottom)
     _note(canvas, note if _origin_shown(view) else f"The frame's origin lies outside the picture; its axes are shown. {note}")
-    write_with(path, lambda temporary: figure.savefig(temporary, dpi=DPI, metadata=_metadata(temporary)))
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
 
 
 def view_of(bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid) -> View:
@@ -130,11 +134,18 @@ def _blank() -> tuple[Any, Canvas]:
 
 
 def _write(canvas: Canvas, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> Any:
-    return canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", **how)
+    """Text at a place [pixel], `size` in pixels; dollar signs are mathematics only where `parse_math` says so."""
+    return canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", **{"parse_math": False} | how)
 
 
 def _title(canvas: Canvas, title: str) -> None:
-    _write(canvas, 48, 64, title, 34, va="center", weight="bold")
+    _write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
+
+
+def shortened(text: str, longest: int) -> str:
+    """`text` with its middle left out when it is longer than `longest` characters: both ends of a path tell something."""
+    half = (longest - 1) // 2
+    return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
 
 
 def _marks(canvas: Canvas, view: View, ellipsoid: Ellipsoid) -> None:
@@ -216,7 +227,7 @@ def _panel(canvas: Canvas, contents: Sequence[Block]) -> float:
             _write(canvas, left, y, block.small, 13.5, FAINT, va="baseline")
         for row in block.rows:
             y += 26
-            _write(canvas, left + 8, y, row.name, 16.5, row.colour or INK, va="baseline")
+            _write(canvas, left + 8, y, row.name, 16.5, row.colour or INK, va="baseline", parse_math=True)
             _write(canvas, right - 62, y, row.value, 16.5, ha="right", va="baseline")
             _write(canvas, right - 52, y, row.unit, 16.5, FAINT, va="baseline")
         y += 40
@@ -233,17 +244,12 @@ def _legend(canvas: Canvas, bodies: Sequence[DrawnBody], y: float) -> None:
     entries = [(colour, 0.75, name) for name, colour in shown.items()]
     entries += [(UNCOUNTED, 0.25, "not counted")] if any(not body.counted for body in bodies) else []
     entries += [(ELLIPSOID, 0.3, "equivalent ellipsoid")]
-    for i, (colour, opacity, text) in enumerate(entries):
+    for i, (colour, opacity, text) in enumerate(entries[-LEGEND_ENTRIES:]):
         x, line = left + 8 + 200 * (i % 2), y + 30 + 28 * (i // 2)
         canvas.add_patch(Rectangle((x, line - 15), 26, 18, facecolor=colour, alpha=opacity, edgecolor=INK, linewidth=0.8))
-        _write(canvas, x + 36, line, text, 15.5, va="baseline")
+        _write(canvas, x + 36, line, shortened(text, 20), 15.5, va="baseline")
 
 
 def _note(canvas: Canvas, note: str) -> None:
-    for i, line in enumerate(textwrap.wrap(note, 190)):
-        _write(canvas, 48, 1148 + 22 * i, line, 14.5, FAINT, va="baseline")
-
-
-def _metadata(path: Path) -> dict[str, str | None]:
-    """Nothing that changes from run to run."""
-    return {"Software": None} if path.suffix == ".png" else {}
+    for i, line in enumerate(textwrap.wrap(note, 180, max_lines=3, placeholder=" …")):
+        _write(canvas, 48, 1142 + 21 * i, line, 14.5, FAINT, va="baseline")

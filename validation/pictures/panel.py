@@ -85,7 +85,7 @@ def _tensor(inertia: Inertia) -> Block:
 def _principal(ellipsoid: Ellipsoid) -> Block:
     rows = tuple(
         Row(
-            name=rf"$I_{i + 1}$ along {direction(ellipsoid.axes[:, i])}",
+            name=rf"$I_{i + 1}$ {direction(ellipsoid.axes[:, i])}",
             value=significant(moment, 5),
             unit="kg m²",
             colour=AXES[i],
@@ -105,10 +105,10 @@ def _freedom(ellipsoid: Ellipsoid) -> str:
 
 
 def direction(axis: Array) -> str:
-    """A unit vector (3,) in words: ``z`` when it is a frame axis, else its components."""
+    """A unit vector (3,) in words: ``along z`` when it is a frame axis, else its components."""
     k = int(np.argmax(np.abs(axis)))
     if abs(axis[k]) > 1 - 1e-9:
-        return f"{'−' if axis[k] < 0 else ''}${'xyz'[k]}$"
+        return f"along {'−' if axis[k] < 0 else ''}${'xyz'[k]}$"
     return "(" + ", ".join(f"{round(c, 3) + 0.0:.3f}" for c in axis).replace("-", "−") + ")"
 
 

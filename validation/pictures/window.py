@@ -54,7 +54,8 @@ def _require_renderer() -> None:
     """Render a black ball in a child process, once a session."""
     environment = os.environ | _environment()
     try:
-        trial = subprocess.run([sys.executable, "-c", TRIAL], env=environment, capture_output=True, timeout=PATIENCE, check=False)
+        command = [sys.executable, "-P", "-c", TRIAL]
+        trial = subprocess.run(command, env=environment, capture_output=True, timeout=PATIENCE, check=False)
     except subprocess.TimeoutExpired:
         raise _no_renderer("it did not answer", "") from None
     if trial.returncode != 0:

@@ -13,14 +13,12 @@ from collections.abc import Iterable
 from itertools import islice
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.lengths import METRE, LengthUnit
-from geometry.self_intersection import intersecting_faces, shared_volume, winding_number
-from geometry.triangles import Edges, Integers, TriangleMesh, edges, joined, merged, piece_of_face, pieces
+from geometry.mesh.self_intersection import intersecting_faces, shared_volume, winding_number
+from geometry.mesh.triangles import Edges, Integers, TriangleMesh, connected, edges, joined, merged, piece_of_face, pieces
 
 ROUNDING = 16 * float(np.finfo(np.float64).eps)
 """Heights of triangles up to this times the largest coordinate are no more than rounding."""
@@ -139,9 +137,8 @@ def _connected(ends: Integers) -> list[Integers]:
     """The edges (n, 2) gathered into connected lines, the longest first."""
     vertices, index = np.unique(ends, return_inverse=True)
     index = index.reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (index[:, 0], index[:, 1])), shape=(len(vertices),) * 2)
-    count, label = connected_components(graph, directed=False)
-    return sorted((ends[label[index[:, 0]] == number] for number in range(count)), key=len, reverse=True)
+    label = connected(index, len(vertices))[index[:, 0]]
+    return sorted((ends[label == number] for number in range(label.max() + 1)), key=len, reverse=True)
 
 
 # --- pieces ---------------------------------------------------------------------------------------------------------------

@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from geometry.arrays import Array, frozen
 from geometry.frames import Pose
@@ -93,11 +91,18 @@ def edges(mesh: TriangleMesh) -> Edges:
 def piece_of_face(mesh: TriangleMesh) -> Integers:
     """(k,) number of the connected piece that each face belongs to, 0 for the piece of the first face; joined by edges."""
     count, edge = len(mesh.faces), edges(mesh)
-    rows, columns = np.repeat(np.arange(count), 3), count + edge.of_face.reshape(-1)
-    nodes = count + len(edge.ends)
-    _, label = connected_components(coo_array((np.ones(3 * count), (rows, columns)), shape=(nodes, nodes)), directed=False)
-    _, first, numbered = np.unique(label[:count], return_index=True, return_inverse=True)
+    links = np.column_stack([np.repeat(np.arange(count), 3), count + edge.of_face.reshape(-1)])
+    _, first, numbered = np.unique(connected(links, count + len(edge.ends))[:count], return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[numbered.reshape(-1)].astype(np.int64)
+
+
+def connected(links: Integers, nodes: int) -> Integers:
+    """(nodes,) label of the connected part of a graph that each node belongs to; `links` (n, 2) are its edges."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=(nodes, nodes))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def pieces(mesh: TriangleMesh) -> tuple[TriangleMesh, ...]:

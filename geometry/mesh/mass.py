@@ -1,6 +1,6 @@
 """Door to trimesh: closed mesh -> `Inertia`, the second of the three routes, and mesh files -> `TriangleMesh`.
 
-trimesh gives mass -1 for an inside-out box and NaN for a flat one without a word, so `geometry.mesh_checks` stands before it. Its
+trimesh gives mass -1 for an inside-out box and NaN for a flat one without a word, so `geometry.mesh.checks` stands before it. Its
 tensors are matrix entries (products negative integrals, as in Eq. 4) about the *centre of mass*, for the density that it is told.
 """
 
@@ -13,10 +13,8 @@ import numpy.typing as npt
 from geometry.arrays import Array
 from geometry.inertia import Inertia
 from geometry.lengths import METRE, LengthUnit
-from geometry.mesh_checks import require_closed_volume
-from geometry.triangles import TriangleMesh
-
-__all__ = ["MassProperties", "TriangleMesh", "from_trimesh", "inertia", "to_trimesh"]
+from geometry.mesh.checks import require_closed_volume
+from geometry.mesh.triangles import TriangleMesh
 
 
 class MassProperties(NamedTuple):
@@ -45,14 +43,14 @@ def inertia(mesh: TriangleMesh, density: float, source: str, unit: LengthUnit = 
 
     Raises
     ------
-    BadInput : the mesh is not the skin of a body; `geometry.mesh_checks` lists the ways.
+    BadInput : the mesh is not the skin of a body; `geometry.mesh.checks` lists the ways.
     """
     require_closed_volume(mesh, source, unit)
     return inertia_unchecked(mesh, density)
 
 
 def inertia_unchecked(mesh: TriangleMesh, density: float) -> Inertia:
-    """As `inertia`, for a mesh that has passed `geometry.mesh_checks` already, or that is a piece of one."""
+    """As `inertia`, for a mesh that has passed `geometry.mesh.checks` already, or that is a piece of one."""
     from trimesh.triangles import mass_properties
 
     middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits

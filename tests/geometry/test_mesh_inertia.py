@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from geometry.mesh import TriangleMesh, from_trimesh, inertia, to_trimesh
-from geometry.triangles import joined, merged, pieces, placed, scaled, turned
+from geometry.mesh.triangles import joined, merged, pieces, placed, scaled, turned
 
 trimesh = pytest.importorskip("trimesh", reason="the mesh route is what is tested here")
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.triangles import Integers, TriangleMesh
+from geometry.mesh.triangles import Integers, TriangleMesh
 
 
 def intersecting_faces(mesh: TriangleMesh) -> Integers:

@@ -1,0 +1,85 @@
+"""The routes from a user's files to inertia, and whether they agree.
+
+Solids from STEP go two ways: OCC integrates the B-rep, trimesh a closed mesh of it with a stated chord
+error. Meshes are already what trimesh integrates, exactly, and there is no second opinion on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+
+import numpy as np
+
+from geometry.arrays import Array, frozen
+from geometry.inertia import PARAMETERS, Inertia
+from geometry.mesh import inertia_unchecked
+from geometry.mesh.self_intersection import shared_volume
+from geometry.routes import ROUNDING, Agreement
+from geometry.user_article.nouns import UserArticle, UserPart
+
+SLIVER = 1e-3
+"""Share of the smaller of two parts that their meshes may have in common before it is worth a warning."""
+
+
+def inertias(article: UserArticle) -> Mapping[str, Inertia]:
+    """Inertia of `article` about its origin by route: "trimesh", and before it "occ" when every part is a solid."""
+    by_mesh = sum((inertia_unchecked(part.mesh, part.material.density) for part in article.parts), _NOTHING)
+    return {"occ": _by_occ(article), "trimesh": by_mesh} if article.exact else {"trimesh": by_mesh}
+
+
+def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
+    """Hold "occ" against "trimesh", to rounding and to what the chord error of the curved faces can make."""
+    if "occ" not in found:
+        text = "one route only: a mesh is integrated exactly as it is, and nothing else is known of it"
+        return Agreement(agree=True, text=text, difference=_ZERO, tolerance=_ZERO, excess=0.0)
+    occ, trimesh = found["occ"], found["trimesh"]
+    difference = np.abs(occ.parameters - trimesh.parameters)
+    tolerance = sum((_missed(part) for part in article.parts), ROUNDING * _size(occ))
+    ratio = difference / tolerance
+    k = int(np.argmax(ratio))
+    relation = "agree" if ratio[k] <= 1 else "disagree"
+    text = f"occ and trimesh {relation}: {PARAMETERS[k]} differs by {difference[k]:.2e}, {tolerance[k]:.2e} allowed"
+    return Agreement(
+        agree=bool(ratio[k] <= 1),
+        text=text,
+        difference=frozen(difference, (10,), "difference"),
+        tolerance=frozen(tolerance, (10,), "tolerance"),
+        excess=float(ratio[k]),
+    )
+
+
+def overlap_warnings(parts: tuple[UserPart, ...]) -> Iterator[str]:
+    """A sentence for every two parts that share more than a sliver of volume, which then counts in both materials."""
+    for first, second in combinations(parts, 2):
+        a, b = first.mesh, second.mesh
+        if np.any(np.maximum(a.bounds[0], b.bounds[0]) >= np.minimum(a.bounds[1], b.bounds[1])):
+            continue
+        share = shared_volume(a, b) / min(a.volume, b.volume)
+        if share > SLIVER:
+            yield f"parts {first.name} and {second.name} overlap: {share:.2%} of the smaller one counts twice"
+
+
+def _by_occ(article: UserArticle) -> Inertia:
+    from geometry.cad.brep import from_occ
+
+    return sum((from_occ(part.solid, part.material.density) for part in article.parts), _NOTHING)
+
+
+def _missed(part: UserPart) -> Array:
+    """Bound on what a mesh within the chord error of the true surface misses or adds: a shell over the curved faces; (10,)."""
+    from geometry.cad import step
+
+    area, (x, y, z) = step.curved_reach(part.solid)
+    mass = part.material.density * area * part.chord
+    return np.asarray(mass * np.array([1, x, y, z, y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z]))
+
+
+def _size(inertia: Inertia) -> Array:
+    """The size of each parameter for a body of this mass and radius of gyration about the origin, (10,)."""
+    radius = np.sqrt(np.trace(inertia.tensor) / (2 * inertia.mass))
+    return np.asarray(inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
+
+
+_NOTHING = Inertia(parameters=np.zeros(10))
+_ZERO = frozen(np.zeros(10), (10,), "zero")
