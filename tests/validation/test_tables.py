@@ -29,18 +29,18 @@ def table(article: str = "clumod-1") -> ReferenceTable:
 
 
 VALUES = """\
-|                 |       occ | published |    identified |
-| :-------------- | --------: | --------: | ------------: |
-| Mass m [kg]     |  32.9500  |     32.95 |  33.92 ± 1.02 |
-| CoG x [mm]      |   0.000   |      0.00 |   0.39 ± 2.00 |
-| CoG y [mm]      |   0.000   |      0.00 |  -5.45 ± 2.00 |
-| CoG z [mm]      | 270.600   |    270.60 | 283.61 ± 2.00 |
-| MoI Θxx [kg m²] |   6.42000 |      6.42 |   6.56 ± 0.20 |
-| MoI Θyy [kg m²] |   6.00000 |      6.00 |   6.93 ± 0.21 |
-| MoI Θzz [kg m²] |   0.77000 |      0.77 |  0.75 ± 0.022 |
-| PoI Θxy [kg m²] |   0.00000 |         – |             – |
-| PoI Θxz [kg m²] |   0.00000 |         – |             – |
-| PoI Θyz [kg m²] |   0.00000 |         – |             – |
+|                 |       occ | published |     identified |
+| :-------------- | --------: | --------: | -------------: |
+| Mass m [kg]     |  32.9500  |     32.95 |  33.92 ± 1.02  |
+| CoG x [mm]      |   0.000   |      0.00 |   0.39 ± 2.00  |
+| CoG y [mm]      |   0.000   |      0.00 |  -5.45 ± 2.00  |
+| CoG z [mm]      | 270.600   |    270.60 | 283.61 ± 2.00  |
+| MoI Θxx [kg m²] |   6.42000 |      6.42 |   6.56 ± 0.20  |
+| MoI Θyy [kg m²] |   6.00000 |      6.00 |   6.93 ± 0.21  |
+| MoI Θzz [kg m²] |   0.77000 |      0.77 |   0.75 ± 0.022 |
+| PoI Θxy [kg m²] |   0.00000 |      –    |   –            |
+| PoI Θxz [kg m²] |   0.00000 |      –    |   –            |
+| PoI Θyz [kg m²] |   0.00000 |      –    |   –            |
 """
 
 DEVIATIONS = """\
@@ -53,14 +53,15 @@ DEVIATIONS = """\
 | MoI Θxx [kg m²] | 0.00 %           |  0.0 |  2.18 %           |  0.7 | all within                          |
 | MoI Θyy [kg m²] | 0.00 %           |  0.0 | 15.50 %           |  4.5 | identified outside (4.5 tolerances) |
 | MoI Θzz [kg m²] | 0.00 %           |  0.0 | -2.60 %           | -0.9 | all within                          |
+| PoI Θxy [kg m²] | –                |  –   |  –                |  –   | nothing to compare                  |
+| PoI Θxz [kg m²] | –                |  –   |  –                |  –   | nothing to compare                  |
+| PoI Θyz [kg m²] | –                |  –   |  –                |  –   | nothing to compare                  |
 """
 
 
 def test_table_2_in_markdown_reads_as_in_the_paper() -> None:
     page = markdown.render(table())
-    squeezed = re.sub(r" +", " ", page)
-    assert re.sub(r" +", " ", VALUES) in squeezed
-    assert re.sub(r" +", " ", DEVIATIONS) in squeezed
+    assert f"\n\n{VALUES}\n{DEVIATIONS}\n" in page
     assert "- The paper contradicts itself" in page
     assert "- Tolerance of identified: assumed: the paper prints" in page
 

@@ -33,6 +33,12 @@ def values(table: ReferenceTable) -> Grid:
     return Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
 
 
+def grids(table: ReferenceTable) -> tuple[Grid, ...]:
+    """The values and, where anything can be compared, their deviations."""
+    compared = any(row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
+    return (values(table), deviations(table)) if compared else (values(table),)
+
+
 def deviations(table: ReferenceTable) -> Grid:
     """How far every column lies from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict."""
     columns = [c for c in table.columns if any(row(table, c, k) for k in range(len(QUANTITIES)))]
@@ -116,7 +122,12 @@ def _deviation(table: ReferenceTable, column: str, k: int) -> tuple[str, str]:
     own = f"{number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
     relative = None if percent is None else f"{number(percent, 2)} %"
     size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
-    return size, NONE if many is None else number(many, 1)
+    return size, NONE if many is None else _many(many)
+
+
+def _many(many: float) -> str:
+    """A deviation in tolerances; beyond a thousand the figure says nothing more."""
+    return number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
 
 
 def number(value: float, decimals: int) -> str:

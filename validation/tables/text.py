@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from validation.reference_table import ReferenceTable
-from validation.tables.grid import Grid, deviations, notes, values
+from validation.tables.grid import Grid, grids, notes
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -20,7 +20,7 @@ def render(table: ReferenceTable, width: int = 160) -> str:
     console = Console(width=width, color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(Text(table.article))
-        for grid in (values(table), deviations(table)):
+        for grid in grids(table):
             console.print(_table(grid))
         for note in notes(table):
             console.print(Padding(Text(note), (0, 0, 0, 2)))
