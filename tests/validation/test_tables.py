@@ -44,7 +44,7 @@ VALUES = """\
 """
 
 DEVIATIONS = """\
-| deviation       |              occ | tol. |        identified | tol. | verdict                             |
+| deviation       |           routes | tol. |        identified | tol. | verdict                             |
 | :-------------- | ---------------: | ---: | ----------------: | ---: | :---------------------------------- |
 | Mass m [kg]     | 0.00 %           |  0.0 |  2.94 %           |  1.0 | all within                          |
 | CoG x [mm]      | 0.00 mm          |  0.0 |  0.39 mm          |  0.2 | all within                          |
@@ -89,6 +89,12 @@ def test_the_text_holds_the_same_cells_as_the_grid() -> None:
     for shown in (grid.values(table()), grid.deviations(table())):
         for line in shown.lines:
             assert all(cell.strip() in page for cell in line)
+
+
+def test_decimal_points_line_up_in_the_text_too() -> None:
+    lines = [line for line in text.render(table()).splitlines() if "[" in line][:10]
+    starts = [[m.start() for m in re.finditer(r"\.", line)][:3] for line in lines[:7]]
+    assert all(found == starts[0] for found in starts), "\n".join(lines)
 
 
 def test_csv_has_one_line_for_each_stated_value() -> None:
