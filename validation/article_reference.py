@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from geometry.arrays import Array
 from geometry.article import Article
-from geometry.articles import built_in
+from geometry.articles import NAMES, built_in
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from geometry.inertia import Inertia
@@ -16,6 +18,9 @@ from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes
 from validation.published import published
 from validation.reference_table import MEASURED, PUBLISHED, ReferenceTable, route_statement
 from validation.statement import Stated, Statement, seen_from
+
+if TYPE_CHECKING:
+    from validation.pictures import DrawnBody
 
 DEFAULT_ARTICLES = ("cuboid", "disc", "fmd", "clumod-1", "clumod-4")
 """The four articles of the paper, Clumod in both configurations."""
@@ -32,53 +37,118 @@ class Asked:
     material: str | None = None
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Routes:
+    """Inertia by every route asked for, what each may be off by (10,) about the origin, and what was said on the way."""
+
+    inertias: Mapping[str, Inertia]
+    errors: Mapping[str, Array]
+    agree: bool = True
+    text: str = ""
+    note: str = ""
+    warnings: tuple[str, ...] = ()
+
+    def statements(self) -> dict[str, Statement]:
+        return {route: route_statement(route, inertia, self.errors.get(route)) for route, inertia in self.inertias.items()}
+
+
+def is_file(name: str) -> bool:
+    """Whether `name` is a user's own file or folder; the name of a built-in stack always means that."""
+    if set(name.split("+")) <= set(NAMES):
+        return False
+    return Path(name).exists() or name.lower().endswith((".step", ".stp", ".stl", ".ply", ".obj", ".toml")) or "/" in name
+
+
+def require_use(names: Sequence[str], asked: Asked) -> None:
+    """Refuse a unit or a material that no article of `names` could use.
+
+    Raises
+    ------
+    BadInput : one is given, and every article is built in.
+    """
+    given = [option for option, value in (("--unit", asked.unit), ("--material", asked.material)) if value is not None]
+    if given and not any(map(is_file, names)):
+        raise BadInput(source=given[0], problem="a built-in article states its own", remedy="Leave it out, or name a file")
+
+
 def reference_table(name: str, asked: Asked) -> ReferenceTable:
     """The table of the article `name`, in its own frame.
 
     Raises
     ------
-    BadInput : no such article.
+    BadInput : no such article, or a file of which no body can be made.
     """
-    article = built_in(name)
-    inertias = by_routes(article, asked.chord)
-    routes = {route: _route(article, route, inertia, asked.chord) for route, inertia in inertias.items()}
-    verdict = agreement(article, inertias, asked.chord)
+    routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked)
     print_ = published(name)
     return ReferenceTable(
         article=name,
-        columns={**routes, **print_.statements},
-        note=article.note,
-        agree=verdict.agree,
-        agreement=verdict.text,
-        footnotes=print_.footnotes,
+        columns={**routes.statements(), **print_.statements},
+        note=routes.note,
+        agree=routes.agree,
+        agreement=routes.text,
+        footnotes=(*print_.footnotes, *(f"{words[0].upper()}{words[1:]}." for words in routes.warnings)),
+        warnings=routes.warnings,
     )
 
 
-def reference(name: str, choice: str, asked: Asked, frame: Pose) -> Statement:
-    """What a result about the article `name` is held against: `choice` of `REFERENCES`, seen from `frame`.
+def reference(name: str, choice: str | None, asked: Asked, frame: Pose) -> tuple[str, Statement]:
+    """What a result about the article `name` is held against, seen from `frame`: `choice` of `REFERENCES`, and its name.
 
-    A route's values carry the tolerance of the published values where there are any: the geometry was solved from these, and
-    is not known better.
+    Without a choice it is the exact route, or the mesh where there is no other. A route's values carry the tolerance of the
+    published values where there are any: the geometry was solved from these, and is not known better.
 
     Raises
     ------
-    BadInput : no such article, or nothing of that choice is in print about it.
+    BadInput : no such article, or nothing of that choice is known of it.
     """
-    article, statements = built_in(name), published(name).statements
-    if choice in ROUTES:
-        exact = _route(article, choice, _BY_ROUTE[choice](article, asked.chord), asked.chord)
-        return seen_from(_as_well_as(exact, statements), frame)
-    if choice not in statements:
+    printed = {} if is_file(name) else published(name).statements
+    if choice is not None and choice in printed:
+        return choice, seen_from(printed[choice], frame)
+    routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=choice or ROUTES[0])
+    chosen = choice or next(iter(routes.inertias))
+    if chosen not in routes.inertias:
         raise BadInput(
             source=f"article {name}",
             field="--reference",
-            problem=f"nothing {choice} is in print about it",
-            remedy=f"Choose one of {', '.join((*(c for c in (PUBLISHED, MEASURED) if c in statements), *ROUTES))}",
+            problem=f"nothing {chosen} is known of it",
+            remedy=f"Choose one of {', '.join((*(c for c in (PUBLISHED, MEASURED) if c in printed), *_possible(name, routes)))}",
         )
-    return seen_from(statements[choice], frame)
+    return chosen, seen_from(_as_well_as(routes.statements()[chosen], printed), frame)
 
 
-def draw(name: str, folder: Path = Path("out")) -> Path:
+def _possible(name: str, routes: _Routes) -> tuple[str, ...]:
+    return tuple(routes.inertias) if is_file(name) else ROUTES
+
+
+def _of_built_in(name: str, asked: Asked, only: str | None = None) -> _Routes:
+    """By all routes, held against each other, or by `only` one of them (none when it is no route)."""
+    article = built_in(name)
+    errors = {"trimesh": tessellation_error(article, asked.chord)}
+    if only is not None:
+        found = {only: _BY_ROUTE[only](article, asked.chord)} if only in _BY_ROUTE else {}
+        return _Routes(inertias=found, errors=errors, note=article.note)
+    inertias = by_routes(article, asked.chord)
+    verdict = agreement(article, inertias, asked.chord)
+    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=verdict.text, note=article.note)
+
+
+def _of_file(name: str, asked: Asked) -> _Routes:
+    from geometry import user_article
+
+    article = user_article.load(name, unit=asked.unit, material=asked.material)
+    inertias = user_article.inertias(article)
+    verdict = user_article.agreement(article, inertias)
+    return _Routes(
+        inertias=inertias,
+        errors={"trimesh": verdict.tolerance} if "occ" in inertias else {},
+        agree=verdict.agree,
+        text=verdict.text,
+        note=article.note,
+        warnings=article.warnings,
+    )
+
+
+def draw(name: str, asked: Asked, folder: Path = Path("out")) -> Path:
     """Write the picture of the article `name` into `folder`, in the article's own frame, and say where it is.
 
     Raises
@@ -86,15 +156,37 @@ def draw(name: str, folder: Path = Path("out")) -> Path:
     BadInput : no such article.
     CheckFailed : nothing can be rendered on this machine.
     """
-    from validation.pictures import drawn_bodies, picture
+    from validation.pictures import picture
 
-    article, path = built_in(name), folder / f"{name}.png"
-    picture(name, drawn_bodies(article), _occ(article, DEFAULT_CHORD), path, article.note)
+    if is_file(name):
+        title, bodies, inertia, note = _users_drawing(name, asked)
+    else:
+        title, bodies, inertia, note = _drawing(name)
+    path = folder / f"{title}.png"
+    picture(title, bodies, inertia, path, note)
     return path
 
 
-def _route(article: Article, route: str, inertia: Inertia, chord: float) -> Statement:
-    return route_statement(route, inertia, tessellation_error(article, chord) if route == "trimesh" else None)
+_Drawing = tuple[str, "tuple[DrawnBody, ...]", Inertia, str]
+
+
+def _drawing(name: str) -> _Drawing:
+    from validation.pictures import drawn_bodies
+
+    article = built_in(name)
+    return name, drawn_bodies(article), _occ(article, DEFAULT_CHORD), article.note
+
+
+def _users_drawing(name: str, asked: Asked) -> _Drawing:
+    from geometry import user_article
+    from validation.pictures import DrawnBody
+
+    article = user_article.load(name, unit=asked.unit, material=asked.material)
+    bodies = tuple(
+        DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
+        for part in article.parts
+    )
+    return article.name, bodies, next(iter(user_article.inertias(article).values())), article.note
 
 
 def _as_well_as(exact: Statement, statements: Mapping[str, Statement]) -> Statement:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from geometry.consistency import judge
-from validation.reference_table import held_against
+from validation.reference_table import held_against, in_tolerances
 from validation.rows import Row
 from validation.statement import QUANTITIES, Statement
 
@@ -75,7 +75,7 @@ def summary(check: CrossCheck, against: str) -> str:
 def _named(row: Row) -> str:
     percent, many = row.deviation_percent, row.deviation_in_tolerances
     size = f"{row.deviation:+.3g} {row.unit}" if percent is None else f"{percent:+.2f} %"
-    return f"{row.quantity} ({size}{'' if many is None else f', {abs(many):.1f} tolerances'})"
+    return f"{row.quantity} ({size}{in_tolerances(many, ', ')})"
 
 
 def _physics(result: Statement) -> tuple[bool | None, str]:

@@ -35,6 +35,7 @@ class ReferenceTable:
     agree : whether the routes agree
     agreement : that verdict in a sentence
     footnotes : what must be known to read it
+    warnings : what was noticed on the way, in words; each is among the footnotes too
     """
 
     article: str
@@ -43,6 +44,7 @@ class ReferenceTable:
     agree: bool = True
     agreement: str = ""
     footnotes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def reference_columns(self) -> tuple[str | None, ...]:
@@ -137,5 +139,12 @@ def _shown(tolerance: float | None, quantity: Quantity) -> float | None:
 
 
 def _by(one: Row) -> str:
-    many = one.deviation_in_tolerances
-    return "" if many is None else f" ({abs(many):.1f} tolerances)"
+    words = in_tolerances(one.deviation_in_tolerances)
+    return f" ({words})" if words else ""
+
+
+def in_tolerances(many: float | None, before: str = "") -> str:
+    """A deviation in tolerances as words after `before`; empty without any."""
+    if many is None:
+        return ""
+    return f"{before}{abs(many):.1f} tolerances" if abs(many) < 1000 else f"{before}over 999 tolerances"

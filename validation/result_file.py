@@ -12,6 +12,7 @@ The same may be written in JSON. Missing values are allowed and come out as not 
 
 from __future__ import annotations
 
+import difflib
 import json
 import tomllib
 from dataclasses import dataclass
@@ -90,7 +91,8 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
         source=name,
         field="format",
         problem=f"is none of the forms that can be read, found the keys {', '.join(table) or '(none)'}",
-        remedy=keys.nearest("format", table) + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`",
+        remedy=("Did you mean format? " if difflib.get_close_matches("format", list(table)) else "")
+        + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`",
     )
 
 

@@ -14,6 +14,7 @@ from validation.commands import options
 
 if TYPE_CHECKING:
     from geometry.frames import Pose
+    from validation.article_reference import Asked
     from validation.reference_table import ReferenceTable
     from validation.result_file import Result
 
@@ -48,23 +49,24 @@ def command(
 
     Exit code 1 when the routes of an article disagree by more than their stated errors.
     """
-    from validation.article_reference import DEFAULT_ARTICLES, reference_table
+    from validation.article_reference import DEFAULT_ARTICLES, reference_table, require_use
     from validation.frame_text import read_frame
     from validation.progress import counted
 
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
     asked = options.reading(chord, unit, material)
+    require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
     result = None if identified is None else _result(identified, names, pose)
     tables = [
         _completed(reference_table(name, asked), result, pose, frame) for name in counted(names, "three routes", quiet=as_json)
     ]
     warnings = () if result is None else result.warnings
-    for warning in warnings:
+    for warning in (*warnings, *(f"{table.article}: {said}" for table in tables for said in table.warnings)):
         click.echo(f"massline: {warning}.", err=True)
     _write(_json(tables, asked.chord, warnings) if as_json else _text(tables, form), out)
     if view:
-        _pictures(tables, quiet=as_json)
+        _pictures(names, asked, quiet=as_json)
     apart = [f"{table.article}: the routes disagree, {table.agreement}" for table in tables if not table.agree]
     if apart:
         raise CheckFailed("; ".join(apart))
@@ -122,9 +124,9 @@ def _write(text: str, out: Path | None) -> None:
         click.echo(f"massline: wrote {out}.", err=True)
 
 
-def _pictures(tables: Sequence[ReferenceTable], *, quiet: bool) -> None:
+def _pictures(names: Sequence[str], asked: Asked, *, quiet: bool) -> None:
     from validation.article_reference import draw
     from validation.progress import counted
 
-    for name in counted([table.article for table in tables], "picture", quiet=quiet):
-        click.echo(f"massline: wrote {draw(name)}.", err=True)
+    for name in counted(names, "picture", quiet=quiet):
+        click.echo(f"massline: wrote {draw(name, asked)}.", err=True)

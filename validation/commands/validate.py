@@ -24,9 +24,8 @@ REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
     "--reference",
     "choice",
     type=click.Choice(REFERENCES),
-    default="occ",
-    show_default=True,
-    help="What RESULT is held against: a route from the geometry (as uncertain as the published values), or what is in print.",
+    help="What RESULT is held against: a route (as uncertain as the published values are; occ by default, trimesh for a mesh), "
+    "or what is in print.",
 )
 @options.JSON
 @options.FRAME
@@ -34,7 +33,7 @@ REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
 def command(
     result: str,
     article: str,
-    choice: str,
+    choice: str | None,
     as_json: bool,
     frame: str | None,
     chord: str,
@@ -51,7 +50,7 @@ def command(
     body can have these parameters.
     """
     from geometry.frames import Pose
-    from validation.article_reference import reference
+    from validation.article_reference import reference, require_use
     from validation.cross_check import cross_check, summary
     from validation.frame_text import read_frame
     from validation.progress import shown
@@ -60,18 +59,20 @@ def command(
 
     pose = None if frame is None else read_frame(frame)
     said = read(result, article=article, frame=pose)
-    with shown(f"{choice} of {article}", quiet=as_json):
-        known = reference(article, choice, options.reading(chord, unit, material), pose or Pose())
+    asked = options.reading(chord, unit, material)
+    require_use([article], asked)
+    with shown(f"reference of {article}", quiet=as_json):
+        chosen, known = reference(article, choice, asked, pose or Pose())
     check = cross_check(said.statement, known)
-    words = summary(check, f"{article} ({choice})")
+    words = summary(check, f"{article} ({chosen})")
     if as_json:
         tolerances = {"result": said.statement.tolerance_note, "reference": known.tolerance_note}
-        more = {"article": article, "reference": choice, "tolerance_note": tolerances, "warnings": said.warnings}
+        more = {"article": article, "reference": chosen, "tolerance_note": tolerances, "warnings": said.warnings}
         _print_json(check, words, more)
     else:
         _print(
-            f"{said.statement.source} against {article} ({choice})",
-            {choice: known, IDENTIFIED: said.statement},
+            f"{said.statement.source} against {article} ({chosen})",
+            {chosen: known, IDENTIFIED: said.statement},
             check,
             said.warnings,
         )

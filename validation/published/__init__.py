@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any
 
 from geometry.frames import Pose
-from validation import stated_inertia
+from validation import printed, stated_inertia
 from validation.statement import Statement
 
 
@@ -43,19 +43,15 @@ def published(article: str) -> Published:
     table = _tables().get(article)
     if table is None:
         return Published()
-    statements = {
-        column: stated_inertia.read({"source": table["source"], **table[column]}, f"published {article}", Pose())
-        for column in ("published", "measured")
-        if column in table
-    }
+    statements = {column: _column(table[column], table["source"]) for column in ("published", "measured") if column in table}
     if "identified" in table:
         statements["identified"] = stated_inertia.read(result_table(table["identified"]), table["identified"], Pose())
-    printed = table["printed_deviation"]
+    deviation = table["printed_deviation"]
     return Published(
         source=table["source"],
         statements=statements,
-        deviation_of=printed["of"],
-        printed_deviation=(printed["mass"], *printed["cog"], *printed["moments"]),
+        deviation_of=deviation["of"],
+        printed_deviation=(deviation["mass"], *deviation["cog"], *deviation["moments"]),
         footnotes=tuple(table["footnotes"]),
     )
 
@@ -65,9 +61,25 @@ def result_table(name: str) -> dict[str, Any]:
     return tomllib.loads(_text(f"{name}.toml"))
 
 
+def _column(column: dict[str, str], source: str) -> Statement:
+    """One column of a table, from the file of ``kind = "results"`` that holds its values."""
+    name = column["file"]
+    results = tomllib.loads(_text(f"{name}.toml"))
+    values = (printed.stated(results[key]["value"], dimension, name, key) for key, dimension in _RESULT_KEYS)
+    return Statement(name=column["name"], values=(*values, None, None, None), source=source, tolerance_note=column["tolerance"])
+
+
+_RESULT_KEYS = (
+    ("mass", "mass"),
+    *((f"cog_{axis}", "length") for axis in "xyz"),
+    *((axes, "moment of inertia") for axes in ("Ixx", "Iyy", "Izz")),
+)
+"""Keys of a results file in the order of a statement."""
+
+
 @cache
 def _tables() -> dict[str, Any]:
-    return tomllib.loads(_text("reference.toml"))
+    return tomllib.loads(_text("tables.toml"))
 
 
 def _text(name: str) -> str:

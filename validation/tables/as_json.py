@@ -25,6 +25,7 @@ def render(table: ReferenceTable) -> dict[str, Any]:
         ],
         "verdict": {q.key: verdict(table, k) for k, q in enumerate(QUANTITIES)},
         "note": table.note,
+        "warnings": list(table.warnings),
         "footnotes": list(table.footnotes),
     }
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from geometry.routes import ROUTES
 from validation.reference_table import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, row, verdict
-from validation.rows import NONE
+from validation.rows import NONE, Row
 from validation.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Stated
 
 SIGNIFICANT = 6
@@ -33,16 +34,37 @@ def values(table: ReferenceTable) -> Grid:
     return Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
 
 
+def grids(table: ReferenceTable) -> tuple[Grid, ...]:
+    """The values and, where anything can be compared, their deviations."""
+    compared = any(row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
+    return (values(table), deviations(table)) if compared else (values(table),)
+
+
 def deviations(table: ReferenceTable) -> Grid:
-    """How far every column lies from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict."""
-    columns = [c for c in table.columns if any(row(table, c, k) for k in range(len(QUANTITIES)))]
+    """How far the columns lie from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict.
+
+    The routes share one column, which shows the one that lies farthest off.
+    """
+    all_k = range(len(QUANTITIES))
+    routes = {"routes": [c for c in table.columns if c in ROUTES]}
+    groups = routes | {said.name: [c] for c, said in table.columns.items() if c not in ROUTES}
+    farthest = {name: [_farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
+    compared = {name: rows for name, rows in farthest.items() if any(rows)}
     body = [
-        cells for column in columns for cells in zip(*(_deviation(table, column, k) for k in range(len(QUANTITIES))), strict=True)
+        cells
+        for rows in compared.values()
+        for cells in zip(*(_deviation(table, one, k) for k, one in enumerate(rows)), strict=True)
     ]
-    verdicts = tuple(verdict(table, k) for k in range(len(QUANTITIES)))
-    header = [text for column in columns for text in (table.columns[column].name, "tol.")]
+    verdicts = tuple(verdict(table, k) for k in all_k)
+    header = [text for name in compared for text in (name, "tol.")]
     lines = tuple(zip(*((_labels(), *(_aligned(cells) for cells in body), verdicts)), strict=True))
     return Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
+
+
+def _farthest(table: ReferenceTable, columns: list[str], k: int) -> Row | None:
+    """Of the rows of `columns` the one that deviates most; None where none is compared."""
+    compared = [one for column in columns if (one := row(table, column, k)) is not None]
+    return max(compared, key=lambda one: abs(one.deviation or 0.0), default=None)
 
 
 def notes(table: ReferenceTable) -> tuple[str, ...]:
@@ -57,7 +79,8 @@ def notes(table: ReferenceTable) -> tuple[str, ...]:
     return (
         *((table.note,) if table.note else ()),
         *((f"Routes: {table.agreement}.",) if table.agreement else ()),
-        f"Deviations are from {' or, where none is printed, '.join(kinds)}; tol.: in combined tolerances, beyond 1 is outside.",
+        f"Deviations are from {' or, where none is printed, '.join(kinds)}; of the routes, the farthest is shown. "
+        "tol.: in combined tolerances, beyond 1 is outside.",
         *tolerances,
         *table.footnotes,
     )
@@ -107,8 +130,7 @@ def _tolerance(stated: Stated, per_si: float, decimals: int) -> str:
     return number(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))
 
 
-def _deviation(table: ReferenceTable, column: str, k: int) -> tuple[str, str]:
-    one = row(table, column, k)
+def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str]:
     if one is None or one.deviation is None:
         return NONE, NONE
     percent, many = one.deviation_percent, one.deviation_in_tolerances
@@ -116,7 +138,12 @@ def _deviation(table: ReferenceTable, column: str, k: int) -> tuple[str, str]:
     own = f"{number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
     relative = None if percent is None else f"{number(percent, 2)} %"
     size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
-    return size, NONE if many is None else number(many, 1)
+    return size, NONE if many is None else _many(many)
+
+
+def _many(many: float) -> str:
+    """A deviation in tolerances; beyond a thousand the figure says nothing more."""
+    return number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
 
 
 def number(value: float, decimals: int) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from validation.reference_table import ReferenceTable
-from validation.tables.grid import Grid, deviations, notes, values
+from validation.tables.grid import Grid, grids, notes
 
 _SPECIAL = {
     "\\": r"\textbackslash{}",
@@ -27,12 +27,12 @@ _SPECIAL = {
 
 def render(table: ReferenceTable) -> str:
     """`table` as a LaTeX `table` environment, to be put into any document class."""
-    grids = "\n\\par\\medskip\n".join(_grid(grid) for grid in (values(table), deviations(table)))
+    shown = "\n\\par\\medskip\n".join(_grid(grid) for grid in grids(table))
     listed = "\n".join(rf"\item {escaped(note)}" for note in notes(table))
     return (
         "\\begin{table}[htb]\n\\centering\\footnotesize\n"
         f"\\caption{{Inertia parameters of {escaped(table.article)}}}\n"
-        f"{grids}\n\\begin{{itemize}}\n{listed}\n\\end{{itemize}}\n\\end{{table}}\n"
+        f"{shown}\n\\begin{{itemize}}\n{listed}\n\\end{{itemize}}\n\\end{{table}}\n"
     )
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from validation.reference_table import ReferenceTable
-from validation.tables.grid import Grid, deviations, notes, values
+from validation.tables.grid import Grid, grids, notes
 
 
 def render(table: ReferenceTable) -> str:
     """`table` as a section of a Markdown page."""
-    grids = "\n\n".join(_grid(grid) for grid in (values(table), deviations(table)))
+    shown = "\n\n".join(_grid(grid) for grid in grids(table))
     listed = "\n".join(f"- {note}" for note in notes(table))
-    return f"### {table.article}\n\n{grids}\n\n{listed}\n"
+    return f"### {table.article}\n\n{shown}\n\n{listed}\n"
 
 
 def _grid(grid: Grid) -> str:

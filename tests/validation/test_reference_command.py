@@ -1,0 +1,176 @@
+"""`massline reference` and `massline validate`: what is printed, what a program reads, and how they end."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.inertia import Inertia
+from validation import cli
+from validation.output import inertia_json
+from validation.statement import inertia_of
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """``run(*arguments)`` in an empty folder: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        code = cli.run(list(arguments))
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
+
+    return call
+
+
+def body(inertia: dict[str, Any]) -> Inertia:
+    cog = np.array(inertia["cog_mm"]) * 1e-3
+    return inertia_of([inertia["mass_kg"], *cog, *inertia["moi_cog_kgm2"], *inertia["poi_cog_kgm2"]])
+
+
+def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
+    code, out, err = run("reference", "cuboid", "disc", "--json")
+    assert (code, err) == (cli.DONE, "")
+    articles = json.loads(out)["articles"]
+    assert list(articles) == ["cuboid", "disc"]
+    for article in articles.values():
+        assert list(article["routes"]) == ["occ", "trimesh", "pinocchio"]
+        assert (article["published"], article["measured"], article["agree"]) == (None, None, True)
+
+
+def test_the_cuboid_is_its_block_less_its_threads(run: Run) -> None:
+    mass = json.loads(run("reference", "cuboid", "--json")[1])["articles"]["cuboid"]["routes"]["occ"]["mass_kg"]
+    # Closed form: 160 x 70 x 400 mm and four holes of 6.8 mm, 20 mm deep, at 2700 kg/m³.
+    assert_allclose(mass, 2700 * (0.16 * 0.07 * 0.4 - 4 * np.pi / 4 * 0.0068**2 * 0.02), rtol=1e-12)
+
+
+def test_the_users_frame_moves_and_turns_every_route(run: Run) -> None:
+    own, theirs = (
+        json.loads(run("reference", "cuboid", "--json", *more)[1])["articles"]["cuboid"]["routes"]["occ"]
+        for more in ((), ("--frame", "10 0 45 mm; z 90 deg"))
+    )
+    assert_allclose(theirs["cog_mm"], [0, 10, own["cog_mm"][2] - 45], rtol=0, atol=1e-9)  # rounding
+    assert_allclose(theirs["moi_cog_kgm2"], np.array(own["moi_cog_kgm2"])[[1, 0, 2]], rtol=1e-12)  # rounding
+
+
+def test_a_frame_file_says_the_same_as_the_line(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "f.toml").write_text('[frame]\norigin = "10 0 45 mm"\nrotation = "z 90 deg"\n', encoding="utf-8")
+    line, file = (json.loads(run("reference", "cuboid", "--json", "--frame", f)[1]) for f in ("10 0 45 mm; z 90 deg", "f.toml"))
+    assert line["articles"]["cuboid"]["routes"] == file["articles"]["cuboid"]["routes"]
+
+
+def test_out_holds_what_would_have_been_printed(run: Run, tmp_path: Path) -> None:
+    printed = run("reference", "disc", "--format", "csv")[1]
+    code, out, _ = run("reference", "disc", "--format", "csv", "--out", "deep/table.csv")
+    assert (code, out) == (cli.DONE, "")
+    assert (tmp_path / "deep" / "table.csv").read_text(encoding="utf-8") == printed
+    assert len(list(csv.reader(printed.splitlines()))) == 31
+
+
+@pytest.mark.parametrize("form", ["text", "markdown", "latex"])
+def test_every_format_holds_every_article(run: Run, form: str) -> None:
+    code, out, _ = run("reference", "cuboid", "disc", "--format", form)
+    assert code == cli.DONE
+    assert "cuboid" in out
+    assert "disc" in out
+
+
+def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    from geometry import multibody
+
+    right = multibody.inertia
+    monkeypatch.setattr(multibody, "inertia", lambda article: right(article).scaled(1.01))
+    code, out, err = run("reference", "cuboid", "--json")
+    assert code == cli.FAILED_CHECK
+    assert json.loads(out)["articles"]["cuboid"]["agree"] is False
+    assert "cuboid: the routes disagree" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("reference", "cubiod"), "Did you mean cuboid"),
+        (("reference", "nothing.stl"), "no such file"),
+        (("reference", "cuboid", "--chord", "2"), "needs its unit"),
+        (("reference", "cuboid", "--chord", "-1 um"), "must be positive"),
+        (("reference", "cuboid", "--frame", "1 2 mm"), "three numbers"),
+        (("reference", "cuboid", "--unit", "mm"), "a built-in article states its own"),
+        (("reference", "cuboid", "disc", "--identified", "x.toml"), "one article, found 2"),
+        (("reference", "cuboid", "--identified", "x.toml"), "x.toml"),
+        (("validate", "x.toml", "--against", "cuboid"), "x.toml"),
+        (("validate", "clumod-1-table2", "--against", "cuboid", "--reference", "published"), "Choose one of occ"),
+    ],
+)
+def test_bad_input_ends_with_2_and_a_remedy(run: Run, arguments: tuple[str, ...], words: str) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert words in err
+
+
+def handed_back(run: Run, folder: Path, scale: float) -> tuple[int, dict[str, Any], str]:
+    """The Cuboid's own inertia, from another point of view and scaled, against the Cuboid."""
+    known = body(json.loads(run("reference", "cuboid", "--json")[1])["articles"]["cuboid"]["routes"]["occ"])
+    (folder / "r.json").write_text(json.dumps(inertia_json(known.scaled(scale))), encoding="utf-8")
+    code, out, err = run("validate", "r.json", "--against", "cuboid", "--json")
+    return code, json.loads(out), err
+
+
+def test_a_right_result_is_within_in_every_row(run: Run, tmp_path: Path) -> None:
+    code, value, err = handed_back(run, tmp_path, 1.0)
+    assert (code, err) == (cli.DONE, "")
+    assert len(value["rows"]) == 10
+    assert all(row["within"] for row in value["rows"])
+
+
+def test_a_wrong_result_names_its_rows(run: Run, tmp_path: Path) -> None:
+    code, value, err = handed_back(run, tmp_path, 1.1)
+    assert code == cli.FAILED_CHECK
+    assert [row["quantity"] for row in value["rows"] if not row["within"]] == ["Mass m", "MoI Θxx", "MoI Θyy", "MoI Θzz"]
+    assert "Mass m (+10.00 %" in err
+
+
+def test_the_papers_table_2_comes_out(run: Run) -> None:
+    code, out, err = run("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "published", "--json")
+    rows = json.loads(out)["rows"]
+    assert code == cli.FAILED_CHECK
+    assert set(rows[0]) >= {"quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"}
+    percent = [row["deviation_percent"] for row in rows]
+    assert_allclose(
+        [percent[k] for k in (0, 4, 5, 6)], [2.94, 2.18, 15.50, -2.60], rtol=0, atol=0.01
+    )  # one unit of the last digit
+    assert_allclose([row["deviation"] for row in rows[1:4]], [0.39, -5.45, 13.01], rtol=0, atol=1e-9)  # rounding
+    assert percent[1] is percent[2] is None
+    assert "MoI Θyy (+15.50 %" in err
+
+
+def test_the_result_of_the_documentation_is_within(run: Run, root: Path, tmp_path: Path) -> None:
+    page = (root / "docs" / "reference-tables.md").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(page.split("```toml\n")[1].split("```")[0], encoding="utf-8")
+    code, out, err = run("validate", "mine.toml", "--against", "clumod-1")
+    assert code == cli.DONE, err
+    assert "all 10 stated values agree with clumod-1 (occ)" in out
+
+
+def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
+    import trimesh
+
+    trimesh.creation.box(extents=(160, 70, 400)).export(tmp_path / "box.stl")
+    code, out, err = run("reference", "box.stl", "--unit", "mm", "--material", "aluminium", "--json")
+    assert code == cli.DONE, err
+    routes = json.loads(out)["articles"]["box.stl"]["routes"]
+    assert list(routes) == ["trimesh"]
+    assert_allclose(routes["trimesh"]["mass_kg"], 2700 * 0.16 * 0.07 * 0.4, rtol=1e-6)  # STL holds single precision
+
+
+def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None:
+    code, _, err = run("reference", "cuboid", "--view")
+    assert code == cli.DONE, err
+    assert (tmp_path / "out" / "cuboid.png").stat().st_size > 10_000

@@ -1,0 +1,133 @@
+"""Printed tables, word for word, and what every format must keep."""
+
+import csv
+import io
+import json
+import re
+
+import numpy as np
+import pytest
+
+from geometry.inertia import Inertia
+from validation import published
+from validation.reference_table import ReferenceTable, route_statement
+from validation.statement import QUANTITIES
+from validation.tables import as_json, comma_separated, grid, latex, markdown, text
+
+BODY = Inertia.from_cog(32.95, [0, 0, 0.2706], np.diag([6.42, 6.00, 0.77]))
+
+
+def table(article: str = "clumod-1") -> ReferenceTable:
+    said = published.published(article)
+    return ReferenceTable(
+        article=article,
+        columns={"occ": route_statement("occ", BODY), **said.statements},
+        note="A test's own body.",
+        agreement="occ agrees with itself",
+        footnotes=said.footnotes,
+    )
+
+
+VALUES = """\
+|                 |       occ | published |     identified |
+| :-------------- | --------: | --------: | -------------: |
+| Mass m [kg]     |  32.9500  |     32.95 |  33.92 ± 1.02  |
+| CoG x [mm]      |   0.000   |      0.00 |   0.39 ± 2.00  |
+| CoG y [mm]      |   0.000   |      0.00 |  -5.45 ± 2.00  |
+| CoG z [mm]      | 270.600   |    270.60 | 283.61 ± 2.00  |
+| MoI Θxx [kg m²] |   6.42000 |      6.42 |   6.56 ± 0.20  |
+| MoI Θyy [kg m²] |   6.00000 |      6.00 |   6.93 ± 0.21  |
+| MoI Θzz [kg m²] |   0.77000 |      0.77 |   0.75 ± 0.022 |
+| PoI Θxy [kg m²] |   0.00000 |      –    |   –            |
+| PoI Θxz [kg m²] |   0.00000 |      –    |   –            |
+| PoI Θyz [kg m²] |   0.00000 |      –    |   –            |
+"""
+
+DEVIATIONS = """\
+| deviation       |           routes | tol. |        identified | tol. | verdict                             |
+| :-------------- | ---------------: | ---: | ----------------: | ---: | :---------------------------------- |
+| Mass m [kg]     | 0.00 %           |  0.0 |  2.94 %           |  1.0 | all within                          |
+| CoG x [mm]      | 0.00 mm          |  0.0 |  0.39 mm          |  0.2 | all within                          |
+| CoG y [mm]      | 0.00 mm          |  0.0 | -5.45 mm          | -2.7 | identified outside (2.7 tolerances) |
+| CoG z [mm]      | 0.00 mm (0.00 %) |  0.0 | 13.01 mm (4.81 %) |  6.5 | identified outside (6.5 tolerances) |
+| MoI Θxx [kg m²] | 0.00 %           |  0.0 |  2.18 %           |  0.7 | all within                          |
+| MoI Θyy [kg m²] | 0.00 %           |  0.0 | 15.50 %           |  4.5 | identified outside (4.5 tolerances) |
+| MoI Θzz [kg m²] | 0.00 %           |  0.0 | -2.60 %           | -0.9 | all within                          |
+| PoI Θxy [kg m²] | –                |  –   |  –                |  –   | nothing to compare                  |
+| PoI Θxz [kg m²] | –                |  –   |  –                |  –   | nothing to compare                  |
+| PoI Θyz [kg m²] | –                |  –   |  –                |  –   | nothing to compare                  |
+"""
+
+
+def test_table_2_in_markdown_reads_as_in_the_paper() -> None:
+    page = markdown.render(table())
+    assert f"\n\n{VALUES}\n{DEVIATIONS}\n" in page
+    assert "- The paper contradicts itself" in page
+    assert "- Tolerance of identified: assumed: the paper prints" in page
+
+
+@pytest.mark.parametrize("article", ["clumod-1", "clumod-4"])
+def test_no_printed_digit_is_lost_and_decimal_points_line_up(article: str) -> None:
+    shown = grid.values(table(article))
+    for k, column in enumerate(zip(*shown.lines, strict=True)):
+        points = {len(cell) - len(cell[cell.index(".") :]) for cell in column if "." in cell}
+        assert k == 0 or len(points) == 1, column
+    text_of_all = " ".join(cell for line in shown.lines for cell in line)
+    for figure in {"clumod-1": ("32.95", "270.60", "6.00", "283.61", "-5.45"), "clumod-4": ("47.230", "20.410", "47.400")}[
+        article
+    ]:
+        assert re.search(rf"(?<![\d.]){re.escape(figure)}(?!\d)", text_of_all), figure
+
+
+def test_what_rounds_to_zero_has_no_sign() -> None:
+    assert grid.number(-1e-9, 2) == "0.00"
+    assert grid.number(-0.006, 2) == "-0.01"
+
+
+def test_the_text_holds_the_same_cells_as_the_grid() -> None:
+    page = text.render(table())
+    for shown in (grid.values(table()), grid.deviations(table())):
+        for line in shown.lines:
+            assert all(cell.strip() in page for cell in line)
+
+
+def test_decimal_points_line_up_in_the_text_too() -> None:
+    lines = [line for line in text.render(table()).splitlines() if "[" in line][:10]
+    starts = [[m.start() for m in re.finditer(r"\.", line)][:3] for line in lines[:7]]
+    assert all(found == starts[0] for found in starts), "\n".join(lines)
+
+
+def test_csv_has_one_line_for_each_stated_value() -> None:
+    lines = list(csv.DictReader(io.StringIO(comma_separated.render([table(), table("clumod-4")]))))
+    assert len(lines) == (10 + 7 + 7) * 2
+    theta_yy = next(x for x in lines if (x["article"], x["column"], x["quantity"]) == ("clumod-1", "identified", "moi_yy"))
+    assert (theta_yy["value"], theta_yy["reference"], theta_yy["within"]) == ("6.93", "6", "no")
+    assert theta_yy["deviation_percent"].startswith("15.5")
+
+
+def test_latex_is_balanced_and_holds_only_what_every_engine_reads() -> None:
+    document = latex.document([latex.render(table()), latex.render(table("clumod-4"))])
+    for name in ("document", "table", "tabular", "itemize"):
+        assert document.count(rf"\begin{{{name}}}") == document.count(rf"\end{{{name}}}") > 0
+    assert document.isascii()
+    assert document.count("{") == document.count("}")
+    assert not re.search(r"(?<!\\)%", document), "a bare per cent sign comments the rest of its line out"
+    columns = re.findall(r"\\begin\{tabular\}\{([lr]+)\}(.*?)\\end\{tabular\}", document, re.DOTALL)
+    for form, body in columns:
+        assert {line.count("&") for line in body.splitlines() if line.endswith(r"\\")} == {len(form) - 1}
+
+
+def test_latex_spells_every_special_character_out() -> None:
+    assert latex.escaped("5 % & {a}_b Θ² ± #$") == r"5 \% \& \{a\}\_b $\Theta$$^2$ $\pm$ \#\$"
+
+
+def test_json_keeps_the_contract_and_says_null_for_what_nobody_states() -> None:
+    value = json.loads(json.dumps(as_json.render(table()), allow_nan=False))
+    assert set(value) >= {"routes", "published", "measured", "agree"}
+    assert value["measured"] is None
+    assert value["published"]["mass_kg"] == 32.95
+    assert value["published"]["cog_mm"] == [0.0, 0.0, 270.6]
+    assert value["published"]["moi_cog_kgm2"] == [6.42, 6.0, 0.77]
+    assert value["published"]["poi_cog_kgm2"] == [None] * 3
+    assert value["routes"]["occ"]["about"] == "cog"
+    assert len(value["verdict"]) == len(QUANTITIES)
