@@ -129,7 +129,8 @@ def _of_built_in(name: str, asked: Asked, only: str | None = None) -> _Routes:
         return _Routes(inertias=found, errors=errors, note=article.note)
     inertias = by_routes(article, asked.chord)
     verdict = agreement(article, inertias, asked.chord)
-    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=verdict.text, note=article.note)
+    text = f"{verdict.text}; chord error of the mesh {asked.chord * 1e6:g} µm"
+    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=text, note=article.note)
 
 
 def _of_file(name: str, asked: Asked) -> _Routes:

@@ -156,12 +156,14 @@ def _half_widths(values: tuple[Stated | None, ...], table: Mapping[str, Any], fo
     widths = keys.require_table(table["tolerance"], source=source, where="tolerance")
     keys.require_known(widths, (*_used(form), "note"), source=source, where="tolerance")
     result = list(values)
-    for key in _used(form):
+    for key in filter(widths.__contains__, _used(form)):
         span, dimension = _GROUPS[key]
-        for k in range(span.start, span.stop):
+        length = span.stop - span.start
+        several = isinstance(widths[key], list) and length > 1
+        entries = _entries(widths[key], length, source, f"tolerance.{key}") if several else [widths[key]] * length
+        for k, each in zip(range(span.start, span.stop), entries, strict=True):
             stated = result[k]
-            if key in widths and stated is not None:
-                each = widths[key][k - span.start] if isinstance(widths[key], list) else widths[key]
+            if stated is not None:
                 width = printed.tolerance(each, dimension, stated.value, source, f"tolerance.{key}")
                 result[k] = replace(stated, tolerance=width)
     return tuple(result), None, str(widths.get("note", "as stated"))

@@ -170,6 +170,8 @@ def test_a_result_about_something_else_is_said(tmp_path: Path) -> None:
         ),
         ('format = 1\n[inertia]\nmass = "1 kg"\n[tolerance]\nmass = "-3 %"', "must be positive"),
         ('format = 1\n[inertia]\nmass = "1 kg"\n[tolerance]\nmas = "3 %"', "Did you mean mass"),
+        ('format = 1\n[inertia]\ncog = ["1 mm", "1 mm", "1 mm"]\n[tolerance]\ncog = ["1 mm"]', "a list of 3"),
+        ('format = 1\n[inertia]\nmass = "1 kg"\n[tolerance]\nmass = ["1 kg"]', "cannot be read"),
         ('format = 1\n[inertia]\nmass = "1 kg"\n[interval95]\nmass = ["2 kg", "3 kg"]', "outside its interval"),
         ('format = 1\ncovariance = [[1.0]]\n[inertia]\nmass = "1 kg"', "needs all ten values"),
         ("format = 1\n[frame]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n[inertia]", "reflection"),
