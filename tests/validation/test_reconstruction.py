@@ -7,12 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
-from geometry.articles.dimensions import to_si
 from geometry.errors import CheckFailed
 from validation import reconstruction
-from validation.reconstruction import SHIPPED, Problem, changed, misfit, problem, solve, write
+from validation.reconstruction import (
+    FREQUENCY_SOLVED,
+    FREQUENCY_TOLERANCE,
+    SHIPPED,
+    Problem,
+    changed,
+    misfit,
+    problem,
+    solve,
+    write,
+)
 
 
 @pytest.fixture(scope="module")
@@ -21,20 +29,24 @@ def posed(shared: Path) -> Problem:
     return problem(details, json.loads((shared / "clumod" / "reconstruction.json").read_text()))
 
 
-def test_solving_again_gives_the_shipped_dimensions(posed: Problem, tmp_path: Path) -> None:
+def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(posed: Problem, tmp_path: Path) -> None:
     again = tmp_path / "clumod.toml"
-    write(posed, solve(posed), again)
-    shipped, solved = (_numbers(to_si(tomllib.loads(path.read_text(encoding="utf-8")))) for path in (SHIPPED, again))
-    # another BLAS may take the iteration along another path within the 0.1 % that a frequency is free to be off
-    assert_allclose(solved, shipped, rtol=0.02)
-    assert len(again.read_text().splitlines()) == len(SHIPPED.read_text().splitlines())
+    write(posed, solve(posed, np.random.default_rng(0)), again)
+    _require_solved(again, posed)
+    before, after = (path.read_text(encoding="utf-8").splitlines() for path in (SHIPPED, again))
+    changed_lines = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
+    assert len(changed_lines) <= 24  # 22 free dimensions, two of them for both lower blades
+    assert all(old.split("=")[0] == new.split("=")[0] for old, new in changed_lines)
 
 
 def test_shipped_dimensions_meet_every_inertia_and_frequency(posed: Problem) -> None:
-    shipped = replace(posed, start=tomllib.loads(SHIPPED.read_text(encoding="utf-8")))
-    wishes, inertias = misfit(shipped, np.zeros(len(posed.free)))
-    assert np.abs(inertias).max() < 0.1  # of its bar; rounding to a tenth of a micrometre takes that much
-    assert np.abs(wishes).max() <= 1  # a tenth of a per cent in frequency
+    _require_solved(SHIPPED, posed)
+
+
+def _require_solved(file: Path, posed: Problem) -> None:
+    wishes, inertias = misfit(replace(posed, start=tomllib.loads(file.read_text(encoding="utf-8"))), np.zeros(len(posed.free)))
+    assert np.abs(inertias).max() < 0.2  # of its bar, a share of it being the rounding to a tenth of a micrometre
+    assert np.abs(wishes).max() * FREQUENCY_TOLERANCE < FREQUENCY_SOLVED
 
 
 def test_cad_detail_alone_would_miss_the_published_inertias(posed: Problem) -> None:
@@ -51,12 +63,4 @@ def test_equal_dimensions_stay_equal(posed: Problem) -> None:
 def test_a_solve_that_does_not_end_says_how_far_it_was(posed: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reconstruction, "ITERATIONS", 1)
     with pytest.raises(CheckFailed, match="not solved in 1 iterations: a frequency is off by"):
-        solve(posed)
-
-
-def _numbers(value: object) -> list[float]:
-    if isinstance(value, dict):
-        return [number for entry in value.values() for number in _numbers(entry)]
-    if isinstance(value, list):
-        return [number for entry in value for number in _numbers(entry)]
-    return [float(value)] if isinstance(value, (int, float)) else []
+        solve(posed, np.random.default_rng(0))
