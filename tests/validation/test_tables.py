@@ -97,6 +97,19 @@ def test_decimal_points_line_up_in_the_text_too() -> None:
     assert all(found == starts[0] for found in starts), "\n".join(lines)
 
 
+@pytest.mark.parametrize("width", [50, 80, 100, 160])
+def test_a_table_wider_than_the_terminal_goes_on_below_itself_and_loses_nothing(width: int) -> None:
+    page = text.render(table(), width)
+    assert max(map(len, page.splitlines())) <= width
+    for shown in (grid.values(table()), grid.deviations(table())):
+        assert [cell for line in shown.lines for cell in line[1:-1] if cell.strip() not in page] == []
+        for part in text.parts(shown, width):
+            assert [line[0] for line in part.lines] == [line[0] for line in shown.lines]
+        again = [cell for part in text.parts(shown, width) for cell in part.header[1:]]
+        assert again == list(shown.header[1:])
+    assert "…" not in page
+
+
 def test_a_single_column_has_no_deviations_and_no_note_on_them() -> None:
     alone = ReferenceTable(article="x", columns={"trimesh": route_statement("trimesh", BODY)})
     assert len(grid.grids(alone)) == 1
