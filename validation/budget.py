@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from validation.rows import rounded
+from validation.rows import MIN_WORDS, headline, rounded
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -60,15 +60,17 @@ def budget_json(items: Sequence[Item]) -> list[dict[str, Any]]:
 
 def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) -> Table:
     """`items` as a table to print; contributions in `unit`, which is SI times `factor`."""
+    from rich import box
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(title=title, title_justify="left")
-    table.add_column("input")
-    for heading in ("value (SI)", "tolerance (SI)", f"contributes [{unit}]", "share of variance"):
-        table.add_column(heading.replace("[", r"\["), justify="right")
+    table = Table(title=headline(title), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("input", min_width=MIN_WORDS)
+    for heading in ("value (SI)", "tolerance (SI)", f"contributes\n[{unit}]", "share of variance"):
+        table.add_column(Text(heading), justify="right")
     for item in items:
         shown = (rounded(item.value, item.tolerance), f"{item.tolerance:.3g}", f"{factor * item.contribution:.2g}")
-        table.add_row(item.name, *shown, f"{100 * item.share:.1f} %")
+        table.add_row(Text(item.name), *shown, f"{100 * item.share:.1f} %")
     return table
 
 

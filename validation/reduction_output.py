@@ -23,7 +23,8 @@ def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
         return
     from rich.console import Console
 
-    console = Console()
+    # Nothing that a user wrote is markup: [kg] and :name: are printed as they are.
+    console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:
         console.width = max(console.width, PIPED_WIDTH)
     for page in reduction.pages(published):

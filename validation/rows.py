@@ -15,8 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.table import Table
+    from rich.text import Text
 
 NONE = "–"
+
+MIN_WORDS = 11
+"""Columns below which words are not squeezed: room for "CoG [kg m²]"."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -88,21 +92,34 @@ def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def rows_table(rows: Iterable[Row], title: str = "") -> Table:
-    """`rows` as a table to print; a value is rounded to the second significant digit of its tolerance."""
-    from rich.table import Table
+    """`rows` as a table to print; a value is rounded to the second significant digit of its tolerance.
 
-    table = Table(title=title or None, title_justify="left")
-    table.add_column("quantity")
-    for heading in ("value", "tolerance"):
-        table.add_column(heading, justify="right")
-    table.add_column("unit")
-    for heading in ("reference", "deviation %", "in tolerances"):
-        table.add_column(heading, justify="right")
-    table.add_column("within")
-    table.add_column("dominated by")
+    It fits 80 columns: figures are never broken or cut, only words wrap.
+    """
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=headline(title) if title else None, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False
+    )
+    table.add_column("quantity", min_width=MIN_WORDS)
+    for heading in ("value ± tolerance", "reference", "deviation", "in tol.", "within"):
+        table.add_column(heading.replace(" ±", "\n±"), justify="right", no_wrap=True)
+    table.add_column("dominated by", min_width=MIN_WORDS)
     for row in rows:
-        table.add_row(*_cells(row))
+        table.add_row(*(Text(cell) for cell in _cells(row)), style=None if row.within else "bold red")
     return table
+
+
+def headline(title: str) -> Text:
+    """`title` as it stands over a table: its first line bold, what follows ("constructed, not measured") to be seen as well."""
+    from rich.text import Text
+
+    first, *rest = title.splitlines()
+    return Text("\n", end="").join(
+        [Text(first, style="bold not italic"), *(Text(line, style="yellow not italic") for line in rest)]
+    )
 
 
 def rounded(value: float | None, tolerance: float | None) -> str:
@@ -117,13 +134,12 @@ def rounded(value: float | None, tolerance: float | None) -> str:
 
 def _cells(row: Row) -> tuple[str, ...]:
     percent, many = row.deviation_percent, row.deviation_in_tolerances
+    own = rounded(row.value, row.tolerance)
     return (
-        row.quantity,
-        rounded(row.value, row.tolerance),
-        rounded(row.tolerance, row.tolerance),
-        row.unit,
+        f"{row.quantity} [{row.unit}]",
+        f"{own} ± {rounded(row.tolerance, row.tolerance)}" if row.tolerance else own,
         rounded(row.reference, row.reference_tolerance),
-        NONE if percent is None else f"{percent:+.2f}",
+        NONE if percent is None else f"{percent:+.2f} %",
         NONE if many is None else f"{many:+.2f}",
         NONE if row.reference is None else ("yes" if row.within else "no"),
         row.dominated_by or NONE,

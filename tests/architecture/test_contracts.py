@@ -21,6 +21,7 @@ TRESPASSES = {
     "pinocchio": ("fem", "import coal"),
     "exudyn": ("geometry", "import exudyn"),
     "pyvista": ("geometry", "import vtkmodules.all"),
+    "matplotlib": ("validation", "from PIL import Image"),
     "trame": ("validation", "from trame.app import get_server"),
 }
 """For every contract a package that is not its door, and an import that it forbids there."""
@@ -31,7 +32,8 @@ DOORS = {
     "igl": "geometry/mesh/self_intersection.py",
     "pinocchio": "geometry/multibody.py",
     "exudyn": "fem/flexible_body.py",
-    "pyvista": "validation/pictures.py",
+    "pyvista": "validation/pictures/scene.py",
+    "matplotlib": "validation/pictures/page.py",
 }
 """Who may import what: the module that is the door to each library."""
 

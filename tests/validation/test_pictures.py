@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
@@ -425,15 +425,38 @@ def test_a_material_keeps_its_colour_and_strangers_get_different_ones() -> None:
     }
 
 
+@given(seeds, st.sampled_from([6, 40]))
+@example(85, 6)
+def test_labels_do_not_cover_one_another_however_many_there_are(seed: int, many: int) -> None:
+    places = arranged(crowd(seed, many))
+    assert not covered(places, np.array([26.0, 30.0]))
+
+
 @given(seeds)
-def test_labels_do_not_cover_one_another(seed: int) -> None:
+def test_labels_stay_in_the_room_while_there_is_a_place_in_it(seed: int) -> None:
+    """Anchors at the room's left edge; half of the labels would like to stand outside of it."""
+    room = (np.array([200.0, 150.0]), (240.0, 300.0))
+    places = np.array(arranged(crowd(seed, 6), room=room))
+    assert not covered(list(places), np.array([26.0, 30.0]))
+    assert np.all(np.abs(places - room[0]) <= (np.array(room[1]) - [26, 30]) / 2 + 1e-9)
+
+
+def test_labels_without_a_place_in_the_room_stand_outside_of_it_rather_than_on_one_another() -> None:
+    places = arranged(crowd(0, 3), room=(np.array([100.0, 100.0]), (30.0, 34.0)))
+    assert not covered(places, np.array([26.0, 30.0]))
+
+
+def crowd(seed: int, many: int) -> list[Label]:
+    """Labels of 26 x 30 pixels on anchors within 40 x 40."""
     rng = np.random.default_rng(seed)
-    anchors, wishes = rng.uniform(80, 120, (6, 2)), rng.normal(size=(6, 2))
-    labels = [
+    anchors, wishes = rng.uniform(80, 120, (many, 2)), rng.normal(size=(many, 2))
+    return [
         Label(text="x", anchor=anchor, wish=wish, extent=(26, 30), gap=8, colour="k")
         for anchor, wish in zip(anchors, wishes, strict=True)
     ]
-    places = arranged(labels)
-    for i, a in enumerate(places):
-        for b in places[:i]:
-            assert np.any(np.abs(a - b) >= np.array([26, 30]) - 1e-9)
+
+
+def covered(places: list[npt.NDArray[np.float64]], extent: npt.NDArray[np.float64]) -> bool:
+    """Whether any two labels of `extent` overlap."""
+    pairs = ((a, b) for i, a in enumerate(places) for b in places[:i])
+    return any(np.all(np.abs(a - b) < extent - 1e-9) for a, b in pairs)

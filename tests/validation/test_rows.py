@@ -6,7 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
+from validation.budget import Item, budget_table
 from validation.rows import Row, rounded, rows_json, rows_table
 
 CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"]
@@ -71,3 +75,63 @@ def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value: float
 
 def test_the_table_has_one_line_a_row() -> None:
     assert rows_table([row(), row(reference=None)]).row_count == 2
+
+
+def printed(table: Table, width: int) -> str:
+    console = Console(width=width, color_system=None)
+    with console.capture() as capture:
+        console.print(table)
+    return capture.get()
+
+
+def moment() -> Row:
+    return Row(
+        quantity="MoI xx about the CoG",
+        value=20.353,
+        tolerance=0.217,
+        unit="kg m²",
+        reference=20.144,
+        reference_tolerance=0.0005,
+        dominated_by="[b] balance resolution",
+    )
+
+
+@pytest.mark.parametrize("width", [80, 100, 160])
+def test_no_figure_unit_or_heading_is_cut_on_any_usual_terminal(width: int) -> None:
+    page = printed(rows_table([moment()], "A [title]\nconstructed, not measured"), width)
+    for text in (
+        "A [title]",
+        "20.35 ± 0.22",
+        "20.144",
+        "+1.04 %",
+        "+0.96",
+        "[kg m²]",
+        "reference",
+        "deviation",
+        "[b]",
+        "resolution",
+    ):
+        assert text in page, page
+    assert "…" not in page
+    assert max(map(len, page.splitlines())) <= width
+
+
+def test_what_makes_a_result_no_measurement_stands_in_another_colour_below_the_title() -> None:
+    title = rows_table([row()], "Clumod, weighed\nconstructed, not measured").title
+    assert isinstance(title, Text)
+    assert [(title.plain[span.start : span.end], str(span.style)) for span in title.spans] == [
+        ("Clumod, weighed", "bold not italic"),
+        ("constructed, not measured", "yellow not italic"),
+    ]
+
+
+def test_a_row_that_is_not_within_stands_out_also_in_colour() -> None:
+    lines = rows_table([row(), row(tolerance=0.2)]).rows
+    assert [line.style for line in lines] == ["bold red", None]
+
+
+def test_a_budget_prints_its_unit_and_any_name_of_an_input() -> None:
+    item = Item(name="rope [left] :smile:", value=2.0, tolerance=0.005, contribution=0.051, share=0.054)
+    page = printed(budget_table([item], "Tolerance of MoI xx", "kg m²", 1.0), 120)
+    assert "[kg m²]" in page
+    assert "rope [left] :smile:" in page

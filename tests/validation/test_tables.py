@@ -97,9 +97,34 @@ def test_decimal_points_line_up_in_the_text_too() -> None:
     assert all(found == starts[0] for found in starts), "\n".join(lines)
 
 
+@pytest.mark.parametrize("width", [50, 80, 100, 160])
+def test_a_table_wider_than_the_terminal_goes_on_below_itself_and_loses_nothing(width: int) -> None:
+    page = text.render(table(), width)
+    assert max(map(len, page.splitlines())) <= width
+    for shown in (grid.values(table()), grid.deviations(table())):
+        assert [cell for line in shown.lines for cell in line[1:-1] if cell.strip() not in page] == []
+        for part in text.parts(shown, width):
+            assert [line[0] for line in part.lines] == [line[0] for line in shown.lines]
+        again = [cell for part in text.parts(shown, width) for cell in part.header[1:]]
+        assert again == list(shown.header[1:])
+    assert "…" not in page
+
+
+def test_a_single_column_has_no_deviations_and_no_note_on_them() -> None:
+    alone = ReferenceTable(article="x", columns={"trimesh": route_statement("trimesh", BODY)})
+    assert len(grid.grids(alone)) == 1
+    assert grid.notes(alone) == ()
+
+
+def test_markdown_shows_a_users_names_as_they_are() -> None:
+    assert markdown.escaped("a|b <c> _d_ *e* my_file_2.step Mass [kg]") == r"a\|b \<c> \_d\_ \*e\* my_file_2.step Mass \[kg\]"
+    assert "\n### clumod-1\n" in f"\n{markdown.render(table())}"
+
+
 def test_csv_has_one_line_for_each_stated_value() -> None:
     lines = list(csv.DictReader(io.StringIO(comma_separated.render([table(), table("clumod-4")]))))
     assert len(lines) == (10 + 7 + 7) * 2
+    assert {line["unit"] for line in lines} == {"kg", "mm", "kg m^2"}
     theta_yy = next(x for x in lines if (x["article"], x["column"], x["quantity"]) == ("clumod-1", "identified", "moi_yy"))
     assert (theta_yy["value"], theta_yy["reference"], theta_yy["within"]) == ("6.93", "6", "no")
     assert theta_yy["deviation_percent"].startswith("15.5")
@@ -112,13 +137,29 @@ def test_latex_is_balanced_and_holds_only_what_every_engine_reads() -> None:
     assert document.isascii()
     assert document.count("{") == document.count("}")
     assert not re.search(r"(?<!\\)%", document), "a bare per cent sign comments the rest of its line out"
-    columns = re.findall(r"\\begin\{tabular\}\{([lr]+)\}(.*?)\\end\{tabular\}", document, re.DOTALL)
-    for form, body in columns:
-        assert {line.count("&") for line in body.splitlines() if line.endswith(r"\\")} == {len(form) - 1}
+    for form, body in re.findall(r"\\begin\{tabular\}\{(\S+)\}\n(.*?)\\end\{tabular\}", document, re.DOTALL):
+        widths = [line.count("&") + line.count("multicolumn{2}") for line in body.splitlines() if line.endswith(r"\\")]
+        assert set(widths) == {len(form.replace("@{}", "")) - 1}
 
 
-def test_latex_spells_every_special_character_out() -> None:
-    assert latex.escaped("5 % & {a}_b Θ² ± #$") == r"5 \% \& \{a\}\_b $\Theta$$^2$ $\pm$ \#\$"
+def test_latex_parts_a_figure_at_its_decimal_point_so_that_points_stand_below_each_other() -> None:
+    page = latex.render(table())
+    assert r"CoG z [mm] & 270 & .600 & 270 & .60 & 283 & .61 $\pm$ 2.00 \\" in page
+    assert r"CoG y [mm] & 0 & .00 mm & 0 & .0 & $-$5 & .45 mm & $-$2 & .7 & identified outside" in page
+
+
+@pytest.mark.parametrize(
+    ("plain", "spelled"),
+    [
+        ("5 % & {a}_b ± #$", r"5 \% \& \{a\}\_b $\pm$ \#\$"),
+        ("Θxx [kg m²]", r"$\Theta_{xx}$ [kg m$^2$]"),
+        ("-5.45, ->999, 4.1e-06, 2026-11-21", r"$-$5.45, $-$$>$999, 4.1e-06, 2026-11-21"),
+        ("fork-and-frame <1|2>", "fork-and-frame $<$1$|$2$>$"),
+        ("Träger ≤ 3 kg, Öse Č, 梁", r"Träger $\le$ 3 kg, Öse C, U+6881"),
+    ],
+)
+def test_latex_spells_out_what_it_would_read_or_set_otherwise(plain: str, spelled: str) -> None:
+    assert latex.escaped(plain) == spelled
 
 
 def test_json_keeps_the_contract_and_says_null_for_what_nobody_states() -> None:

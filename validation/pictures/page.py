@@ -25,6 +25,9 @@ from validation.pictures.view import View, fitted
 SIZE = (1600, 1200)
 SCENE = (1120, 1010)
 SCENE_CORNER = (10, 100)
+SCENE_BOX = (np.array([SCENE_CORNER[0] + SCENE[0] / 2, SCENE_CORNER[1] + SCENE[1] / 2]), SCENE)
+"""Middle and size of the scene on the page: labels stay inside."""
+
 MARGIN = 44.0
 DPI = 100
 
@@ -154,7 +157,7 @@ def _marks(canvas: Canvas, view: View, ellipsoid: Ellipsoid) -> None:
     _cog_symbol(canvas, cog)
     labels = [*_axis_labels(view, ellipsoid), _cog_label(cog), *_frame_labels(view)]
     taken = [(cog, (2 * COG_RADIUS, 2 * COG_RADIUS)), *_shafts(view, [*_frame(view), *_principal(view, ellipsoid)])]
-    for label, place in zip(labels, arranged(labels, taken), strict=True):
+    for label, place in zip(labels, arranged(labels, taken, SCENE_BOX), strict=True):
         canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.8, zorder=4)
         box = {"boxstyle": "round,pad=0.22", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.82}
         how = {"ha": "center", "va": "center", "weight": "bold", "bbox": box, "zorder": 6}

@@ -1,4 +1,7 @@
-"""Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own."""
+"""Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.
+
+Units are written in ASCII (kg m^2): a spreadsheet that is not told that a file is UTF-8 shows another sign for the raised 2.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,15 @@ def _lines(table: ReferenceTable) -> Iterator[tuple[object, ...]]:
                 continue
             value = _printed(stated.value, quantity.per_si, stated.decimals)
             tolerance = "" if stated.tolerance is None else f"{stated.tolerance * quantity.per_si:.6g}"
-            yield (table.article, quantity.key, quantity.unit, column, value, tolerance, *_held(table, column, k))
+            yield (
+                table.article,
+                quantity.key,
+                quantity.unit.replace("²", "^2"),
+                column,
+                value,
+                tolerance,
+                *_held(table, column, k),
+            )
 
 
 def _held(table: ReferenceTable, column: str, k: int) -> tuple[object, ...]:

@@ -36,8 +36,12 @@ def values(table: ReferenceTable) -> Grid:
 
 def grids(table: ReferenceTable) -> tuple[Grid, ...]:
     """The values and, where anything can be compared, their deviations."""
-    compared = any(row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
-    return (values(table), deviations(table)) if compared else (values(table),)
+    return (values(table), deviations(table)) if _compared(table) else (values(table),)
+
+
+def _compared(table: ReferenceTable) -> bool:
+    """Whether any column has another to be held against."""
+    return any(row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
 
 
 def deviations(table: ReferenceTable) -> Grid:
@@ -71,6 +75,10 @@ def notes(table: ReferenceTable) -> tuple[str, ...]:
     """What must be known to read the table."""
     against = {PUBLISHED: "the published value", MEASURED: "the measured value"}
     kinds = dict.fromkeys(against.get(c, f"route {c}") for c in table.reference_columns if c is not None)
+    deviation = (
+        f"Deviations are from {' or, where none is printed, '.join(kinds)}; of the routes, the farthest is shown. "
+        "tol.: in combined tolerances, beyond 1 is outside."
+    )
     tolerances = tuple(
         f"Tolerance of {said.name}: {said.tolerance_note}."
         for column, said in table.columns.items()
@@ -79,8 +87,7 @@ def notes(table: ReferenceTable) -> tuple[str, ...]:
     return (
         *((table.note,) if table.note else ()),
         *((f"Routes: {table.agreement}.",) if table.agreement else ()),
-        f"Deviations are from {' or, where none is printed, '.join(kinds)}; of the routes, the farthest is shown. "
-        "tol.: in combined tolerances, beyond 1 is outside.",
+        *((deviation,) if _compared(table) else ()),
         *tolerances,
         *table.footnotes,
     )
@@ -154,12 +161,12 @@ def number(value: float, decimals: int) -> str:
 
 def _aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
     """`cells` padded so that their decimal points stand below each other."""
-    parts = [_split(cell) for cell in cells]
+    parts = [at_point(cell) for cell in cells]
     left, right = (max(len(part[side]) for part in parts) for side in (0, 1))
     return tuple(f"{a:>{left}}{b:<{right}}" for a, b in parts)
 
 
-def _split(cell: str) -> tuple[str, str]:
+def at_point(cell: str) -> tuple[str, str]:
     """`cell` before and from its first decimal point, or before its first space."""
     first = cell.split(" ")[0]
     whole = first.partition(".")[0]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from validation.reference_table import ReferenceTable
 from validation.tables.grid import Grid, grids, notes
 
@@ -9,16 +11,22 @@ from validation.tables.grid import Grid, grids, notes
 def render(table: ReferenceTable) -> str:
     """`table` as a section of a Markdown page."""
     shown = "\n\n".join(_grid(grid) for grid in grids(table))
-    listed = "\n".join(f"- {note}" for note in notes(table))
-    return f"### {table.article}\n\n{shown}\n\n{listed}\n"
+    listed = "\n".join(f"- {escaped(note)}" for note in notes(table))
+    return f"### {escaped(table.article)}\n\n{shown}\n\n{listed}\n"
+
+
+def escaped(text: str) -> str:
+    """`text` with what Markdown would read as a link, emphasis, HTML or the border of a cell spelled out."""
+    return re.sub(r"([\\`*<|\[\]]|(?<!\w)_|_(?!\w))", r"\\\1", text)
 
 
 def _grid(grid: Grid) -> str:
-    columns = list(zip(grid.header, *grid.lines, strict=True))
+    header = tuple(map(escaped, grid.header))
+    columns = list(zip(header, *grid.lines, strict=True))
     widths = [max(3, *(len(cell) for cell in column)) for column in columns]
     left = {0, len(grid.header) - 1} if grid.words else {0}
     rule = [":" + "-" * (w - 1) if k in left else "-" * (w - 1) + ":" for k, w in enumerate(widths)]
-    lines = [grid.header, tuple(rule), *grid.lines]
+    lines = [header, tuple(rule), *grid.lines]
     return "\n".join(_line(line, widths, left) for line in lines)
 
 

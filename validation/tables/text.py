@@ -12,23 +12,67 @@ if TYPE_CHECKING:
 
 
 WIDTH = 132
-"""Columns; a table is never cut, since that would lose digits, only its words wrap."""
+"""Columns of what goes to a file or a pipe."""
+
+VERDICT = 24
+"""Columns below which words are not squeezed."""
+
+GAP = 3
+"""Columns between two columns of a table."""
 
 
-def render(table: ReferenceTable, width: int = WIDTH) -> str:
-    """`table` as plain text of `width` columns."""
+def render(table: ReferenceTable, width: int | None = None) -> str:
+    """`table` as plain text of `width` columns; None is what the terminal has, or `WIDTH` where there is none.
+
+    No figure is cut or broken: words wrap, and a table that is still too wide is continued below itself.
+    """
     from rich.console import Console
     from rich.padding import Padding
     from rich.text import Text
 
-    console = Console(width=width, color_system=None, force_terminal=False)
+    terminal = Console()
+    console = Console(width=width or (terminal.width if terminal.is_terminal else WIDTH), color_system=None, force_terminal=False)
     with console.capture() as capture:
-        console.print(Text(table.article))
+        console.print(Text(table.article), Text("═" * min(len(table.article), console.width)), sep="\n")
         for grid in grids(table):
-            console.print(_table(grid))
+            for part in parts(grid, console.width):
+                console.print(_table(part))
         for note in notes(table):
             console.print(Padding(Text(note), (0, 0, 0, 2)))
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
+
+
+def parts(grid: Grid, width: int) -> list[Grid]:
+    """`grid` side by side in pieces of at most `width` columns, each with the first column of `grid`.
+
+    A piece holds at least one column more, however narrow the terminal. Columns of a pair stay together: a deviation and the same
+    in tolerances.
+    """
+    columns = list(zip(grid.header, *grid.lines, strict=True))
+    label, rest = columns[0], columns[1:]
+    step = 2 if grid.words else 1
+    groups = [rest[i : i + step] for i in range(0, len(rest), step)]
+    pieces = [[groups[0]]]
+    for group in groups[1:]:
+        tried = [label, *(column for one in (*pieces[-1], group) for column in one)]
+        if _width(tried, grid.words and group is groups[-1]) <= width:
+            pieces[-1].append(group)
+        else:
+            pieces.append([group])
+    return [_piece([label, *(c for group in piece for c in group)], grid.words and piece is pieces[-1]) for piece in pieces]
+
+
+def _width(columns: list[tuple[str, ...]], words: bool) -> int:
+    """Columns that a table of `columns` needs, with the verdict at its narrowest."""
+    widths = [max(map(len, column)) for column in columns]
+    if words:
+        widths[-1] = min(widths[-1], VERDICT)
+    return sum(widths) + GAP * (len(widths) - 1) + 2
+
+
+def _piece(columns: list[tuple[str, ...]], words: bool) -> Grid:
+    header, *lines = zip(*columns, strict=True)
+    return Grid(header=header, lines=tuple(lines), words=words)
 
 
 def _table(grid: Grid) -> Table:
