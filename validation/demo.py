@@ -1,48 +1,92 @@
 """``make demo``: everything massline shows, in order, each step the very command that a user would type.
 
-A step is a title and a command line. Whatever is new appends its own to `STEPS`; nothing here computes anything.
+A step is a title and a command line, of ``massline`` or of a script in ``examples/``. Whatever is new appends its own to `STEPS`;
+nothing here computes anything.
 """
 
 from __future__ import annotations
 
+import os
 import shlex
+import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import click
 
-from validation.cli import DONE, run
+from validation.cli import DONE, FAILED_CHECK, run
+
+DATA = Path(os.environ.get("MASSLINE_DATA", Path("..") / "shared" / "data"))
+"""Real measured data of others; a step that needs it is passed over, in words, where it is absent."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One thing to see: a `title` and the `command` line behind ``massline`` that shows it."""
+    """One thing to see.
+
+    Attributes
+    ----------
+    title : what it shows
+    command : the line to type, ``massline ...`` or ``python examples/... ``
+    ends : exit code that belongs to it: 1 where the point is a check that fails
+    needs : folder of data without which it is passed over; None when it needs none
+    """
 
     title: str
     command: str
+    ends: int = DONE
+    needs: Path | None = None
 
 
 STEPS = (
     Step(
-        title="The four articles, Clumod in both configurations: three routes beside published and measured values",
-        command="reference cuboid disc fmd clumod-1 clumod-4",
+        title="The four articles, Clumod in both configurations: three routes beside published and measured values, and pictures",
+        command="massline reference cuboid disc fmd clumod-1 clumod-4 --view",
     ),
+    Step(title="The set-up of the tare, stacked", command="massline reference fmd+disc+cuboid"),
+    Step(
+        title="The paper's Table 2: an identification against the reference",
+        command=("massline validate clumod-1-table2 --against clumod-1"),
+        ends=FAILED_CHECK,
+    ),
+    Step(title="A weighing", command="massline weigh clumod-4-weighing --against clumod-4"),
+    Step(title="The height of the CoG by crane and balance", command="massline cog clumod-4-cog --against clumod-4"),
+    Step(title="Periods on ropes, Eq. 5", command="massline pendulum clumod-4-pendulum --against clumod-4"),
+    Step(title="A recorded swing", command="massline pendulum examples/clumod-4-upright.toml --against clumod-4"),
+    Step(
+        title="Real data: four bicycles on torsion and compound pendulums come out as published",
+        command=f"python examples/bicycles.py --data {shlex.quote(str(DATA))}",
+        needs=DATA / "bicycle_pendulum",
+    ),
+    Step(title="Your own article: a STEP assembly and two meshes", command="python examples/own_article.py out/own-article"),
+    Step(title="... with a material for each body", command="massline reference out/own-article --view"),
 )
 
-WHERE = "Every table above is one command; `massline COMMAND --help` says more, and --json gives the same figures to a program."
+WHERE = """Pictures: {pictures}
+Tables:   every table above is one command; `massline COMMAND --help` says more, and --json gives a program the same figures."""
 
 
 def main() -> int:
-    """Run every step and stop at the first that fails; its exit code is the demo's."""
+    """Run every step and stop at the first that ends otherwise than it should; its exit code is the demo's."""
     for number, step in enumerate(STEPS, start=1):
         click.secho(f"\n{number}/{len(STEPS)}  {step.title}", bold=True)
-        click.echo(f"$ massline {step.command}\n")
-        code = run(shlex.split(step.command))
-        if code != DONE:
-            click.echo(f"The demo stops here: `massline {step.command}` ended with exit code {code}.", err=True)
-            return code
-    click.echo(f"\n{WHERE}")
+        click.echo(f"$ {step.command}\n")
+        if step.needs is not None and not step.needs.is_dir():
+            click.echo(f"Passed over: {step.needs} is absent. MASSLINE_DATA may name the folder of data.")
+            continue
+        code = _run(step.command)
+        if code != step.ends:
+            click.echo(f"The demo stops here: `{step.command}` ended with exit code {code}.", err=True)
+            return code or FAILED_CHECK
+    click.echo("\n" + WHERE.format(pictures=", ".join(sorted(map(str, Path("out").glob("**/*.png")))) or "none"))
     return DONE
+
+
+def _run(command: str) -> int:
+    program, *arguments = shlex.split(command)
+    sys.stdout.flush()
+    return run(arguments) if program == "massline" else subprocess.run([sys.executable, *arguments], check=False).returncode
 
 
 if __name__ == "__main__":
