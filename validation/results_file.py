@@ -59,10 +59,10 @@ def reference(name: str) -> dict[str, UFloat]:
     ------
     BadInput : nothing is published about it.
     """
-    articles = tuple(entry.removesuffix("-reference") for entry in shipped() if entry.endswith("-reference"))
+    articles = tuple(entry.removesuffix("-reference") for entry in shipped(("results",)) if entry.endswith("-reference"))
     if name in articles:
         return dict(reduce(read(f"{name}-reference", ("results",))).results)
-    if name.endswith(".toml") or name in shipped():
+    if name.endswith(".toml") or name in shipped(("results",)):
         return dict(reduce(read(name, ("results",))).results)
     near = difflib.get_close_matches(name, articles, n=1)
     hint = f"Did you mean {near[0]}? " if near else ""
