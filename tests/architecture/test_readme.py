@@ -3,7 +3,8 @@
 Convention: command lines stand in fenced blocks marked ``sh``, one a line.
 
 - Lines that begin with ``massline`` are run, those of one page in order and in one temporary directory, so a line may use what
-  an earlier one wrote. They end with exit code 0, or with the one that a comment at their end states: ``# exit 1``.
+  an earlier one wrote. A copy of ``examples`` lies there, as in the root of the repository where a reader stands. Lines end with
+  exit code 0, or with the one that a comment at their end states: ``# exit 1``.
 - Lines that begin with ``python examples/`` run that script of the repository, likewise.
 - Lines that begin with ``make`` must name a target that exists. They are not run here, since they run this.
 - ``apt-get`` is that of the setup and of the doctor; ``git clone`` and ``cd`` are the reader's. Nothing else may be there.
@@ -12,6 +13,7 @@ Convention: command lines stand in fenced blocks marked ``sh``, one a line.
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -46,6 +48,7 @@ def script(name: str, *arguments: str, code: Path, cwd: Path) -> subprocess.Comp
 def test_every_massline_line_of_a_page_runs(
     page: Path, massline: Callable[..., subprocess.CompletedProcess[str]], code: Path, tmp_path: Path
 ) -> None:
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
     for line in command_lines(page):
         program, *arguments = shlex.split(line, comments=True)
         if program in ("massline", "python"):
