@@ -69,6 +69,12 @@ def test_everything_else_is_refused_with_file_field_and_an_example(text: object,
     assert "Write it like" in str(refusal.value)
 
 
+@pytest.mark.parametrize("text", ["2.1e-149 m", "-3.1e-17 m", "1e-400 m", "1e-16 +/- 1e-17 m", "0 +/- 1e-200 m"])
+def test_the_rounding_that_is_left_of_a_zero_is_zero(text: str) -> None:
+    found = read(text, "length")
+    assert (found.nominal_value, found.std_dev) == (0.0, 0.0)
+
+
 @given(st.text(max_size=20))
 def test_no_text_ends_in_another_error(text: str) -> None:
     try:
