@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import Inertia
-from geometry.routes import ROUNDING
+from geometry.routes import rounding
 from validation.rows import Row
 from validation.statement import QUANTITIES, Quantity, Stated, Statement, about_cog, jacobian, seen_from
 
@@ -103,24 +103,18 @@ def route_statement(name: str, inertia: Inertia, error: Array | None = None) -> 
 
     A CoG coordinate or product that does not rise above rounding is zero: it is the symmetry of the body that it fails to show.
     """
-    rounding = _spread(inertia, ROUNDING * _size(inertia))
-    tolerance = rounding if error is None else np.hypot(rounding, _spread(inertia, error))
+    least = _spread(inertia, rounding(inertia))
+    tolerance = least if error is None else np.hypot(least, _spread(inertia, error))
     values = about_cog(inertia)
     return Statement(
         name=name,
         values=tuple(
             Stated(value=0.0 if abs(v) <= zero else float(v), tolerance=float(t))
-            for v, zero, t in zip(values, rounding, tolerance, strict=True)
+            for v, zero, t in zip(values, least, tolerance, strict=True)
         ),
         source=f"route {name}",
         tolerance_note="rounding" if error is None else "rounding and tessellation",
     )
-
-
-def _size(inertia: Inertia) -> Array:
-    """The size of each parameter about the origin for a body of this mass and radius of gyration, (10,)."""
-    radius = np.sqrt(np.trace(inertia.about(np.zeros(3)).tensor) / (2 * inertia.mass))
-    return np.asarray(inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
 
 
 def _spread(inertia: Inertia, error: Array) -> Array:

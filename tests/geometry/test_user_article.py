@@ -246,7 +246,7 @@ def test_parts_that_overlap_are_named_with_the_share_that_counts_twice(tmp_path:
 @pytest.mark.parametrize(
     ("fields", "place", "problem", "remedy"),
     [
-        ({"materail": '"oak"'}, "part 1.materail", "nobody knows this key", "Did you mean material?"),
+        ({"materail": '"oak"'}, "part 1.materail", "found the unknown key", "Did you mean material?"),
         ({"file": '"none.stl"'}, "part 1.file", "there is no file 'none.stl'", "Looked for"),
         ({"name": ""}, "part 1.name", "is missing", "Add name"),
         ({"file": "3"}, "part 1.file", "must be text, found 3", ""),
@@ -285,12 +285,12 @@ def test_a_bad_field_is_named_with_what_was_found(
         ("format = 1\n", "part", "there is no part"),
         ("format = 1\npart = 3\n", "part", "there is no part"),
         ("format = 1\npart = [3]\n", "part", "must be a table, found 3"),
-        ("format = 1\nmaterial.a.densty = 3\n", "material.a.densty", "nobody knows this key"),
+        ("format = 1\nmaterial.a.densty = 3\n", "material.a.densty", "found the unknown key"),
         ("format = 1\nmaterial.a = 3\n", "material.a", "must be a table, found 3"),
         ("format = 1\nmaterial.a = {}\n", "material.a.density", "is missing"),
-        ("format = 1\narticle.nam = 'x'\n", "article.nam", "nobody knows this key"),
+        ("format = 1\narticle.nam = 'x'\n", "article.nam", "found the unknown key"),
         ("format = ", "", "it is not TOML"),
-        ("formt = 1\n", "formt", "nobody knows this key"),
+        ("formt = 1\n", "formt", "found the unknown key"),
     ],
 )
 def test_a_bad_description_is_refused(tmp_path: Path, text: str, place: str, problem: str) -> None:
