@@ -20,7 +20,7 @@ from geometry import keys
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import Pose, proper_rotation, rotation_about
-from validation.quantities import quantity
+from geometry.quantities import quantity
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 

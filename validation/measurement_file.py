@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import BadInput
-from validation.quantities import exact, quantity
+from geometry.quantities import exact, quantity
 
 if TYPE_CHECKING:
     from uncertainties import UFloat

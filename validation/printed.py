@@ -10,7 +10,7 @@ import math
 import re
 
 from geometry.errors import BadInput
-from validation.quantities import LARGEST, SI_UNITS, quantity
+from geometry.quantities import LARGEST, SI_UNITS, quantity
 from validation.statement import Stated
 
 NOT_STATED = "not stated"

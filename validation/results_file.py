@@ -15,8 +15,8 @@ import difflib
 from typing import TYPE_CHECKING
 
 from geometry.errors import BadInput
+from geometry.quantities import tagged
 from validation.measurement_file import HEAD, Fields, read, shipped
-from validation.quantities import tagged
 from validation.reduction import QUANTITIES, Reduction
 
 if TYPE_CHECKING:

@@ -39,7 +39,7 @@ def reading(chord: str, unit: str | None, material: str | None) -> Asked:
     ------
     BadInput : the chord error is no positive length.
     """
-    from validation.quantities import quantity
+    from geometry.quantities import quantity
 
     size = float(quantity(chord, "length", source="--chord", field="chord").nominal_value)
     if size <= 0:
