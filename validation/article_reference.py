@@ -30,22 +30,32 @@ REFERENCES = (PUBLISHED, MEASURED, *ROUTES)
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
-    """How the articles of a command are to be read: chord error of the mesh route [m], and unit and material of user's files."""
+    """How the articles of a command are to be read.
 
-    chord: float = DEFAULT_CHORD
+    Attributes
+    ----------
+    chord : chord error of the mesh route [m]; None for `DEFAULT_CHORD`, and for a share of each solid's size in a user's file
+    unit, material : of user's files
+    """
+
+    chord: float | None = None
     unit: str | None = None
     material: str | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Routes:
-    """Inertia by every route asked for, what each may be off by (10,) about the origin, and what was said on the way."""
+    """Inertia by every route asked for, what each may be off by (10,) about the origin, and what was said on the way.
+
+    `chord` [m] is the largest chord error of the meshes, 0 where a mesh is taken as it is.
+    """
 
     inertias: Mapping[str, Inertia]
     errors: Mapping[str, Array]
     agree: bool = True
     text: str = ""
     note: str = ""
+    chord: float = 0.0
     warnings: tuple[str, ...] = ()
 
     def statements(self) -> dict[str, Statement]:
@@ -85,7 +95,8 @@ def reference_table(name: str, asked: Asked) -> ReferenceTable:
         columns={**routes.statements(), **print_.statements},
         note=routes.note,
         agree=routes.agree,
-        agreement=routes.text,
+        agreement=f"{routes.text}; chord error of the mesh {routes.chord * 1e6:.3g} µm" if routes.chord else routes.text,
+        chord=routes.chord,
         footnotes=(*print_.footnotes, *(f"{words[0].upper()}{words[1:]}." for words in routes.warnings)),
         warnings=routes.warnings,
     )
@@ -122,21 +133,20 @@ def _possible(name: str, routes: _Routes) -> tuple[str, ...]:
 
 def _of_built_in(name: str, asked: Asked, only: str | None = None) -> _Routes:
     """By all routes, held against each other, or by `only` one of them (none when it is no route)."""
-    article = built_in(name)
-    errors = {"trimesh": tessellation_error(article, asked.chord)}
+    article, chord = built_in(name), asked.chord or DEFAULT_CHORD
+    errors = {"trimesh": tessellation_error(article, chord)}
     if only is not None:
-        found = {only: _BY_ROUTE[only](article, asked.chord)} if only in _BY_ROUTE else {}
-        return _Routes(inertias=found, errors=errors, note=article.note)
-    inertias = by_routes(article, asked.chord)
-    verdict = agreement(article, inertias, asked.chord)
-    text = f"{verdict.text}; chord error of the mesh {asked.chord * 1e6:g} µm"
-    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=text, note=article.note)
+        found = {only: _BY_ROUTE[only](article, chord)} if only in _BY_ROUTE else {}
+        return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)
+    inertias = by_routes(article, chord)
+    verdict = agreement(article, inertias, chord)
+    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=verdict.text, note=article.note, chord=chord)
 
 
 def _of_file(name: str, asked: Asked) -> _Routes:
     from geometry import user_article
 
-    article = user_article.load(name, unit=asked.unit, material=asked.material)
+    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
     inertias = user_article.inertias(article)
     verdict = user_article.agreement(article, inertias)
     return _Routes(
@@ -145,6 +155,7 @@ def _of_file(name: str, asked: Asked) -> _Routes:
         agree=verdict.agree,
         text=verdict.text,
         note=article.note,
+        chord=max(part.chord for part in article.parts),
         warnings=article.warnings,
     )
 
@@ -182,7 +193,7 @@ def _users_drawing(name: str, asked: Asked) -> _Drawing:
     from geometry import user_article
     from validation.pictures import DrawnBody
 
-    article = user_article.load(name, unit=asked.unit, material=asked.material)
+    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
     bodies = tuple(
         DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
         for part in article.parts

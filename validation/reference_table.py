@@ -34,6 +34,7 @@ class ReferenceTable:
     columns : statements by column, the routes first; all in one frame
     agree : whether the routes agree
     agreement : that verdict in a sentence
+    chord : largest chord error of the mesh route [m]; 0 where a mesh is taken as it is
     footnotes : what must be known to read it
     warnings : what was noticed on the way, in words; each is among the footnotes too
     """
@@ -43,6 +44,7 @@ class ReferenceTable:
     note: str = ""
     agree: bool = True
     agreement: str = ""
+    chord: float = 0.0
     footnotes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

@@ -12,6 +12,7 @@ value = "47.400 +/- 0.024 kg"
 from __future__ import annotations
 
 import difflib
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from geometry.errors import BadInput
@@ -48,6 +49,17 @@ def reduce(file: Fields, keys: tuple[str, ...] = _PUBLISHABLE) -> Reduction:
         notes=("No tolerance is printed in the source; those shown are ASSUMED.",) if assumed else (),
         assumed=assumed,
     )
+
+
+def readings_or_results(name: str, kind: str, readings: Callable[[Fields], Reduction], keys: tuple[str, ...]) -> Reduction:
+    """The measurement file `name`: of `kind`, reduced by `readings`, or what somebody printed of `keys`.
+
+    Raises
+    ------
+    BadInput : see `validation.measurement_file.read`, `readings` and `reduce`.
+    """
+    file = read(name, (kind, "results"))
+    return readings(file) if file.text("kind") == kind else reduce(file, keys)
 
 
 def reference(name: str) -> dict[str, UFloat]:

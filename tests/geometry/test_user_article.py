@@ -254,7 +254,7 @@ def test_parts_that_overlap_are_named_with_the_share_that_counts_twice(tmp_path:
         ({"material": ""}, "material", "no material is given", "Give a name"),
         ({"material": '"unobtainium"'}, "material", "no material is called 'unobtainium'", "Known are"),
         ({"density": '"1 kg/m^3"'}, "part 1.density", "is given beside a material", "Leave one"),
-        ({"material": "", "density": "7800"}, "part 1.density", "a density needs its unit, found the bare number 7800", "Write it"),
+        ({"material": "", "density": "7800"}, "part 1.density", "needs its unit, found the bare number 7800", "Write it"),
         ({"material": "", "density": '"-1 kg/m^3"'}, "part 1.density", "positive and finite", "Write it"),
         ({"material": "", "density": '"0 kg/m^3"'}, "part 1.density", "positive and finite", "Write it"),
         ({"material": "", "density": '"5 s"'}, "part 1.density", "'s' is a time", "Write it"),
@@ -364,6 +364,13 @@ def test_the_hammer_from_step_has_the_closed_form_on_the_exact_route_and_the_mes
     assert agreement(article, found).agree
     off = Inertia(parameters=found["trimesh"].parameters * 1.01)
     assert not agreement(article, {"occ": found["occ"], "trimesh": off}).agree
+
+
+def test_the_mesh_of_a_solid_is_as_fine_as_it_is_asked_for(example: Path) -> None:
+    coarse, fine = (load(example / "hammer.step", material="steel", chord=chord) for chord in (1e-4, 1e-6))
+    assert {part.chord for part in fine.parts} == {1e-6}
+    off = [abs(inertias(article)["trimesh"].mass - inertias(article)["occ"].mass) for article in (coarse, fine)]
+    assert off[1] < off[0] / 20  # the error falls with the chord error, a hundredfold
 
 
 def test_the_example_folder_of_two_stl_files_is_the_same_hammer(example: Path) -> None:

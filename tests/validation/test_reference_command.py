@@ -170,6 +170,19 @@ def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
     assert_allclose(routes["trimesh"]["mass_kg"], 2700 * 0.16 * 0.07 * 0.4, rtol=1e-6)  # STL holds single precision
 
 
+def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(run: Run, tmp_path: Path) -> None:
+    from geometry.articles import built_in
+    from geometry.cad.export import write_step
+    from geometry.cad.solids import solid
+
+    write_step(tmp_path / "disc.step", {part.name: solid(part) for part in built_in("disc").parts}, "disc")
+    given = ("reference", "disc.step", "--material", "steel")
+    fine, own = (json.loads(run(*given, *more, "--json")[1])["articles"]["disc.step"] for more in (("--chord", "10 um"), ()))
+    assert fine["chord_m"] == 1e-5
+    assert "chord error of the mesh 10 µm" in fine["agreement"]
+    assert_allclose(own["chord_m"], 1e-4 * np.sqrt(2 * 0.351**2 + 0.0145**2), rtol=1e-3)  # OCC's box has a small gap
+
+
 def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None:
     code, _, err = run("reference", "cuboid", "--view")
     assert code == cli.DONE, err

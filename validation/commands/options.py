@@ -21,27 +21,46 @@ FRAME = click.option(
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, nothing else.")
 
 
-def asked(command: Command) -> Command:
-    """How articles are read: ``--chord``, ``--unit``, ``--material``."""
+def measurement(command: Command) -> Command:
+    """What a measurement file is reduced with: FILE, ``--against``, ``--json``."""
     for option in (
-        click.option("--material", help="Material or density of your own file, for every body that has none."),
-        click.option("--unit", help="Unit of length of your own mesh file, for example mm."),
-        click.option("--chord", default=f"{DEFAULT_CHORD * 1e6:g} um", show_default=True, help="Chord error of the mesh route."),
+        JSON,
+        click.option("--against", metavar="ARTICLE", help="Set the result beside what is published about ARTICLE."),
+        click.argument("file"),
     ):
         command = option(command)
     return command
 
 
-def reading(chord: str, unit: str | None, material: str | None) -> Asked:
+def asked(command: Command) -> Command:
+    """How articles are read: ``--chord``, ``--unit``, ``--material``."""
+    for option in (
+        click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
+        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
+        click.option(
+            "--chord",
+            metavar="LENGTH",
+            help=f"Chord error of the mesh route.  [default: {DEFAULT_CHORD * 1e6:g} um; in your own STEP 1e-4 of a body's size]",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def reading(chord: str | None, unit: str | None, material: str | None) -> Asked:
     """The three options, checked.
 
     Raises
     ------
     BadInput : the chord error is no positive length.
     """
+    return Asked(chord=None if chord is None else _chord(chord), unit=unit, material=material)
+
+
+def _chord(text: str) -> float:
     from geometry.quantities import quantity
 
-    size = float(quantity(chord, "length", source="--chord", field="chord").nominal_value)
+    size = float(quantity(text, "length", source="--chord", field="chord").nominal_value)
     if size <= 0:
-        raise BadInput(source="--chord", problem=f"must be positive, found {chord}", remedy='Write for example "2 um"')
-    return Asked(chord=size, unit=unit, material=material)
+        raise BadInput(source="--chord", problem=f"must be positive, found {text}", remedy='Write for example "2 um"')
+    return size

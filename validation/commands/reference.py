@@ -38,7 +38,7 @@ def command(
     view: bool,
     identified: str | None,
     frame: str | None,
-    chord: str,
+    chord: str | None,
     unit: str | None,
     material: str | None,
 ) -> None:
@@ -64,7 +64,7 @@ def command(
     warnings = () if result is None else result.warnings
     for warning in (*warnings, *(f"{table.article}: {said}" for table in tables for said in table.warnings)):
         click.echo(f"massline: {warning}.", err=True)
-    _write(_json(tables, asked.chord, warnings) if as_json else _text(tables, form), out)
+    _write(_json(tables, warnings) if as_json else _text(tables, form), out)
     if view:
         _pictures(names, asked, quiet=as_json)
     apart = [f"{table.article}: the routes disagree, {table.agreement}" for table in tables if not table.agree]
@@ -95,12 +95,12 @@ def _completed(table: ReferenceTable, result: Result | None, pose: Pose | None, 
     return table if result is None else replace(table, columns={**table.columns, IDENTIFIED: result.statement})
 
 
-def _json(tables: Sequence[ReferenceTable], chord: float, warnings: Sequence[str]) -> str:
+def _json(tables: Sequence[ReferenceTable], warnings: Sequence[str]) -> str:
     from validation.output import json_text
     from validation.tables import as_json
 
     articles = {table.article: as_json.render(table) for table in tables}
-    return json_text({"articles": articles, "chord_m": chord, "warnings": list(warnings)}) + "\n"
+    return json_text({"articles": articles, "warnings": list(warnings)}) + "\n"
 
 
 def _text(tables: Sequence[ReferenceTable], form: str) -> str:

@@ -36,7 +36,7 @@ def command(
     choice: str | None,
     as_json: bool,
     frame: str | None,
-    chord: str,
+    chord: str | None,
     unit: str | None,
     material: str | None,
 ) -> None:
