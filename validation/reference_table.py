@@ -9,7 +9,7 @@ quadrature). A quantity's verdict names the columns that lie outside.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -35,6 +35,7 @@ class ReferenceTable:
     agree : whether the routes agree
     agreement : that verdict in a sentence
     chord : largest chord error of the mesh route [m]; 0 where a mesh is taken as it is
+    changes : the user's own dimensions that the routes rest on, by key, in the unit of the dimension file
     footnotes : what must be known to read it
     warnings : what was noticed on the way, in words; each is among the footnotes too
     """
@@ -45,6 +46,7 @@ class ReferenceTable:
     agree: bool = True
     agreement: str = ""
     chord: float = 0.0
+    changes: Mapping[str, float] = field(default_factory=dict)
     footnotes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import click
 
 from geometry.errors import BadInput
 from geometry.routes import DEFAULT_CHORD
+from validation import changed
 from validation.article_reference import Asked
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -33,7 +34,7 @@ def measurement(command: Command) -> Command:
 
 
 def asked(command: Command) -> Command:
-    """How articles are read: ``--chord``, ``--unit``, ``--material``."""
+    """How articles are read: ``--set``, ``--chord``, ``--unit``, ``--material``."""
     for option in (
         click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
         click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
@@ -42,19 +43,27 @@ def asked(command: Command) -> Command:
             metavar="LENGTH",
             help=f"Chord error of the mesh route.  [default: {DEFAULT_CHORD * 1e6:g} um; in your own STEP 1e-4 of a body's size]",
         ),
+        click.option(
+            "--set",
+            "settings",
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="Your own dimension of a built-in part, in the unit of its file in geometry/articles; may be repeated. "
+            "For example fmd.load_cell.moving_fraction=0.6 or clumod.blade.lower-1.length_mm=1090.",
+        ),
     ):
         command = option(command)
     return command
 
 
-def reading(chord: str | None, unit: str | None, material: str | None) -> Asked:
-    """The three options, checked.
+def reading(chord: str | None, unit: str | None, material: str | None, settings: Sequence[str]) -> Asked:
+    """The four options, checked.
 
     Raises
     ------
-    BadInput : the chord error is no positive length.
+    BadInput : the chord error is no positive length, or a setting is not of the form KEY=VALUE with a number.
     """
-    return Asked(chord=None if chord is None else _chord(chord), unit=unit, material=material)
+    return Asked(chord=None if chord is None else _chord(chord), unit=unit, material=material, changes=changed.read(settings))
 
 
 def _chord(text: str) -> float:

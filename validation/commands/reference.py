@@ -41,6 +41,7 @@ def command(
     chord: str | None,
     unit: str | None,
     material: str | None,
+    settings: tuple[str, ...],
 ) -> None:
     """Mass, CoG and inertia of articles by three routes, beside published, measured and identified values.
 
@@ -54,7 +55,7 @@ def command(
     from validation.progress import counted
 
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
-    asked = options.reading(chord, unit, material)
+    asked = options.reading(chord, unit, material, settings)
     require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
     result = None if identified is None else _result(identified, names, pose)
@@ -62,7 +63,8 @@ def command(
         _completed(reference_table(name, asked), result, pose, frame) for name in counted(names, "three routes", quiet=as_json)
     ]
     warnings = () if result is None else result.warnings
-    for warning in (*warnings, *(f"{table.article}: {said}" for table in tables for said in table.warnings)):
+    in_sight = form == "text" and out is None and not as_json  # the tables' footnotes say them already
+    for warning in (*warnings, *(() if in_sight else _warnings(tables))):
         click.echo(f"massline: {warning}.", err=True)
     _write(_json(tables, warnings) if as_json else _text(tables, form), out)
     if view:
@@ -70,6 +72,12 @@ def command(
     apart = [f"{table.article}: the routes disagree, {table.agreement}" for table in tables if not table.agree]
     if apart:
         raise CheckFailed("; ".join(apart))
+
+
+def _warnings(tables: Sequence[ReferenceTable]) -> tuple[str, ...]:
+    """Everything noticed about the articles, each with the file that it is about."""
+    pairs = [(table.article, said) for table in tables for said in table.warnings]
+    return tuple(said if said.startswith(article) else f"{article}: {said}" for article, said in pairs)
 
 
 def _result(identified: str, names: Sequence[str], pose: Pose | None) -> Result:

@@ -39,6 +39,7 @@ def command(
     chord: str | None,
     unit: str | None,
     material: str | None,
+    settings: tuple[str, ...],
 ) -> None:
     """Anyone's identified ten parameters against the reference of ARTICLE.
 
@@ -50,7 +51,7 @@ def command(
     body can have these parameters.
     """
     from geometry.frames import Pose
-    from validation.article_reference import reference, require_use
+    from validation.article_reference import changes_note, reference, require_use
     from validation.cross_check import cross_check, summary
     from validation.frame_text import read_frame
     from validation.progress import shown
@@ -59,22 +60,29 @@ def command(
 
     pose = None if frame is None else read_frame(frame)
     said = read(result, article=article, frame=pose)
-    asked = options.reading(chord, unit, material)
+    asked = options.reading(chord, unit, material, settings)
     require_use([article], asked)
     with shown(f"reference of {article}", quiet=as_json):
         chosen, known = reference(article, choice, asked, pose or Pose())
     check = cross_check(said.statement, known)
     words = summary(check, f"{article} ({chosen})")
+    note = changes_note(article, asked)
     if as_json:
         tolerances = {"result": said.statement.tolerance_note, "reference": known.tolerance_note}
-        more = {"article": article, "reference": chosen, "tolerance_note": tolerances, "warnings": said.warnings}
+        more = {
+            "article": article,
+            "reference": chosen,
+            "tolerance_note": tolerances,
+            "warnings": said.warnings,
+            "changes": asked.changes,
+        }
         _print_json(check, words, more)
     else:
         _print(
             f"{said.statement.source} against {article} ({chosen})",
             {chosen: known, IDENTIFIED: said.statement},
             check,
-            said.warnings,
+            [note.removesuffix("."), *said.warnings] if note else said.warnings,
         )
     if not check.passed:
         raise CheckFailed(words)

@@ -18,6 +18,7 @@ def render(table: ReferenceTable) -> dict[str, Any]:
         "agree": table.agree,
         "agreement": table.agreement,
         "chord_m": table.chord,
+        "changes": dict(table.changes),
         "rows": [
             {**line, "column": column, "reference_column": table.reference_columns[k]}
             for k in range(len(QUANTITIES))
