@@ -16,10 +16,10 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 FRAME = click.option(
     "--frame",
-    metavar="ORIGIN[; TURNS]",
-    help='Your own frame, seen from the article\'s: origin and turns, "0 0 45 mm; z 90 deg", or a TOML file with [frame].',
+    metavar="FRAME",
+    help='Your own frame, seen from the article\'s: origin, then turns, "0 0 45 mm; z 90 deg"; or a TOML file with [frame].',
 )
-JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, nothing else.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead.")
 
 
 def measurement(command: Command) -> Command:
@@ -48,8 +48,8 @@ def asked(command: Command) -> Command:
             "settings",
             multiple=True,
             metavar="KEY=VALUE",
-            help="Your own dimension of a built-in part, in the unit of its file in geometry/articles; may be repeated. "
-            "For example fmd.load_cell.moving_fraction=0.6 or clumod.blade.lower-1.length_mm=1090.",
+            help="Your own dimension of a built-in part, in the unit of its file in geometry/articles, such as "
+            "fmd.load_cell.moving_fraction=0.6. May be repeated.",
         ),
     ):
         command = option(command)

@@ -24,10 +24,14 @@ FORMATS = ("text", "markdown", "csv", "latex")
 @click.command("reference")
 @click.argument("articles", nargs=-1, metavar="[ARTICLE ...]")
 @options.JSON
-@click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True, help="How it is written.")
-@click.option("--out", type=click.Path(path_type=Path), help="Write there instead of on standard output; whole or not at all.")
-@click.option("--view", is_flag=True, help="Write a picture of every article under out/.")
-@click.option("--identified", metavar="RESULT", help="Fill the identified column from a result file (see `massline validate`).")
+@click.option(
+    "--format", "form", type=click.Choice(FORMATS), default="text", metavar="FORM", help="text (default), markdown, csv or latex."
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of on the screen, whole or not at all."
+)
+@click.option("--view", is_flag=True, help="Also write a picture of every article under out/.")
+@click.option("--identified", metavar="RESULT", help="Result file for the identified column (see massline validate).")
 @options.FRAME
 @options.asked
 def command(
@@ -45,8 +49,8 @@ def command(
 ) -> None:
     """Mass, CoG and inertia of articles by three routes, beside published, measured and identified values.
 
-    ARTICLE is a stack of built-in parts from bottom to top (cuboid, disc, fmd, clumod-1, clumod-4, fmd+disc+cuboid ...) or a file
-    or folder of your own. Without one: cuboid, disc, fmd, and Clumod in both configurations, clumod-1 and clumod-4.
+    ARTICLE is a built-in part (cuboid, disc, fmd, clumod-1, clumod-4), a stack of them from bottom to top (fmd+disc+cuboid), or a
+    STEP, STL, PLY, OBJ or article.toml file or folder of your own. Without any, all five built-in parts.
 
     Exit code 1 when the routes of an article disagree by more than their stated errors.
     """

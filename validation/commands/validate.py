@@ -24,8 +24,9 @@ REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
     "--reference",
     "choice",
     type=click.Choice(REFERENCES),
-    help="What RESULT is held against: a route (as uncertain as the published values are; occ by default, trimesh for a mesh), "
-    "or what is in print.",
+    metavar="COLUMN",
+    help="What RESULT is held against: a route (occ, the default; trimesh, the default for a mesh; or pinocchio), or what is "
+    "published or measured. A route counts as no more certain than the published values.",
 )
 @options.JSON
 @options.FRAME
@@ -43,12 +44,12 @@ def command(
 ) -> None:
     """Anyone's identified ten parameters against the reference of ARTICLE.
 
-    RESULT is a TOML or JSON file (format = 1, see docs/reference-tables.md), the JSON of `massline identify`, or clumod-1-table2,
-    the paper's own. It states its reference point, sign of products and frame; --frame is the frame in which the rows are
-    printed, and that of a RESULT which states none.
+    RESULT is a TOML or JSON file as in docs/reference-tables.md, any INERTIA that --json prints, or clumod-1-table2, the paper's
+    own. It states its reference point, sign of products and frame. Rows are printed in --frame, which is also the frame of a
+    RESULT that states none.
 
-    Exit code 0 when every stated value lies within the combined tolerance of result and reference, 1 when one does not or when no
-    body can have these parameters.
+    Exit code 0 when every stated value lies within the combined tolerance of result and reference; 1 when one does not, or when
+    no body can have these parameters.
     """
     from geometry.frames import Pose
     from validation.article_reference import changes_note, reference, require_use
