@@ -14,6 +14,7 @@ from geometry.articles import NAMES, built_in, changes_of
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose
 from geometry.inertia import Inertia
+from geometry.quantities import LARGEST
 from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, tessellation_error
 from validation import changed
 from validation.published import published
@@ -169,7 +170,13 @@ def _of_built_in(name: str, asked: Asked, only: str | None = None) -> _Routes:
 
 def _by_routes(article: Article, chord: float, *, changed_by_user: bool) -> Mapping[str, Inertia]:
     try:
-        return by_routes(article, chord)
+        found = by_routes(article, chord)
+        wild = [route for route, inertia in found.items() if not abs(inertia.parameters).max() < LARGEST]
+        if wild and changed_by_user:
+            raise CheckFailed(
+                f"{article.name}: the routes disagree, {', '.join(wild)} cannot integrate a body of these dimensions"
+            )
+        return found
     except (BadInput, CheckFailed):
         raise
     except Exception as error:  # OCC and the mesh routines raise errors of every kind on bodies that cannot be

@@ -245,6 +245,12 @@ def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_pa
         assert "cuboid: the routes disagree" in err
 
 
+def test_holes_that_swallow_the_disc_fail_the_check_without_a_figure_that_nobody_could_read(run: Run) -> None:
+    code, out, err = run("reference", "disc", "--set", "disc.cuboid_bolts.diameter_mm=200", "--json")
+    assert (code, out) == (cli.FAILED_CHECK, "")
+    assert "disc: the routes disagree, pinocchio cannot integrate" in err
+
+
 def test_validate_holds_a_result_against_the_changed_article(run: Run, tmp_path: Path) -> None:
     routes = json.loads(run("reference", "fmd", "--json", "--set", MOVING)[1])["articles"]["fmd"]["routes"]
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(body(routes["occ"]))), encoding="utf-8")
