@@ -22,9 +22,9 @@ from rich.console import Console
 from rich.table import Table
 from uncertainties import UFloat, umath
 
+from geometry.quantities import tagged
 from validation.orientations import PLANAR, meeting_point, tensor_from_axes
 from validation.pendulum import compound_pendulum, rod_inertia, torsion_pendulum, torsion_stiffness
-from validation.quantities import tagged
 
 BICYCLES = ("Browser", "Fisher", "Pista", "Yellow")
 HANGINGS = ("1", "2", "3")

@@ -75,9 +75,18 @@ def by_mesh(article: Article, chord: float = DEFAULT_CHORD) -> Inertia:
 
 def agreement(article: Article, inertias: Mapping[str, Inertia], chord: float = DEFAULT_CHORD) -> Agreement:
     """Hold the routes against each other: to `ROUNDING` among the exact ones, to the tessellation error against the mesh."""
-    exact = ROUNDING * _size(inertias["occ"])
+    exact = rounding(inertias["occ"])
     allowed = {"occ": exact, "pinocchio": exact, "trimesh": exact + tessellation_error(article, chord)}
     return max(_pairs(inertias, allowed), key=lambda pair: pair.excess)
+
+
+def rounding(inertia: Inertia) -> Array:
+    """What exact routes may differ by: `ROUNDING` of each of the ten parameters about the origin (10,).
+
+    The size of a parameter is that for a body of this mass and this radius of gyration about the origin.
+    """
+    radius = np.sqrt(np.trace(inertia.about(np.zeros(3)).tensor) / (2 * inertia.mass))
+    return np.asarray(ROUNDING * inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
 
 
 def tessellation_error(article: Article, chord: float) -> Array:
@@ -114,13 +123,6 @@ def _segments(density: float, pose: Pose, cylinder: Cylinder, chord: float) -> A
 
 
 _POSITIVE = np.array([True, False, False, False, True, True, True, False, False, False])
-_POWERS = np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2])
-
-
-def _size(inertia: Inertia) -> Array:
-    """The size of each parameter for a body of this mass and radius of gyration about the origin, (10,)."""
-    radius = np.sqrt(np.trace(inertia.tensor) / (2 * inertia.mass))
-    return np.asarray(inertia.mass * radius**_POWERS)
 
 
 def _pairs(inertias: Mapping[str, Inertia], allowed: Mapping[str, Array]) -> Iterator[Agreement]:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geometry.arrays import Array
 from geometry.article import Article
-from geometry.articles import NAMES, built_in
-from geometry.errors import BadInput
+from geometry.articles import NAMES, built_in, changes_of
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose
 from geometry.inertia import Inertia
+from geometry.quantities import LARGEST
 from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, tessellation_error
+from validation import changed
 from validation.published import published
 from validation.reference_table import MEASURED, PUBLISHED, ReferenceTable, route_statement
 from validation.statement import Stated, Statement, seen_from
@@ -30,22 +32,34 @@ REFERENCES = (PUBLISHED, MEASURED, *ROUTES)
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
-    """How the articles of a command are to be read: chord error of the mesh route [m], and unit and material of user's files."""
+    """How the articles of a command are to be read.
 
-    chord: float = DEFAULT_CHORD
+    Attributes
+    ----------
+    chord : chord error of the mesh route [m]; None for `DEFAULT_CHORD`, and for a share of each solid's size in a user's file
+    unit, material : of user's files
+    changes : the user's own dimensions of built-in articles, see `validation.changed`
+    """
+
+    chord: float | None = None
     unit: str | None = None
     material: str | None = None
+    changes: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Routes:
-    """Inertia by every route asked for, what each may be off by (10,) about the origin, and what was said on the way."""
+    """Inertia by every route asked for, what each may be off by (10,) about the origin, and what was said on the way.
+
+    `chord` [m] is the largest chord error of the meshes, 0 where a mesh is taken as it is.
+    """
 
     inertias: Mapping[str, Inertia]
     errors: Mapping[str, Array]
     agree: bool = True
     text: str = ""
     note: str = ""
+    chord: float = 0.0
     warnings: tuple[str, ...] = ()
 
     def statements(self) -> dict[str, Statement]:
@@ -60,15 +74,17 @@ def is_file(name: str) -> bool:
 
 
 def require_use(names: Sequence[str], asked: Asked) -> None:
-    """Refuse a unit or a material that no article of `names` could use.
+    """Refuse a unit, a material or a change of dimensions that no article of `names` could use.
 
     Raises
     ------
-    BadInput : one is given, and every article is built in.
+    BadInput : unit or material are given, and every article is built in; a change, and no article has that part.
     """
     given = [option for option, value in (("--unit", asked.unit), ("--material", asked.material)) if value is not None]
     if given and not any(map(is_file, names)):
         raise BadInput(source=given[0], problem="a built-in article states its own", remedy="Leave it out, or name a file")
+    if asked.changes:
+        changed.require_used([name for name in names if not is_file(name)], asked.changes)
 
 
 def reference_table(name: str, asked: Asked) -> ReferenceTable:
@@ -80,15 +96,27 @@ def reference_table(name: str, asked: Asked) -> ReferenceTable:
     """
     routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked)
     print_ = published(name)
+    notes = [note] if (note := changes_note(name, asked)) else []
     return ReferenceTable(
         article=name,
         columns={**routes.statements(), **print_.statements},
         note=routes.note,
         agree=routes.agree,
-        agreement=routes.text,
-        footnotes=(*print_.footnotes, *(f"{words[0].upper()}{words[1:]}." for words in routes.warnings)),
+        agreement=f"{routes.text}; chord error of the mesh {routes.chord * 1e6:.3g} µm" if routes.chord else routes.text,
+        chord=routes.chord,
+        changes=_own_changes(name, asked),
+        footnotes=(*notes, *print_.footnotes, *(f"{words[0].upper()}{words[1:]}." for words in routes.warnings)),
         warnings=routes.warnings,
     )
+
+
+def changes_note(name: str, asked: Asked) -> str:
+    """What the user's own dimensions mean for the figures of the article `name`, a sentence; empty without any."""
+    return "" if is_file(name) else changed.footnote(name, asked.changes, in_print=bool(published(name).statements))
+
+
+def _own_changes(name: str, asked: Asked) -> Mapping[str, float]:
+    return {} if is_file(name) else changes_of(name, asked.changes)
 
 
 def reference(name: str, choice: str | None, asked: Asked, frame: Pose) -> tuple[str, Statement]:
@@ -100,11 +128,19 @@ def reference(name: str, choice: str | None, asked: Asked, frame: Pose) -> tuple
     Raises
     ------
     BadInput : no such article, or nothing of that choice is known of it.
+    CheckFailed : the routes disagree about a file or about changed dimensions.
     """
     printed = {} if is_file(name) else published(name).statements
     if choice is not None and choice in printed:
+        if asked.changes:
+            raise BadInput(
+                source=changed.OPTION, problem=f"{choice} values are those of the unchanged article", remedy="Leave it out"
+            )
         return choice, seen_from(printed[choice], frame)
-    routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=choice or ROUTES[0])
+    only = None if asked.changes else choice or ROUTES[0]
+    routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=only)
+    if not routes.agree:
+        raise CheckFailed(f"{name}: the routes disagree, {routes.text}")
     chosen = choice or next(iter(routes.inertias))
     if chosen not in routes.inertias:
         raise BadInput(
@@ -122,21 +158,42 @@ def _possible(name: str, routes: _Routes) -> tuple[str, ...]:
 
 def _of_built_in(name: str, asked: Asked, only: str | None = None) -> _Routes:
     """By all routes, held against each other, or by `only` one of them (none when it is no route)."""
-    article = built_in(name)
-    errors = {"trimesh": tessellation_error(article, asked.chord)}
+    article, chord = _article(name, asked), asked.chord or DEFAULT_CHORD
+    errors = {"trimesh": tessellation_error(article, chord)}
     if only is not None:
-        found = {only: _BY_ROUTE[only](article, asked.chord)} if only in _BY_ROUTE else {}
-        return _Routes(inertias=found, errors=errors, note=article.note)
-    inertias = by_routes(article, asked.chord)
-    verdict = agreement(article, inertias, asked.chord)
-    text = f"{verdict.text}; chord error of the mesh {asked.chord * 1e6:g} µm"
-    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=text, note=article.note)
+        found = {only: _BY_ROUTE[only](article, chord)} if only in _BY_ROUTE else {}
+        return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)
+    inertias = _by_routes(article, chord, changed_by_user=bool(asked.changes))
+    verdict = agreement(article, inertias, chord)
+    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=verdict.text, note=article.note, chord=chord)
+
+
+def _by_routes(article: Article, chord: float, *, changed_by_user: bool) -> Mapping[str, Inertia]:
+    try:
+        found = by_routes(article, chord)
+        wild = [route for route, inertia in found.items() if not abs(inertia.parameters).max() < LARGEST]
+        if wild and changed_by_user:
+            raise CheckFailed(
+                f"{article.name}: the routes disagree, {', '.join(wild)} cannot integrate a body of these dimensions"
+            )
+        return found
+    except (BadInput, CheckFailed):
+        raise
+    except Exception as error:  # OCC and the mesh routines raise errors of every kind on bodies that cannot be
+        if not changed_by_user:
+            raise
+        problem = f"no body of {article.name} can be made with these dimensions ({type(error).__name__})"
+        raise BadInput(source=changed.OPTION, problem=problem, remedy="Check the sizes and their unit") from error
+
+
+def _article(name: str, asked: Asked) -> Article:
+    return built_in(name, changes_of(name, asked.changes))
 
 
 def _of_file(name: str, asked: Asked) -> _Routes:
     from geometry import user_article
 
-    article = user_article.load(name, unit=asked.unit, material=asked.material)
+    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
     inertias = user_article.inertias(article)
     verdict = user_article.agreement(article, inertias)
     return _Routes(
@@ -145,6 +202,7 @@ def _of_file(name: str, asked: Asked) -> _Routes:
         agree=verdict.agree,
         text=verdict.text,
         note=article.note,
+        chord=max(part.chord for part in article.parts),
         warnings=article.warnings,
     )
 
@@ -162,7 +220,7 @@ def draw(name: str, asked: Asked, folder: Path = Path("out")) -> Path:
     if is_file(name):
         title, bodies, inertia, note = _users_drawing(name, asked)
     else:
-        title, bodies, inertia, note = _drawing(name)
+        title, bodies, inertia, note = _drawing(name, asked)
     path = folder / f"{title}.png"
     picture(title, bodies, inertia, path, note)
     return path
@@ -171,18 +229,19 @@ def draw(name: str, asked: Asked, folder: Path = Path("out")) -> Path:
 _Drawing = tuple[str, "tuple[DrawnBody, ...]", Inertia, str]
 
 
-def _drawing(name: str) -> _Drawing:
+def _drawing(name: str, asked: Asked) -> _Drawing:
     from validation.pictures import drawn_bodies
 
-    article = built_in(name)
-    return name, drawn_bodies(article), _occ(article, DEFAULT_CHORD), article.note
+    article = _article(name, asked)
+    note = f"{changes_note(name, asked)} {article.note}".strip()
+    return name, drawn_bodies(article), _occ(article, DEFAULT_CHORD), note
 
 
 def _users_drawing(name: str, asked: Asked) -> _Drawing:
     from geometry import user_article
     from validation.pictures import DrawnBody
 
-    article = user_article.load(name, unit=asked.unit, material=asked.material)
+    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
     bodies = tuple(
         DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
         for part in article.parts

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.quantities import exact, tagged
 from validation.measurement_file import Fields
-from validation.quantities import exact, tagged
 
 if TYPE_CHECKING:
     from uncertainties import UFloat

@@ -14,11 +14,11 @@ from geometry.errors import BadInput, CheckFailed
 DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 COMMANDS = {
-    "reference": "Mass, CoG and inertia of articles by three routes, beside published and measured values.",
-    "validate": "Anyone's identified ten parameters against the reference, row by row.",
-    "weigh": "Reduce a weighing: mass with its tolerance, itemised.",
-    "cog": "Reduce a crane-and-balance test: CoG height with its tolerance, itemised.",
-    "pendulum": "Reduce pendulum periods to moments of inertia, with tolerance, itemised.",
+    "reference": "Mass, CoG and inertia of articles by three routes.",
+    "validate": "Identified parameters held against the reference.",
+    "weigh": "Reduce a weighing to a mass.",
+    "cog": "Reduce a crane-and-balance test to a CoG height.",
+    "pendulum": "Reduce pendulum periods to moments of inertia.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 
@@ -46,7 +46,12 @@ class _LazyGroup(click.Group):
 def cli() -> None:
     """Know, and prove, the mass, centre of gravity and inertia of a structure.
 
-    Exit codes: 0 done, 1 the data or the model fails a check (said in words), 2 bad input.
+    `massline COMMAND --help` says more about each command.
+
+    \b
+    Exit codes: 0  done
+                1  the data or the model fails a check, said in words
+                2  bad input: what, where, and what to do
     """
 
 

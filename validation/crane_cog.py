@@ -43,9 +43,9 @@ from typing import TYPE_CHECKING
 from uncertainties import umath
 
 from geometry.errors import BadInput
+from geometry.quantities import exact
 from validation.balance import balance
 from validation.measurement_file import HEAD, Fields
-from validation.quantities import exact
 from validation.reduction import Reduction
 
 if TYPE_CHECKING:

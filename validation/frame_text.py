@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from geometry import keys
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import Pose, proper_rotation, rotation_about
-from validation import keys
-from validation.quantities import quantity
+from geometry.quantities import quantity
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 

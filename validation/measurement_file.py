@@ -15,12 +15,13 @@ import difflib
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import BadInput
-from validation.quantities import exact, quantity
+from geometry.quantities import exact, quantity
 
 if TYPE_CHECKING:
     from uncertainties import UFloat
@@ -150,7 +151,7 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
     ------
     BadInput : no such file, not TOML, another format number or another kind.
     """
-    text = _text(name)
+    text = _text(name, kinds)
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -168,22 +169,30 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
     return fields
 
 
-def shipped() -> tuple[str, ...]:
-    """Names of the measurement files that come with massline."""
-    folder = files("validation").joinpath("published")
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")))
+def shipped(kinds: tuple[str, ...] = KINDS) -> tuple[str, ...]:
+    """Names of the measurement files of `kinds` that come with massline."""
+    return tuple(sorted(name for name, kind in _shipped_kinds().items() if kind in kinds))
 
 
-def _text(name: str) -> str:
+@cache
+def _shipped_kinds() -> dict[str, str]:
+    """Kind by name of everything published that has one; what has none (a table, a result file) is no measurement file."""
+    entries = [entry for entry in files("validation").joinpath("published").iterdir() if entry.name.endswith(".toml")]
+    tables = {entry.name.removesuffix(".toml"): tomllib.loads(entry.read_text(encoding="utf-8")) for entry in entries}
+    return {name: table["kind"] for name, table in tables.items() if "kind" in table}
+
+
+def _text(name: str, kinds: tuple[str, ...]) -> str:
     path = Path(name)
-    known = shipped()
     if path.is_file():
         try:
             return path.read_text(encoding="utf-8")
         except UnicodeDecodeError:
             raise BadInput(source=name, problem="not a text file in UTF-8", remedy="Save it as UTF-8") from None
-    if name.removesuffix(".toml") in known:
-        return files("validation").joinpath("published", f"{name.removesuffix('.toml')}.toml").read_text(encoding="utf-8")
+    bare = name.removesuffix(".toml")
+    if bare in shipped():
+        return files("validation").joinpath("published", f"{bare}.toml").read_text(encoding="utf-8")
+    known = shipped(kinds)
     near = difflib.get_close_matches(name, known, n=1)
     hint = f"Did you mean {near[0]}? " if near else ""
     raise BadInput(source=name, problem="no such file", remedy=f"{hint}Shipped with massline are {', '.join(known)}")

@@ -1,6 +1,6 @@
 """Three pendulums, small amplitude, no damping, massless ropes: the period and a few lengths give a moment of inertia.
 
-Every function takes and returns quantities with tolerance (`validation.quantities`; plain numbers do as well), SI inside.
+Every function takes and returns quantities with tolerance (`geometry.quantities`; plain numbers do as well), SI inside.
 What the ideal leaves out (amplitude, damping, rope mass) is in `validation.pendulum_corrections`, term by term.
 
 Rope pendulum, paper Eq. 5, with ropes of equal length l hung vertically. Turned by a small angle φ about the vertical through the

@@ -41,12 +41,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.errors import BadInput
+from geometry.quantities import quantity
 from validation import period as periods
 from validation.measurement_file import HEAD, Fields
 from validation.orientations import SIX, tensor_from_axes
 from validation.pendulum import rod_inertia, torsion_stiffness
 from validation.pendulum_corrections import TERMS, CompoundSwing, RopeSwing, Terms, TorsionSwing
-from validation.quantities import quantity
 from validation.reduction import Reduction
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.errors import BadInput
-from validation.quantities import tagged
+from geometry.quantities import tagged
 
 if TYPE_CHECKING:
     from uncertainties import UFloat

@@ -10,10 +10,11 @@ import math
 import re
 
 from geometry.errors import BadInput
-from validation.quantities import SI_UNITS, quantity
+from geometry.quantities import LARGEST, SI_UNITS, quantity
 from validation.statement import Stated
 
 NOT_STATED = "not stated"
+_PLACES = round(math.log10(LARGEST))
 _LEADING = re.compile(r"\(?\s*[+-]?(\d*)\.?(\d*)(?:[eE]([+-]?\d+))?")
 _SHOWN_PER_SI = {"length": 1e3}
 """Statements are shown in millimetres; everything else in SI."""
@@ -59,6 +60,7 @@ def _one(text: str, dimension: str, source: str, field: str) -> float:
 
 
 def _last_digit(text: str) -> int:
-    """Decimal place of the last printed digit: 2 for 33.92, -3 for 12e3."""
+    """Decimal place of the last printed digit: 2 for 33.92, -3 for 12e3; none beyond those that `quantity` reads."""
     found = _LEADING.match(text)
-    return len(found[2]) - int(found[3] or 0) if found else 0
+    place = len(found[2]) - int(found[3] or 0) if found else 0
+    return min(max(place, -_PLACES), _PLACES)

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from geometry.quantities import doubtful_at_first_order
 from validation.budget import budget_json, budget_table, dominating, itemised
-from validation.quantities import doubtful_at_first_order
 from validation.rows import Row, rows_json, rows_table
 
 if TYPE_CHECKING:

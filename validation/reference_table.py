@@ -9,14 +9,14 @@ quadrature). A quantity's verdict names the columns that lie outside.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import Inertia
-from geometry.routes import ROUNDING
+from geometry.routes import rounding
 from validation.rows import Row
 from validation.statement import QUANTITIES, Quantity, Stated, Statement, about_cog, jacobian, seen_from
 
@@ -34,6 +34,8 @@ class ReferenceTable:
     columns : statements by column, the routes first; all in one frame
     agree : whether the routes agree
     agreement : that verdict in a sentence
+    chord : largest chord error of the mesh route [m]; 0 where a mesh is taken as it is
+    changes : the user's own dimensions that the routes rest on, by key, in the unit of the dimension file
     footnotes : what must be known to read it
     warnings : what was noticed on the way, in words; each is among the footnotes too
     """
@@ -43,6 +45,8 @@ class ReferenceTable:
     note: str = ""
     agree: bool = True
     agreement: str = ""
+    chord: float = 0.0
+    changes: Mapping[str, float] = field(default_factory=dict)
     footnotes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
@@ -103,24 +107,18 @@ def route_statement(name: str, inertia: Inertia, error: Array | None = None) -> 
 
     A CoG coordinate or product that does not rise above rounding is zero: it is the symmetry of the body that it fails to show.
     """
-    rounding = _spread(inertia, ROUNDING * _size(inertia))
-    tolerance = rounding if error is None else np.hypot(rounding, _spread(inertia, error))
+    least = _spread(inertia, rounding(inertia))
+    tolerance = least if error is None else np.hypot(least, _spread(inertia, error))
     values = about_cog(inertia)
     return Statement(
         name=name,
         values=tuple(
             Stated(value=0.0 if abs(v) <= zero else float(v), tolerance=float(t))
-            for v, zero, t in zip(values, rounding, tolerance, strict=True)
+            for v, zero, t in zip(values, least, tolerance, strict=True)
         ),
         source=f"route {name}",
         tolerance_note="rounding" if error is None else "rounding and tessellation",
     )
-
-
-def _size(inertia: Inertia) -> Array:
-    """The size of each parameter about the origin for a body of this mass and radius of gyration, (10,)."""
-    radius = np.sqrt(np.trace(inertia.about(np.zeros(3)).tensor) / (2 * inertia.mass))
-    return np.asarray(inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
 
 
 def _spread(inertia: Inertia, error: Array) -> Array:

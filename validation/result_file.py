@@ -19,9 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from geometry import keys
 from geometry.errors import BadInput
 from geometry.frames import Pose
-from validation import keys, published, stated_inertia
+from validation import published, stated_inertia
 from validation.frame_text import pose_of
 from validation.statement import Stated, Statement
 

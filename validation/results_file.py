@@ -12,11 +12,12 @@ value = "47.400 +/- 0.024 kg"
 from __future__ import annotations
 
 import difflib
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from geometry.errors import BadInput
+from geometry.quantities import tagged
 from validation.measurement_file import HEAD, Fields, read, shipped
-from validation.quantities import tagged
 from validation.reduction import QUANTITIES, Reduction
 
 if TYPE_CHECKING:
@@ -50,6 +51,17 @@ def reduce(file: Fields, keys: tuple[str, ...] = _PUBLISHABLE) -> Reduction:
     )
 
 
+def readings_or_results(name: str, kind: str, readings: Callable[[Fields], Reduction], keys: tuple[str, ...]) -> Reduction:
+    """The measurement file `name`: of `kind`, reduced by `readings`, or what somebody printed of `keys`.
+
+    Raises
+    ------
+    BadInput : see `validation.measurement_file.read`, `readings` and `reduce`.
+    """
+    file = read(name, (kind, "results"))
+    return readings(file) if file.text("kind") == kind else reduce(file, keys)
+
+
 def reference(name: str) -> dict[str, UFloat]:
     """What is published about the article (or stored in the results file) `name`: key of `QUANTITIES` -> value, SI.
 
@@ -59,10 +71,10 @@ def reference(name: str) -> dict[str, UFloat]:
     ------
     BadInput : nothing is published about it.
     """
-    articles = tuple(entry.removesuffix("-reference") for entry in shipped() if entry.endswith("-reference"))
+    articles = tuple(entry.removesuffix("-reference") for entry in shipped(("results",)) if entry.endswith("-reference"))
     if name in articles:
         return dict(reduce(read(f"{name}-reference", ("results",))).results)
-    if name.endswith(".toml") or name in shipped():
+    if name.endswith(".toml") or name in shipped(("results",)):
         return dict(reduce(read(name, ("results",))).results)
     near = difflib.get_close_matches(name, articles, n=1)
     hint = f"Did you mean {near[0]}? " if near else ""

@@ -25,11 +25,12 @@ from typing import Any
 
 import numpy as np
 
+from geometry import keys
 from geometry.arrays import Array, frozen
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from geometry.inertia import parallel_axis, six_from_tensor, tensor_from_six
-from validation import keys, printed
+from validation import printed
 from validation.frame_text import position
 from validation.statement import COG, MASS, TENSOR, Stated, Statement, through
 

@@ -53,6 +53,29 @@ def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> 
     return stacked(*articles)
 
 
+def dimension_files(name: str) -> tuple[str, ...]:
+    """The dimension files of the built-in article or stack called `name`, each once.
+
+    Raises
+    ------
+    BadInput : a part that does not exist.
+    """
+    parts = name.split("+")
+    _require_known(parts, name)
+    return tuple(dict.fromkeys(_BUILDERS[part][0] for part in parts))
+
+
+def changes_of(name: str, changes: Mapping[str, float]) -> dict[str, float]:
+    """Those of `changes` that speak of a part of the built-in article or stack called `name`.
+
+    Raises
+    ------
+    BadInput : a part that does not exist.
+    """
+    own = dimension_files(name)
+    return {key: value for key, value in changes.items() if files({key: value}) <= set(own)}
+
+
 def _built(part: str, changes: Mapping[str, float]) -> Article:
     file, build = _BUILDERS[part]
     dimensions = load(file, changes)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from geometry import keys
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.lengths import length_unit
@@ -69,18 +69,19 @@ def read(path: Path) -> Description:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise BadInput(source=source, problem=f"it is not TOML ({error})", remedy="Correct the place that it names") from None
-    _require_known(table, _TOP, source, "")
+    keys.require_known(table, _TOP, source=source)
     if table.get("format") != FORMAT or isinstance(table["format"], bool):
         raise BadInput(source=source, field="format", problem=f"must be {FORMAT}, found {table.get('format')!r}", remedy="Set it")
-    article = _table(table, "article", source)
-    _require_known(article, ("name",), source, "article.")
-    own = {name: _own_material(name, entry, source) for name, entry in _table(table, "material", source).items()}
+    article = keys.require_table(table.get("article", {}), source=source, where="article")
+    keys.require_known(article, ("name",), source=source, where="article")
+    materials = keys.require_table(table.get("material", {}), source=source, where="material")
+    own = {name: _own_material(name, entry, source) for name, entry in materials.items()}
     entries = table.get("part", [])
     if not isinstance(entries, list) or not entries:
         raise BadInput(source=source, field="part", problem="there is no part", remedy="Add a [[part]] with name and file")
     parts = tuple(_part(entry, number, path, own) for number, entry in enumerate(entries, start=1))
     _require_unique([part.name for part in parts], source)
-    return Description(name=_text(article, "name", source, "article.") or path.resolve().parent.name, parts=parts)
+    return Description(name=_text(article, "name", source, "article") or path.resolve().parent.name, parts=parts)
 
 
 def template(name: str, parts: Iterable[Path]) -> str:
@@ -94,17 +95,17 @@ def template(name: str, parts: Iterable[Path]) -> str:
 
 
 def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> PartEntry:
-    source, where = str(path), f"part {number}."
+    source, where = str(path), f"part {number}"
     if not isinstance(entry, dict):
         raise BadInput(source=source, field="part", problem=f"must be a table, found {entry!r}", remedy="Write it as [[part]]")
-    _require_known(entry, _PART, source, where)
+    keys.require_known(entry, _PART, source=source, where=where)
     name, file = (_needed(entry, key, source, where) for key in ("name", "file"))
     there = path.parent / file
     if not there.is_file():
-        raise BadInput(source=source, field=f"{where}file", problem=f"there is no file {file!r}", remedy=f"Looked for {there}")
+        raise BadInput(source=source, field=f"{where}.file", problem=f"there is no file {file!r}", remedy=f"Looked for {there}")
     unit = _text(entry, "unit", source, where)
     if unit is not None:
-        unit = length_unit(unit, source, f"{where}unit").name
+        unit = length_unit(unit, source, f"{where}.unit").name
     return PartEntry(
         name=name,
         file=there,
@@ -120,11 +121,11 @@ def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> P
 def _material(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> Material | None:
     if "material" in entry and "density" in entry:
         raise BadInput(
-            source=source, field=f"{where}density", problem="is given beside a material", remedy="Leave one of the two out"
+            source=source, field=f"{where}.density", problem="is given beside a material", remedy="Leave one of the two out"
         )
     if "density" in entry:
-        return Material(name=str(entry["density"]), density=density(entry["density"], source, f"{where}density"))
-    return _named(entry["material"], source, f"{where}material", own) if "material" in entry else None
+        return Material(name=str(entry["density"]), density=density(entry["density"], source, f"{where}.density"))
+    return _named(entry["material"], source, f"{where}.material", own) if "material" in entry else None
 
 
 def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> Material:
@@ -135,19 +136,18 @@ def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> 
 
 def _own_material(name: str, entry: Any, source: str) -> Material:
     where = f"material.{name}"
-    if not isinstance(entry, dict):
-        raise _wrong(entry, "a table", source, where)
-    _require_known(entry, ("density",), source, f"{where}.")
-    if "density" not in entry:
+    table = keys.require_table(entry, source=source, where=where)
+    keys.require_known(table, ("density",), source=source, where=where)
+    if "density" not in table:
         raise BadInput(source=source, field=f"{where}.density", problem="is missing", remedy='Add density = "7800 kg/m^3"')
-    return Material(name=name, density=density(entry["density"], source, f"{where}.density"))
+    return Material(name=name, density=density(table["density"], source, f"{where}.density"))
 
 
 def _materials(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> dict[str, Material]:
     found = entry.get("materials", {})
     if not isinstance(found, dict):
-        raise _wrong(found, "a table of body = material", source, f"{where}materials")
-    return {body: _named(value, source, f"{where}materials.{body}", own) for body, value in found.items()}
+        raise _wrong(found, "a table of body = material", source, f"{where}.materials")
+    return {body: _named(value, source, f"{where}.materials.{body}", own) for body, value in found.items()}
 
 
 def _body(entry: dict[str, Any], source: str, where: str) -> str | None:
@@ -155,7 +155,7 @@ def _body(entry: dict[str, Any], source: str, where: str) -> str | None:
     if found is None:
         return None
     if isinstance(found, bool) or not isinstance(found, str | int):
-        raise _wrong(found, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}body")
+        raise _wrong(found, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}.body")
     return str(found)
 
 
@@ -170,45 +170,26 @@ def _three(entry: dict[str, Any], key: str, source: str, where: str) -> np.ndarr
     found = entry.get(key, [0, 0, 0])
     numbers = isinstance(found, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in found)
     if not numbers or len(found) != 3 or not np.isfinite(np.array(found, dtype=np.float64)).all():
-        raise _wrong(found, "three finite numbers", source, f"{where}{key}")
+        raise _wrong(found, "three finite numbers", source, f"{where}.{key}")
     return np.array(found, dtype=np.float64)
 
 
 def _needed(table: dict[str, Any], key: str, source: str, where: str) -> str:
     found = _text(table, key, source, where)
     if not found:
-        raise BadInput(source=source, field=f"{where}{key}", problem="is missing", remedy=f'Add {key} = "..."')
+        raise BadInput(source=source, field=f"{where}.{key}", problem="is missing", remedy=f'Add {key} = "..."')
     return found
 
 
 def _text(table: dict[str, Any], key: str, source: str, where: str) -> str | None:
     found = table.get(key)
     if found is not None and not isinstance(found, str):
-        raise _wrong(found, "text", source, f"{where}{key}")
-    return found
-
-
-def _table(table: dict[str, Any], key: str, source: str) -> dict[str, Any]:
-    found = table.get(key, {})
-    if not isinstance(found, dict):
-        raise _wrong(found, "a table", source, key)
+        raise _wrong(found, "text", source, f"{where}.{key}")
     return found
 
 
 def _wrong(found: Any, wanted: str, source: str, where: str) -> BadInput:
     return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy="Correct it")
-
-
-def _require_known(table: Mapping[str, Any], known: Collection[str], source: str, where: str) -> None:
-    for key in table:
-        if key not in known:
-            near = difflib.get_close_matches(key, known, n=1)
-            raise BadInput(
-                source=source,
-                field=f"{where}{key}",
-                problem="nobody knows this key",
-                remedy=(f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(known)}",
-            )
 
 
 def _require_unique(names: list[str], source: str) -> None:

@@ -24,19 +24,20 @@ if TYPE_CHECKING:
     from geometry.cad import step
 
 RELATIVE_CHORD = 1e-4
-"""Chord error of the mesh of a solid, relative to the diagonal of the box around it."""
+"""Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
 
 STEP_ENDINGS = (".step", ".stp")
 ENDINGS = (*STEP_ENDINGS, *files.ENDINGS, ".toml")
 """Files that can be an article, upper or lower case; a folder stands for the ``article.toml`` in it."""
 
 
-def load(path: str | Path, *, unit: str | None = None, material: str | None = None) -> UserArticle:
+def load(path: str | Path, *, unit: str | None = None, material: str | None = None, chord: float | None = None) -> UserArticle:
     """The article in the file or folder `path`, every mesh closed and checked, every body with its material.
 
     `unit` is that of a mesh file's numbers (mm, cm, m, in, ft); it may be left out where the file itself states one, and STEP
     always does. `material` is a name of the library or a density such as ``"7800 kg/m^3"``, for all bodies; of an
-    ``article.toml`` both go to the parts that state none themselves.
+    ``article.toml`` both go to the parts that state none themselves. `chord` [m] is that of the meshes made of STEP solids, by
+    default `RELATIVE_CHORD` of each.
 
     Raises
     ------
@@ -49,19 +50,19 @@ def load(path: str | Path, *, unit: str | None = None, material: str | None = No
         path = _description_in(path)
     given = None if material is None else made_of(material, "--material")
     if path.suffix.lower() == ".toml":
-        return _described(path, unit, given)
-    parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given))
+        return _described(path, unit, given, chord)
+    parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given), chord)
     return _finished(path.stem, parts, f"{path.stem}: read from {path.name}.", warnings)
 
 
-def _described(path: Path, unit: str | None, material: Material | None) -> UserArticle:
+def _described(path: Path, unit: str | None, material: Material | None, chord: float | None) -> UserArticle:
     """The article that `path` describes; `unit` and `material` go to the parts that state none."""
     found = description.read(path)
     parts: list[UserPart] = []
     warnings: list[str] = []
     for entry in found.parts:
         default = None if entry.file.suffix.lower() in STEP_ENDINGS else unit
-        there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or material))
+        there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or material), chord)
         parts += there
         warnings += said
     return _finished(found.name, tuple(parts), f"{found.name}: read from {path.name}.", tuple(warnings))
@@ -71,11 +72,11 @@ def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple
     return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(parts)))
 
 
-def _parts(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
+def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
     """The bodies that one entry stands for, and what was noticed."""
     ending = entry.file.suffix.lower()
     if ending in STEP_ENDINGS:
-        return _from_step(entry), ()
+        return _from_step(entry, chord), ()
     if ending in files.ENDINGS:
         return _from_mesh(entry)
     raise BadInput(
@@ -88,7 +89,7 @@ def _parts(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
 # --- STEP -----------------------------------------------------------------------------------------------------------------
 
 
-def _from_step(entry: PartEntry) -> tuple[UserPart, ...]:
+def _from_step(entry: PartEntry, chord: float | None) -> tuple[UserPart, ...]:
     from geometry.cad import step
 
     if entry.unit is not None:
@@ -105,17 +106,21 @@ def _from_step(entry: PartEntry) -> tuple[UserPart, ...]:
     materials = {body.name: entry.materials.get(body.name, entry.materials.get(body.label, entry.material)) for body in found}
     _require_used(entry, {name for body in found for name in (body.name, body.label)})
     _require_materials(entry, materials)
-    return tuple(_of_solid(entry, body, len(found), made) for body in found if (made := materials[body.name]) is not None)
+    made_of_it = ((body, materials[body.name]) for body in found)
+    return tuple(_of_solid(entry, body, _name(entry, body, len(found)), made, chord) for body, made in made_of_it if made)
 
 
-def _of_solid(entry: PartEntry, body: step.Body, count: int, made: Material) -> UserPart:
+def _name(entry: PartEntry, body: step.Body, count: int) -> str:
+    return body.name if not entry.named else entry.name if count == 1 else f"{entry.name}/{body.name}"
+
+
+def _of_solid(entry: PartEntry, body: step.Body, name: str, made: Material, chord: float | None) -> UserPart:
     """The part that is made of one solid, with its mesh."""
     from geometry.cad import step
     from geometry.cad.tessellation import tessellate_solid
 
-    name = body.name if not entry.named else entry.name if count == 1 else f"{entry.name}/{body.name}"
     solid = step.moved(body.solid, entry.pose)
-    chord = RELATIVE_CHORD * step.diagonal(solid)
+    chord = chord or RELATIVE_CHORD * step.diagonal(solid)
     mesh = tessellate_solid(solid, chord)
     require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
     return UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=chord, solid=solid)

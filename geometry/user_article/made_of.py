@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 from geometry.errors import BadInput
 from geometry.materials import Material, material
+from geometry.quantities import quantity
 
 
 def made_of(text: str, source: str, own: Mapping[str, Material] | None = None) -> Material:
@@ -29,28 +29,18 @@ def density(text: Any, source: str, field: str = "density") -> float:
 
     Raises
     ------
-    BadInput : no unit, an unknown one, another dimension, or a number that is not positive and finite.
+    BadInput : no unit, an unknown one, another dimension, a tolerance, or a number that is not positive and finite.
     """
     try:
-        quantity = _registry().Quantity(text) if isinstance(text, str) else None
-        value = float(quantity.to("kg/m^3").magnitude) if quantity is not None else float("nan")
-    except Exception as error:  # pint raises its own, tokenize's and Python's errors on nonsense
-        raise _refused(text, source, field, "it cannot be read as a density") from error
-    if quantity is None:
-        raise _refused(text, source, field, "a density needs its unit, as text")
-    if not 0 < value < float("inf"):
-        raise _refused(text, source, field, "a density must be positive and finite")
-    return value
+        read = quantity(text, "density", source=source, field=field)
+    except BadInput as error:
+        raise _refused(source, field, error.problem) from None
+    if read.std_dev:
+        raise _refused(source, field, f"no tolerance of a density is carried on, found {text!r}")
+    if read.nominal_value <= 0:
+        raise _refused(source, field, f"a density must be positive and finite, found {text!r}")
+    return float(read.nominal_value)
 
 
-def _refused(text: Any, source: str, field: str, problem: str) -> BadInput:
-    return BadInput(
-        source=source, field=field, problem=f"{problem}, found {text!r}", remedy='Write it like "7800 kg/m^3" or "7.8 g/cm^3"'
-    )
-
-
-@cache
-def _registry() -> Any:
-    from pint import UnitRegistry
-
-    return UnitRegistry()
+def _refused(source: str, field: str, problem: str) -> BadInput:
+    return BadInput(source=source, field=field, problem=problem, remedy='Write it like "7800 kg/m^3" or "7.8 g/cm^3"')

@@ -15,7 +15,7 @@ from geometry.arrays import Array, frozen
 from geometry.inertia import PARAMETERS, Inertia
 from geometry.mesh import inertia_unchecked
 from geometry.mesh.self_intersection import shared_volume
-from geometry.routes import ROUNDING, Agreement
+from geometry.routes import Agreement, rounding
 from geometry.user_article.nouns import UserArticle, UserPart
 
 SLIVER = 1e-3
@@ -35,7 +35,7 @@ def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
         return Agreement(agree=True, text=text, difference=_ZERO, tolerance=_ZERO, excess=0.0)
     occ, trimesh = found["occ"], found["trimesh"]
     difference = np.abs(occ.parameters - trimesh.parameters)
-    tolerance = ROUNDING * _size(occ) + tessellation_error(article)
+    tolerance = rounding(occ) + tessellation_error(article)
     ratio = difference / tolerance
     k = int(np.argmax(ratio))
     relation = "agree" if ratio[k] <= 1 else "disagree"
@@ -78,12 +78,6 @@ def _missed(part: UserPart) -> Array:
     area, (x, y, z) = step.curved_reach(part.solid)
     mass = part.material.density * area * part.chord
     return np.asarray(mass * np.array([1, x, y, z, y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z]))
-
-
-def _size(inertia: Inertia) -> Array:
-    """The size of each parameter for a body of this mass and radius of gyration about the origin, (10,)."""
-    radius = np.sqrt(np.trace(inertia.tensor) / (2 * inertia.mass))
-    return np.asarray(inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
 
 
 _NOTHING = Inertia(parameters=np.zeros(10))

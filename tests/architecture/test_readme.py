@@ -3,8 +3,10 @@
 Convention: command lines stand in fenced blocks marked ``sh``, one a line.
 
 - Lines that begin with ``massline`` are run, those of one page in order and in one temporary directory, so a line may use what
-  an earlier one wrote. They end with exit code 0, or with the one that a comment at their end states: ``# exit 1``.
-- Lines that begin with ``python examples/`` run that script of the repository, likewise.
+  an earlier one wrote. A copy of ``examples`` lies there, as in the root of the repository where a reader stands. Lines end with
+  exit code 0, or with the one that a comment at their end states: ``# exit 1``.
+- Lines that begin with ``python examples/`` run that script of the repository, likewise. Where one names ``../shared/data``, the
+  real data lie there; the page is skipped where they are absent.
 - Lines that begin with ``make`` must name a target that exists. They are not run here, since they run this.
 - ``apt-get`` is that of the setup and of the doctor; ``git clone`` and ``cd`` are the reader's. Nothing else may be there.
 """
@@ -12,6 +14,7 @@ Convention: command lines stand in fenced blocks marked ``sh``, one a line.
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -44,12 +47,21 @@ def script(name: str, *arguments: str, code: Path, cwd: Path) -> subprocess.Comp
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_massline_line_of_a_page_runs(
-    page: Path, massline: Callable[..., subprocess.CompletedProcess[str]], code: Path, tmp_path: Path
+    page: Path,
+    massline: Callable[..., subprocess.CompletedProcess[str]],
+    code: Path,
+    tmp_path: Path,
+    request: pytest.FixtureRequest,
 ) -> None:
+    here = tmp_path / "repository"
+    shutil.copytree(ROOT / "examples", here / "examples")
+    if any("../shared/data" in line for line in command_lines(page)):
+        (tmp_path / "shared").mkdir()
+        (tmp_path / "shared" / "data").symlink_to(request.getfixturevalue("data").resolve())
     for line in command_lines(page):
         program, *arguments = shlex.split(line, comments=True)
         if program in ("massline", "python"):
-            run = massline(*arguments, cwd=tmp_path) if program == "massline" else script(*arguments, code=code, cwd=tmp_path)
+            run = massline(*arguments, cwd=here) if program == "massline" else script(*arguments, code=code, cwd=here)
             assert run.returncode == expected_exit(line), f"$ {line}\n{run.stdout}{run.stderr}"
 
 

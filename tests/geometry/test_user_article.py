@@ -132,9 +132,10 @@ def test_materials_are_names_or_densities(tmp_path: Path) -> None:
         ("steal", "no material is called 'steal'"),
         ("-7800 kg/m^3", "a density must be positive and finite, found '-7800 kg/m^3'"),
         ("0 kg/m^3", "a density must be positive and finite"),
-        ("7800", "it cannot be read as a density, found '7800'"),
-        ("7800 kg", "it cannot be read as a density"),
-        ("7800 kg/m^3 (", "it cannot be read as a density"),
+        ("7800", "a density needs its unit, found '7800'"),
+        ("7800 kg", "'kg' is a mass, where a density should be"),
+        ("7800 kg/m^3 (", "a density cannot be read from"),
+        ("7800 +/- 10 kg/m^3", "no tolerance of a density is carried on"),
     ],
 )
 def test_a_missing_or_bad_material_is_refused(tmp_path: Path, material: str, problem: str) -> None:
@@ -246,17 +247,17 @@ def test_parts_that_overlap_are_named_with_the_share_that_counts_twice(tmp_path:
 @pytest.mark.parametrize(
     ("fields", "place", "problem", "remedy"),
     [
-        ({"materail": '"oak"'}, "part 1.materail", "nobody knows this key", "Did you mean material?"),
+        ({"materail": '"oak"'}, "part 1.materail", "found the unknown key", "Did you mean material?"),
         ({"file": '"none.stl"'}, "part 1.file", "there is no file 'none.stl'", "Looked for"),
         ({"name": ""}, "part 1.name", "is missing", "Add name"),
         ({"file": "3"}, "part 1.file", "must be text, found 3", ""),
         ({"material": ""}, "material", "no material is given", "Give a name"),
         ({"material": '"unobtainium"'}, "material", "no material is called 'unobtainium'", "Known are"),
         ({"density": '"1 kg/m^3"'}, "part 1.density", "is given beside a material", "Leave one"),
-        ({"material": "", "density": "7800"}, "part 1.density", "a density needs its unit, as text, found 7800", "Write it"),
+        ({"material": "", "density": "7800"}, "part 1.density", "needs its unit, found the bare number 7800", "Write it"),
         ({"material": "", "density": '"-1 kg/m^3"'}, "part 1.density", "positive and finite", "Write it"),
         ({"material": "", "density": '"0 kg/m^3"'}, "part 1.density", "positive and finite", "Write it"),
-        ({"material": "", "density": '"5 s"'}, "part 1.density", "cannot be read as a density", "Write it"),
+        ({"material": "", "density": '"5 s"'}, "part 1.density", "'s' is a time", "Write it"),
         ({"unit": '"parsec"'}, "part 1.unit", "no unit of length is called 'parsec'", "Give one of"),
         ({"unit": ""}, "unit", "does not say in which unit", "Give one of"),
         ({"position_mm": "[1, 2]"}, "part 1.position_mm", "must be three finite numbers, found [1, 2]", ""),
@@ -285,12 +286,12 @@ def test_a_bad_field_is_named_with_what_was_found(
         ("format = 1\n", "part", "there is no part"),
         ("format = 1\npart = 3\n", "part", "there is no part"),
         ("format = 1\npart = [3]\n", "part", "must be a table, found 3"),
-        ("format = 1\nmaterial.a.densty = 3\n", "material.a.densty", "nobody knows this key"),
+        ("format = 1\nmaterial.a.densty = 3\n", "material.a.densty", "found the unknown key"),
         ("format = 1\nmaterial.a = 3\n", "material.a", "must be a table, found 3"),
         ("format = 1\nmaterial.a = {}\n", "material.a.density", "is missing"),
-        ("format = 1\narticle.nam = 'x'\n", "article.nam", "nobody knows this key"),
+        ("format = 1\narticle.nam = 'x'\n", "article.nam", "found the unknown key"),
         ("format = ", "", "it is not TOML"),
-        ("formt = 1\n", "formt", "nobody knows this key"),
+        ("formt = 1\n", "formt", "found the unknown key"),
     ],
 )
 def test_a_bad_description_is_refused(tmp_path: Path, text: str, place: str, problem: str) -> None:
@@ -363,6 +364,13 @@ def test_the_hammer_from_step_has_the_closed_form_on_the_exact_route_and_the_mes
     assert agreement(article, found).agree
     off = Inertia(parameters=found["trimesh"].parameters * 1.01)
     assert not agreement(article, {"occ": found["occ"], "trimesh": off}).agree
+
+
+def test_the_mesh_of_a_solid_is_as_fine_as_it_is_asked_for(example: Path) -> None:
+    coarse, fine = (load(example / "hammer.step", material="steel", chord=chord) for chord in (1e-4, 1e-6))
+    assert {part.chord for part in fine.parts} == {1e-6}
+    off = [abs(inertias(article)["trimesh"].mass - inertias(article)["occ"].mass) for article in (coarse, fine)]
+    assert off[1] < off[0] / 20  # the error falls with the chord error, a hundredfold
 
 
 def test_the_example_folder_of_two_stl_files_is_the_same_hammer(example: Path) -> None:

@@ -41,6 +41,15 @@ def test_every_shipped_file_says_what_it_is_and_where_it_comes_from(name: str) -
     assert fields.text("origin").startswith(("published: Table", "constructed, not measured"))
 
 
+@pytest.mark.parametrize(("command", "kinds"), [("weigh", ("weighing",)), ("cog", ("crane-cog",)), ("pendulum", ("pendulum",))])
+def test_a_command_offers_the_shipped_files_that_it_can_reduce_and_no_others(command: str, kinds: tuple[str, ...]) -> None:
+    remedy = str(run(command, "nothing").exception)
+    fitting = shipped((*kinds, "results"))
+    assert all(name in remedy for name in fitting)
+    assert {"tables", "clumod-1-table2"}.isdisjoint(shipped())
+    assert all(name not in remedy for name in shipped() if name not in fitting)
+
+
 @pytest.mark.parametrize(
     ("command", "published", "readings", "names"),
     [

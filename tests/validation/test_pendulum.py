@@ -10,6 +10,7 @@ from scipy.special import ellipk
 from uncertainties import UFloat
 
 from geometry.errors import BadInput
+from geometry.quantities import exact, tagged
 from validation.pendulum import compound_pendulum, rod_inertia, rope_pendulum, torsion_pendulum, torsion_stiffness
 from validation.pendulum_corrections import (
     CompoundSwing,
@@ -19,7 +20,6 @@ from validation.pendulum_corrections import (
     plane_amplitude_factor,
     rope_amplitude_factor,
 )
-from validation.quantities import exact, tagged
 
 G = 9.81
 # the article of physics.md: three ropes of 2 m at s = 0.3 m

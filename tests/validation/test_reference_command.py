@@ -170,6 +170,127 @@ def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
     assert_allclose(routes["trimesh"]["mass_kg"], 2700 * 0.16 * 0.07 * 0.4, rtol=1e-6)  # STL holds single precision
 
 
+def test_a_warning_names_its_file_once_and_is_said_once(run: Run, tmp_path: Path) -> None:
+    import trimesh
+
+    apart = trimesh.creation.box(extents=(10, 10, 10)).apply_translation((50, 0, 0))
+    trimesh.util.concatenate([trimesh.creation.box(extents=(10, 10, 10)), apart]).export(tmp_path / "two.stl")
+    given = ("reference", "two.stl", "--unit", "mm", "--material", "steel")
+    code, out, err = run(*given)
+    assert code == cli.DONE, err
+    assert " ".join(out.split()).count("2 separate bodies") == 1
+    assert "separate" not in err
+    for more in (("--json",), ("--format", "csv"), ("--out", "table.txt")):
+        err = run(*given, *more)[2]
+        assert err.count("2 separate bodies") == 1
+        assert err.split("2 separate")[0] == "massline: two.stl: "
+
+
+def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(run: Run, tmp_path: Path) -> None:
+    from geometry.articles import built_in
+    from geometry.cad.export import write_step
+    from geometry.cad.solids import solid
+
+    write_step(tmp_path / "disc.step", {part.name: solid(part) for part in built_in("disc").parts}, "disc")
+    given = ("reference", "disc.step", "--material", "steel")
+    fine, own = (json.loads(run(*given, *more, "--json")[1])["articles"]["disc.step"] for more in (("--chord", "10 um"), ()))
+    assert fine["chord_m"] == pytest.approx(1e-5, rel=1e-12)
+    assert "chord error of the mesh 10 µm" in fine["agreement"]
+    assert_allclose(own["chord_m"], 1e-4 * np.sqrt(2 * 0.351**2 + 0.0145**2), rtol=1e-3)  # OCC's box has a small gap
+
+
+MOVING = "fmd.load_cell.moving_fraction=0.6"
+
+
+def test_a_changed_dimension_reaches_every_route_and_is_said(run: Run) -> None:
+    plain, changed = (
+        json.loads(run("reference", "fmd", "--json", *more)[1])["articles"]["fmd"] for more in ((), ("--set", MOVING))
+    )
+    # a tenth more of each of four steel cells of 80 x 10 mm moves
+    more = 4 * 0.1 * 7850 * np.pi / 4 * 0.08**2 * 0.01
+    for route in plain["routes"]:
+        # 1e-4 kg is what the chords of 2 µm of all round faces may miss
+        assert_allclose(changed["routes"][route]["mass_kg"] - plain["routes"][route]["mass_kg"], more, rtol=0, atol=1e-4)
+    assert (plain["changes"], changed["changes"]) == ({}, {"fmd.load_cell.moving_fraction": 0.6})
+    assert changed["footnotes"][0] == "Dimensions changed: fmd.load_cell.moving_fraction = 0.6."
+
+
+def test_published_values_are_said_to_be_those_of_the_unchanged_article(run: Run) -> None:
+    code, out, err = run("reference", "clumod-1", "--set", "clumod.blade.lower-1.length_mm=1090", "--format", "markdown")
+    assert code == cli.DONE, err
+    said = "Dimensions changed: clumod.blade.lower-1.length_mm = 1090; published and measured values are those of the unchanged"
+    assert said in out
+
+
+def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run: Run) -> None:
+    changes = ("--set", "disc.height_mm=20", "--set", "fmd.mounting_plate.size_mm=1")
+    code, _, err = run("reference", "disc", "fmd", "--json", *changes)
+    assert code == cli.BAD_INPUT
+    assert "only a number can be changed" in err
+    code, out, _ = run(
+        "reference", "cuboid", "disc", "--json", "--set", "disc.height_mm=20", "--set", "disc.fmd_bolts.circle_mm=320"
+    )
+    articles = json.loads(out)["articles"]
+    assert code == cli.DONE
+    assert (articles["cuboid"]["changes"], articles["cuboid"]["footnotes"]) == ({}, [])
+    assert "without effect on its inertia: disc.fmd_bolts.circle_mm." in articles["disc"]["footnotes"][0]
+
+
+def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_path: Path) -> None:
+    """Threads of 500 mm in a Cuboid of 400 mm: the spatial algebra subtracts more than there is."""
+    (tmp_path / "r.json").write_text(json.dumps(inertia_json(Inertia.from_cog(12.0, [0, 0, 0.2], np.eye(3)))), encoding="utf-8")
+    for command in (("reference", "cuboid"), ("validate", "r.json", "--against", "cuboid")):
+        code, _, err = run(*command, "--set", "cuboid.threads.depth_mm=500")
+        assert code == cli.FAILED_CHECK
+        assert "cuboid: the routes disagree" in err
+
+
+def test_holes_that_swallow_the_disc_fail_the_check_without_a_figure_that_nobody_could_read(run: Run) -> None:
+    code, out, err = run("reference", "disc", "--set", "disc.cuboid_bolts.diameter_mm=200", "--json")
+    assert (code, out) == (cli.FAILED_CHECK, "")
+    assert "disc: the routes disagree, pinocchio cannot integrate" in err
+
+
+def test_validate_holds_a_result_against_the_changed_article(run: Run, tmp_path: Path) -> None:
+    routes = json.loads(run("reference", "fmd", "--json", "--set", MOVING)[1])["articles"]["fmd"]["routes"]
+    (tmp_path / "r.json").write_text(json.dumps(inertia_json(body(routes["occ"]))), encoding="utf-8")
+    assert run("validate", "r.json", "--against", "fmd")[0] == cli.FAILED_CHECK
+    code, out, err = run("validate", "r.json", "--against", "fmd", "--set", MOVING)
+    assert code == cli.DONE, err
+    assert "Dimensions changed: fmd.load_cell.moving_fraction = 0.6." in out
+    assert json.loads(run("validate", "r.json", "--against", "fmd", "--set", MOVING, "--json")[1])["changes"]
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("fmd.load_cell.moving_fraction", "KEY=VALUE is expected"),
+        ("=3", "KEY=VALUE is expected"),
+        ("fmd.load_cell.moving_fraction=half", "a number is expected, found 'half'"),
+        ("fmd.load_cell.height_mm=10 mm", "a number is expected, found '10 mm'"),
+        ("fmd.load_cell.height_mm=nan", "no dimension has this size"),
+        ("fmd.load_cell.height_mm=1e300", "no dimension has this size"),
+        ("fmd.load_cel.height_mm=1", "Did you mean load_cell"),
+        ("fdm.load_cell.height_mm=1", "Did you mean fmd"),
+        ("cuboid.threads.depth_mm=1", "no article here has a part 'cuboid'"),
+        ("fmd.load_cell.diameter_mm=-1", "no body has the dimensions"),
+        ("fmd.load_cell.diameter_mm=1e-300", "no body of fmd can be made"),
+    ],
+)
+def test_a_setting_that_cannot_be_is_refused(run: Run, setting: str, words: str) -> None:
+    code, out, err = run("reference", "fmd", "--set", setting)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert words in err
+
+
+def test_a_dimension_set_twice_or_held_against_print_is_refused(run: Run) -> None:
+    assert "set twice" in run("reference", "fmd", "--set", MOVING, "--set", MOVING)[2]
+    against_print = ("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "published")
+    code, _, err = run(*against_print, "--set", "clumod.mast.top_mm=1500")
+    assert code == cli.BAD_INPUT
+    assert "those of the unchanged article" in err
+
+
 def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None:
     code, _, err = run("reference", "cuboid", "--view")
     assert code == cli.DONE, err

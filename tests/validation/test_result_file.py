@@ -65,6 +65,15 @@ def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_devia
     assert check.passed, summary(check, "the body")
 
 
+@pytest.mark.parametrize("coordinate", ["2.1e-149 m", "-3.1e-17 m", "0e400 m"])
+def test_a_coordinate_that_is_the_rounding_of_a_zero_is_a_zero_of_few_digits(coordinate: str) -> None:
+    table = {"inertia": {"mass": "2 kg", "cog": [coordinate, "0 m", "0 m"]}}
+    stated = stated_inertia.read(table, "test", IDENTITY).values[1]
+    assert stated is not None
+    assert stated.value == 0
+    assert (stated.decimals or 0) <= 15
+
+
 def test_products_read_with_the_wrong_sign_deviate() -> None:
     table = {"inertia": statement_of(BODY, np.zeros(3), "cog", "matrix-entry")}
     table["inertia"]["products_sign"] = "positive-integral"

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
+from geometry.quantities import exact, tagged
 from validation import crane_cog, weighing
 from validation.budget import itemised
 from validation.crane_cog import cog_height
 from validation.measurement_file import Fields
-from validation.quantities import exact, tagged
 
 WEIGHING = """
 [balance]

@@ -2,46 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import click
 
 from geometry.errors import BadInput
 from geometry.routes import DEFAULT_CHORD
+from validation import changed
 from validation.article_reference import Asked
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 FRAME = click.option(
     "--frame",
-    metavar="ORIGIN[; TURNS]",
-    help='Your own frame, seen from the article\'s: origin and turns, "0 0 45 mm; z 90 deg", or a TOML file with [frame].',
+    metavar="FRAME",
+    help='Your own frame, seen from the article\'s: origin, then turns, "0 0 45 mm; z 90 deg"; or a TOML file with [frame].',
 )
-JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, nothing else.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead.")
 
 
-def asked(command: Command) -> Command:
-    """How articles are read: ``--chord``, ``--unit``, ``--material``."""
+def measurement(command: Command) -> Command:
+    """What a measurement file is reduced with: FILE, ``--against``, ``--json``."""
     for option in (
-        click.option("--material", help="Material or density of your own file, for every body that has none."),
-        click.option("--unit", help="Unit of length of your own mesh file, for example mm."),
-        click.option("--chord", default=f"{DEFAULT_CHORD * 1e6:g} um", show_default=True, help="Chord error of the mesh route."),
+        JSON,
+        click.option("--against", metavar="ARTICLE", help="Set the result beside what is published about ARTICLE."),
+        click.argument("file"),
     ):
         command = option(command)
     return command
 
 
-def reading(chord: str, unit: str | None, material: str | None) -> Asked:
-    """The three options, checked.
+def asked(command: Command) -> Command:
+    """How articles are read: ``--set``, ``--chord``, ``--unit``, ``--material``."""
+    for option in (
+        click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
+        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
+        click.option(
+            "--chord",
+            metavar="LENGTH",
+            help=f"Chord error of the mesh route.  [default: {DEFAULT_CHORD * 1e6:g} um; in your own STEP 1e-4 of a body's size]",
+        ),
+        click.option(
+            "--set",
+            "settings",
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="Your own dimension of a built-in part, in the unit of its file in geometry/articles, such as "
+            "fmd.load_cell.moving_fraction=0.6. May be repeated.",
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def reading(chord: str | None, unit: str | None, material: str | None, settings: Sequence[str]) -> Asked:
+    """The four options, checked.
 
     Raises
     ------
-    BadInput : the chord error is no positive length.
+    BadInput : the chord error is no positive length, or a setting is not of the form KEY=VALUE with a number.
     """
-    from validation.quantities import quantity
+    return Asked(chord=None if chord is None else _chord(chord), unit=unit, material=material, changes=changed.read(settings))
 
-    size = float(quantity(chord, "length", source="--chord", field="chord").nominal_value)
+
+def _chord(text: str) -> float:
+    from geometry.quantities import quantity
+
+    size = float(quantity(text, "length", source="--chord", field="chord").nominal_value)
     if size <= 0:
-        raise BadInput(source="--chord", problem=f"must be positive, found {chord}", remedy='Write for example "2 um"')
-    return Asked(chord=size, unit=unit, material=material)
+        raise BadInput(source="--chord", problem=f"must be positive, found {text}", remedy='Write for example "2 um"')
+    return size

@@ -24,10 +24,14 @@ FORMATS = ("text", "markdown", "csv", "latex")
 @click.command("reference")
 @click.argument("articles", nargs=-1, metavar="[ARTICLE ...]")
 @options.JSON
-@click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True, help="How it is written.")
-@click.option("--out", type=click.Path(path_type=Path), help="Write there instead of on standard output; whole or not at all.")
-@click.option("--view", is_flag=True, help="Write a picture of every article under out/.")
-@click.option("--identified", metavar="RESULT", help="Fill the identified column from a result file (see `massline validate`).")
+@click.option(
+    "--format", "form", type=click.Choice(FORMATS), default="text", metavar="FORM", help="text (default), markdown, csv or latex."
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of on the screen, whole or not at all."
+)
+@click.option("--view", is_flag=True, help="Also write a picture of every article under out/.")
+@click.option("--identified", metavar="RESULT", help="Result file for the identified column (see massline validate).")
 @options.FRAME
 @options.asked
 def command(
@@ -38,14 +42,15 @@ def command(
     view: bool,
     identified: str | None,
     frame: str | None,
-    chord: str,
+    chord: str | None,
     unit: str | None,
     material: str | None,
+    settings: tuple[str, ...],
 ) -> None:
     """Mass, CoG and inertia of articles by three routes, beside published, measured and identified values.
 
-    ARTICLE is a stack of built-in parts from bottom to top (cuboid, disc, fmd, clumod-1, clumod-4, fmd+disc+cuboid ...) or a file
-    or folder of your own. Without one: cuboid, disc, fmd, and Clumod in both configurations, clumod-1 and clumod-4.
+    ARTICLE is a built-in part (cuboid, disc, fmd, clumod-1, clumod-4), a stack of them from bottom to top (fmd+disc+cuboid), or a
+    STEP, STL, PLY, OBJ or article.toml file or folder of your own. Without any, all five built-in parts.
 
     Exit code 1 when the routes of an article disagree by more than their stated errors.
     """
@@ -54,7 +59,7 @@ def command(
     from validation.progress import counted
 
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
-    asked = options.reading(chord, unit, material)
+    asked = options.reading(chord, unit, material, settings)
     require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
     result = None if identified is None else _result(identified, names, pose)
@@ -62,14 +67,21 @@ def command(
         _completed(reference_table(name, asked), result, pose, frame) for name in counted(names, "three routes", quiet=as_json)
     ]
     warnings = () if result is None else result.warnings
-    for warning in (*warnings, *(f"{table.article}: {said}" for table in tables for said in table.warnings)):
+    in_sight = form == "text" and out is None and not as_json  # the tables' footnotes say them already
+    for warning in (*warnings, *(() if in_sight else _warnings(tables))):
         click.echo(f"massline: {warning}.", err=True)
-    _write(_json(tables, asked.chord, warnings) if as_json else _text(tables, form), out)
+    _write(_json(tables, warnings) if as_json else _text(tables, form), out)
     if view:
         _pictures(names, asked, quiet=as_json)
     apart = [f"{table.article}: the routes disagree, {table.agreement}" for table in tables if not table.agree]
     if apart:
         raise CheckFailed("; ".join(apart))
+
+
+def _warnings(tables: Sequence[ReferenceTable]) -> tuple[str, ...]:
+    """Everything noticed about the articles, each with the file that it is about."""
+    pairs = [(table.article, said) for table in tables for said in table.warnings]
+    return tuple(said if said.startswith(article) else f"{article}: {said}" for article, said in pairs)
 
 
 def _result(identified: str, names: Sequence[str], pose: Pose | None) -> Result:
@@ -95,12 +107,12 @@ def _completed(table: ReferenceTable, result: Result | None, pose: Pose | None, 
     return table if result is None else replace(table, columns={**table.columns, IDENTIFIED: result.statement})
 
 
-def _json(tables: Sequence[ReferenceTable], chord: float, warnings: Sequence[str]) -> str:
+def _json(tables: Sequence[ReferenceTable], warnings: Sequence[str]) -> str:
     from validation.output import json_text
     from validation.tables import as_json
 
     articles = {table.article: as_json.render(table) for table in tables}
-    return json_text({"articles": articles, "chord_m": chord, "warnings": list(warnings)}) + "\n"
+    return json_text({"articles": articles, "warnings": list(warnings)}) + "\n"
 
 
 def _text(tables: Sequence[ReferenceTable], form: str) -> str:

@@ -24,8 +24,9 @@ REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
     "--reference",
     "choice",
     type=click.Choice(REFERENCES),
-    help="What RESULT is held against: a route (as uncertain as the published values are; occ by default, trimesh for a mesh), "
-    "or what is in print.",
+    metavar="COLUMN",
+    help="What RESULT is held against: a route (occ, the default; trimesh, the default for a mesh; or pinocchio), or what is "
+    "published or measured. A route counts as no more certain than the published values.",
 )
 @options.JSON
 @options.FRAME
@@ -36,21 +37,22 @@ def command(
     choice: str | None,
     as_json: bool,
     frame: str | None,
-    chord: str,
+    chord: str | None,
     unit: str | None,
     material: str | None,
+    settings: tuple[str, ...],
 ) -> None:
     """Anyone's identified ten parameters against the reference of ARTICLE.
 
-    RESULT is a TOML or JSON file (format = 1, see docs/reference-tables.md), the JSON of `massline identify`, or clumod-1-table2,
-    the paper's own. It states its reference point, sign of products and frame; --frame is the frame in which the rows are
-    printed, and that of a RESULT which states none.
+    RESULT is a TOML or JSON file as in docs/reference-tables.md, any INERTIA that --json prints, or clumod-1-table2, the paper's
+    own. It states its reference point, sign of products and frame. Rows are printed in --frame, which is also the frame of a
+    RESULT that states none.
 
-    Exit code 0 when every stated value lies within the combined tolerance of result and reference, 1 when one does not or when no
-    body can have these parameters.
+    Exit code 0 when every stated value lies within the combined tolerance of result and reference; 1 when one does not, or when
+    no body can have these parameters.
     """
     from geometry.frames import Pose
-    from validation.article_reference import reference, require_use
+    from validation.article_reference import changes_note, reference, require_use
     from validation.cross_check import cross_check, summary
     from validation.frame_text import read_frame
     from validation.progress import shown
@@ -59,22 +61,29 @@ def command(
 
     pose = None if frame is None else read_frame(frame)
     said = read(result, article=article, frame=pose)
-    asked = options.reading(chord, unit, material)
+    asked = options.reading(chord, unit, material, settings)
     require_use([article], asked)
     with shown(f"reference of {article}", quiet=as_json):
         chosen, known = reference(article, choice, asked, pose or Pose())
     check = cross_check(said.statement, known)
     words = summary(check, f"{article} ({chosen})")
+    note = changes_note(article, asked)
     if as_json:
         tolerances = {"result": said.statement.tolerance_note, "reference": known.tolerance_note}
-        more = {"article": article, "reference": chosen, "tolerance_note": tolerances, "warnings": said.warnings}
+        more = {
+            "article": article,
+            "reference": chosen,
+            "tolerance_note": tolerances,
+            "warnings": said.warnings,
+            "changes": asked.changes,
+        }
         _print_json(check, words, more)
     else:
         _print(
             f"{said.statement.source} against {article} ({chosen})",
             {chosen: known, IDENTIFIED: said.statement},
             check,
-            said.warnings,
+            [note.removesuffix("."), *said.warnings] if note else said.warnings,
         )
     if not check.passed:
         raise CheckFailed(words)

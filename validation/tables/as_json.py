@@ -17,6 +17,8 @@ def render(table: ReferenceTable) -> dict[str, Any]:
         **{c: statement_json(table.columns[c]) if c in table.columns else None for c in (PUBLISHED, MEASURED, IDENTIFIED)},
         "agree": table.agree,
         "agreement": table.agreement,
+        "chord_m": table.chord,
+        "changes": dict(table.changes),
         "rows": [
             {**line, "column": column, "reference_column": table.reference_columns[k]}
             for k in range(len(QUANTITIES))

@@ -36,7 +36,8 @@ FIRST_ORDER_LIMIT = 0.1
 """Relative tolerance above which first order is doubtful: the neglected terms are of the order of its square, 1 %."""
 
 LARGEST = 1e15
-"""In SI, and its inverse: no quantity of a test article lies beyond, and arithmetic stays far from overflow."""
+"""In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
+the rounding that another program leaves of a zero, and is read as zero."""
 
 _NAMED = {**SI_UNITS, "force": "N", "frequency": "Hz", "area": "m^2", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -75,9 +76,9 @@ def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = 
         raise _refused(f"the tolerance needs its unit too, found {text!r}", dimension, source, field)
     if width < 0 or not math.isfinite(value + width):
         raise _refused(f"a tolerance must not be negative and all must be finite, found {text!r}", dimension, source, field)
-    if any(size and not 1 / LARGEST < size < LARGEST for size in (abs(value), width)):
+    if max(abs(value), width) >= LARGEST:
         raise _refused(f"no measured {dimension} has this size, found {text!r}", dimension, source, field)
-    return tagged(value, width, name or field)
+    return tagged(_nothing_less(value), _nothing_less(width), name or field)
 
 
 def tagged(value: float, tolerance: float, name: str) -> UFloat:
@@ -97,6 +98,10 @@ def exact(value: float) -> UFloat:
 def doubtful_at_first_order(value: float, tolerance: float) -> bool:
     """Whether the `tolerance` of an input is so large beside its `value` that first-order propagation is doubtful."""
     return value != 0 and tolerance > FIRST_ORDER_LIMIT * abs(value)
+
+
+def _nothing_less(size: float) -> float:
+    return size if abs(size) > 1 / LARGEST else 0.0
 
 
 @cache

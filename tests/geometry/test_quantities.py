@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 from uncertainties import UFloat
 
 from geometry.errors import BadInput
+from geometry.quantities import doubtful_at_first_order, exact, quantity, tagged
 from validation.budget import dominating, itemised
 from validation.pendulum import rope_pendulum
-from validation.quantities import doubtful_at_first_order, exact, quantity, tagged
 
 
 def read(text: object, dimension: str = "mass") -> UFloat:
@@ -67,6 +67,12 @@ def test_everything_else_is_refused_with_file_field_and_an_example(text: object,
     assert words in str(refusal.value)
     assert "file.toml: `article.mass`" in str(refusal.value)
     assert "Write it like" in str(refusal.value)
+
+
+@pytest.mark.parametrize("text", ["2.1e-149 m", "-3.1e-17 m", "1e-400 m", "1e-16 +/- 1e-17 m", "0 +/- 1e-200 m"])
+def test_the_rounding_that_is_left_of_a_zero_is_zero(text: str) -> None:
+    found = read(text, "length")
+    assert (found.nominal_value, found.std_dev) == (0.0, 0.0)
 
 
 @given(st.text(max_size=20))
