@@ -21,7 +21,10 @@ from geometry.arrays import Array, frozen
 from geometry.frames import Pose, proper_rotation, skew
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-"""Names of the ten parameters in the order of Eq. 4; units kg, kg m (three), kg m² (six)."""
+"""Names of the ten parameters in the order of Eq. 4."""
+
+UNITS = ("kg", *3 * ("kg m",), *6 * ("kg m²",))
+"""Their units."""
 
 
 def tensor_from_six(six: npt.ArrayLike) -> Array:

@@ -15,43 +15,20 @@ operation fails, and when either is fed a wrong place: a disagreement is a faile
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Array, frozen
+from geometry.agreement import Agreement, held_together, missing_mass, rounding
+from geometry.arrays import Array
 from geometry.article import Article
 from geometry.frames import Pose
-from geometry.inertia import PARAMETERS, Inertia
+from geometry.inertia import Inertia
 from geometry.shapes import Cylinder
 
 ROUTES = ("occ", "trimesh", "pinocchio")
 
 DEFAULT_CHORD = 2e-6
 """Chord error of the mesh route [m]."""
-
-ROUNDING = 1e-9
-"""What exact routes may differ by, relative to the size of the body."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Agreement:
-    """Whether the routes agree.
-
-    Attributes
-    ----------
-    agree : every difference lies within its tolerance
-    text : the verdict in a sentence
-    difference : (10,) between the two routes that differ most, order and units of `PARAMETERS`, about the article's origin
-    tolerance : (10,) what was allowed between these two
-    excess : largest ratio of a difference to its tolerance; at most 1 when they agree
-    """
-
-    agree: bool
-    text: str
-    difference: Array
-    tolerance: Array
-    excess: float
 
 
 def by_routes(article: Article, chord: float = DEFAULT_CHORD) -> Mapping[str, Inertia]:
@@ -77,16 +54,7 @@ def agreement(article: Article, inertias: Mapping[str, Inertia], chord: float = 
     """Hold the routes against each other: to `ROUNDING` among the exact ones, to the tessellation error against the mesh."""
     exact = rounding(inertias["occ"])
     allowed = {"occ": exact, "pinocchio": exact, "trimesh": exact + tessellation_error(article, chord)}
-    return max(_pairs(inertias, allowed), key=lambda pair: pair.excess)
-
-
-def rounding(inertia: Inertia) -> Array:
-    """What exact routes may differ by: `ROUNDING` of each of the ten parameters about the origin (10,).
-
-    The size of a parameter is that for a body of this mass and this radius of gyration about the origin.
-    """
-    radius = np.sqrt(np.trace(inertia.about(np.zeros(3)).tensor) / (2 * inertia.mass))
-    return np.asarray(ROUNDING * inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
+    return held_together(inertias, allowed)
 
 
 def tessellation_error(article: Article, chord: float) -> Array:
@@ -118,31 +86,7 @@ def _segments(density: float, pose: Pose, cylinder: Cylinder, chord: float) -> A
     mass = density * 2 / 3 * np.pi * cylinder.diameter * cylinder.height * chord
     axis = np.abs(pose.rotation[:, 2])
     half = axis * cylinder.height / 2 + np.sqrt(1 - np.minimum(axis, 1) ** 2) * cylinder.diameter / 2
-    x, y, z = np.abs(pose.position) + half
-    return mass * np.array([1, x, y, z, y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z])
+    return missing_mass(mass, np.abs(pose.position) + half)
 
 
 _POSITIVE = np.array([True, False, False, False, True, True, True, False, False, False])
-
-
-def _pairs(inertias: Mapping[str, Inertia], allowed: Mapping[str, Array]) -> Iterator[Agreement]:
-    names = list(inertias)
-    for i, a in enumerate(names):
-        for b in names[i + 1 :]:
-            difference = np.abs(inertias[a].parameters - inertias[b].parameters)
-            yield _judged(f"{a} and {b}", difference, np.maximum(allowed[a], allowed[b]))
-
-
-def _judged(pair: str, difference: Array, tolerance: Array) -> Agreement:
-    ratio = difference / tolerance
-    k = int(np.argmax(ratio))
-    agree = bool(ratio[k] <= 1)
-    relation = "agree" if agree else "disagree"
-    text = f"{pair} {relation}: {PARAMETERS[k]} differs by {difference[k]:.2e}, {tolerance[k]:.2e} allowed"
-    return Agreement(
-        agree=agree,
-        text=text,
-        difference=frozen(difference, (10,), "difference"),
-        tolerance=frozen(tolerance, (10,), "tolerance"),
-        excess=float(ratio[k]),
-    )

@@ -74,6 +74,11 @@ class Shape:
     solids: tuple[Placed, ...]
     voids: tuple[Placed, ...] = ()
 
+    def __post_init__(self) -> None:
+        there, taken = (sum(placed.primitive.volume for placed in kind) for kind in (self.solids, self.voids))
+        if taken >= there:
+            raise ValueError(f"`voids` must take away less than there is, found {taken:.6g} m³ of {there:.6g} m³")
+
     @property
     def planar(self) -> bool:
         """Whether every face is a plane, so that a mesh of it is exact."""

@@ -8,9 +8,9 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from geometry import keys
+from geometry.agreement import rounding
 from geometry.articles import built_in, changes_of, dimension_files
 from geometry.errors import BadInput
-from geometry.routes import rounding
 
 OPTION = "--set"
 

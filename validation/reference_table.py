@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from geometry.agreement import rounding
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import Inertia
-from geometry.routes import rounding
 from validation.rows import Row
 from validation.statement import QUANTITIES, Quantity, Stated, Statement, about_cog, jacobian, seen_from
 

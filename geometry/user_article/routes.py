@@ -11,11 +11,11 @@ from itertools import combinations
 
 import numpy as np
 
-from geometry.arrays import Array, frozen
-from geometry.inertia import PARAMETERS, Inertia
+from geometry.agreement import Agreement, held_together, missing_mass, rounding, single
+from geometry.arrays import Array
+from geometry.inertia import Inertia
 from geometry.mesh import inertia_unchecked
 from geometry.mesh.self_intersection import shared_volume
-from geometry.routes import Agreement, rounding
 from geometry.user_article.nouns import UserArticle, UserPart
 
 SLIVER = 1e-3
@@ -31,22 +31,9 @@ def inertias(article: UserArticle) -> Mapping[str, Inertia]:
 def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
     """Hold "occ" against "trimesh", to rounding and to what the chord error of the curved faces can make."""
     if "occ" not in found:
-        text = "one route only: a mesh is integrated exactly as it is, and nothing else is known of it"
-        return Agreement(agree=True, text=text, difference=_ZERO, tolerance=_ZERO, excess=0.0)
-    occ, trimesh = found["occ"], found["trimesh"]
-    difference = np.abs(occ.parameters - trimesh.parameters)
-    tolerance = rounding(occ) + tessellation_error(article)
-    ratio = difference / tolerance
-    k = int(np.argmax(ratio))
-    relation = "agree" if ratio[k] <= 1 else "disagree"
-    text = f"occ and trimesh {relation}: {PARAMETERS[k]} differs by {difference[k]:.2e}, {tolerance[k]:.2e} allowed"
-    return Agreement(
-        agree=bool(ratio[k] <= 1),
-        text=text,
-        difference=frozen(difference, (10,), "difference"),
-        tolerance=frozen(tolerance, (10,), "tolerance"),
-        excess=float(ratio[k]),
-    )
+        return single("one route only: a mesh is integrated exactly as it is, and nothing else is known of it")
+    exact = rounding(found["occ"])
+    return held_together(found, {"occ": exact, "trimesh": exact + tessellation_error(article)})
 
 
 def tessellation_error(article: UserArticle) -> Array:
@@ -75,10 +62,8 @@ def _missed(part: UserPart) -> Array:
     """Bound on what a mesh within the chord error of the true surface misses or adds: a shell over the curved faces; (10,)."""
     from geometry.cad import step
 
-    area, (x, y, z) = step.curved_reach(part.solid)
-    mass = part.material.density * area * part.chord
-    return np.asarray(mass * np.array([1, x, y, z, y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z]))
+    area, reach = step.curved_reach(part.solid)
+    return missing_mass(part.material.density * area * part.chord, reach)
 
 
 _NOTHING = Inertia(parameters=np.zeros(10))
-_ZERO = frozen(np.zeros(10), (10,), "zero")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.shapes import Box, Cylinder, Shape, bolt_circle, drilled, rectangle, upright
+from geometry.shapes import Box, Cylinder, Placed, Shape, bolt_circle, drilled, rectangle, upright
 
 lengths = st.floats(1e-4, 10)
 
@@ -72,3 +72,10 @@ def test_a_box_has_three_edges_and_they_cannot_be_changed() -> None:
         Box(size=np.ones(2))
     with pytest.raises(ValueError, match="read-only"):
         Box(size=np.ones(3)).size[0] = 2.0
+
+
+def test_voids_that_take_away_more_than_there_is_are_refused() -> None:
+    """Spatial algebra would pass through zero mass, where Pinocchio returns figures of any size without a word."""
+    block, hole = Placed(primitive=Box(size=[0.1, 0.1, 0.1])), Placed(primitive=Box(size=[0.1, 0.1, 0.2]))
+    with pytest.raises(ValueError, match="take away less than there is"):
+        Shape(solids=(block,), voids=(hole,))
