@@ -70,7 +70,7 @@ def command(
     in_sight = form == "text" and out is None and not as_json  # the tables' footnotes say them already
     for warning in (*warnings, *(() if in_sight else _warnings(tables))):
         click.echo(f"massline: {warning}.", err=True)
-    _write(_json(tables, warnings) if as_json else _text(tables, form), out)
+    _write(_json(tables, warnings) if as_json else _text(tables, form, to_file=out is not None), out)
     if view:
         _pictures(names, asked, quiet=as_json)
     apart = [f"{table.article}: the routes disagree, {table.agreement}" for table in tables if not table.agree]
@@ -115,15 +115,17 @@ def _json(tables: Sequence[ReferenceTable], warnings: Sequence[str]) -> str:
     return json_text({"articles": articles, "warnings": list(warnings)}) + "\n"
 
 
-def _text(tables: Sequence[ReferenceTable], form: str) -> str:
+def _text(tables: Sequence[ReferenceTable], form: str, *, to_file: bool) -> str:
     from validation.tables import comma_separated, latex, markdown, text
 
     if form == "csv":
         return comma_separated.render(tables)
     if form == "latex":
         return latex.document([latex.render(table) for table in tables])
-    render = {"text": text.render, "markdown": markdown.render}[form]
-    return "\n".join(render(table) for table in tables)
+    if form == "markdown":
+        return "\n".join(markdown.render(table) for table in tables)
+    width = text.WIDTH if to_file else None  # a file does not depend on the terminal that it was written from
+    return "\n".join(text.render(table, width) for table in tables)
 
 
 def _write(text: str, out: Path | None) -> None:
