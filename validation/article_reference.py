@@ -104,7 +104,7 @@ def reference_table(name: str, asked: Asked) -> ReferenceTable:
         agreement=f"{routes.text}; chord error of the mesh {routes.chord * 1e6:.3g} µm" if routes.chord else routes.text,
         chord=routes.chord,
         changes=_own_changes(name, asked),
-        footnotes=(*notes, *print_.footnotes, *(f"{words[0].upper()}{words[1:]}." for words in routes.warnings)),
+        footnotes=(*notes, *print_.footnotes, *(f"{warning}." for warning in routes.warnings)),
         warnings=routes.warnings,
     )
 
