@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from collections.abc import Callable
@@ -14,14 +15,38 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_with(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file of the same ending beside `path`, then rename it into place."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    """Let `write` fill a temporary file of the same ending beside `path`, then rename it into place.
+
+    A link stays a link, and what it points to is replaced.
+
+    Raises
+    ------
+    OSError : `path` cannot be written, or is there and no regular file; it names `path`, not the temporary file.
+    """
+    try:
+        _write(_target(path), write)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+
+
+def _target(path: Path) -> Path:
+    """The regular file, there or not yet, that `path` means."""
+    target = path.resolve()
+    if target.is_dir():
+        raise OSError(errno.EISDIR, "this is a folder, a file name is expected")
+    if target.exists() and not target.is_file():
+        raise OSError(errno.EINVAL, "this is no regular file, which alone can be replaced whole")
+    return target
+
+
+def _write(target: Path, write: Callable[[Path], object]) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
     os.close(handle)
     temporary = Path(name)
     try:
         write(temporary)
         temporary.chmod(0o644)
-        temporary.replace(path)
+        temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)

@@ -30,6 +30,9 @@ class LengthUnit:
         return f"({x}, {y}, {z}) {self.name}"
 
 
+PLAUSIBLE = (2e-3, 20.0)
+"""Largest dimension [m] of a structure that is mounted on a shaking table; outside, the unit is doubted aloud."""
+
 METRE = LengthUnit(name="m", metres=1.0)
 MILLIMETRE = LengthUnit(name="mm", metres=1e-3)
 
@@ -53,6 +56,22 @@ _WORDS = {
     "ft": ("foot", "feet"),
 }
 _BY_WORD = {word: UNITS[name] for name, words in _WORDS.items() for word in (name, *words)}
+
+
+def doubts(size: float, source: str, unit: LengthUnit | None = None) -> tuple[str, ...]:
+    """A word about a largest dimension `size` [m] that no article has.
+
+    `unit` is the one that the user gave or the file states in words, and units that would make the size an ordinary one are
+    proposed; None is for files whose own unit nobody chooses.
+    """
+    smallest, largest = PLAUSIBLE
+    if smallest <= size <= largest:
+        return ()
+    if unit is None:
+        return (f"{source}: its own unit makes it {size:.4g} m long, which is suspicious; check the unit of the export",)
+    better = [other.name for other in UNITS.values() if 5 * smallest <= size / unit.metres * other.metres <= largest / 2]
+    instead = f"; in {' or '.join(better)} it would be of ordinary size" if better else ""
+    return (f"{source}: with unit {unit.name} it is {size:.4g} m long, which is suspicious{instead}",)
 
 
 def length_unit(text: str, source: str, field: str = "unit") -> LengthUnit:

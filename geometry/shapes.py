@@ -16,6 +16,9 @@ import numpy.typing as npt
 from geometry.arrays import Array, frozen
 from geometry.frames import Pose
 
+MOST_HOLES = 200
+"""On one circle; every hole is cut by OCC, one after the other."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Box:
@@ -98,7 +101,14 @@ def drilled(positions: npt.ArrayLike, *, diameter: float, bottom: float, depth: 
 
 
 def bolt_circle(count: int, diameter: float, first_angle: float = 0.0) -> Array:
-    """Centres (count, 2) [m] of equally spaced holes on a circle of `diameter` [m], the first at `first_angle` [rad]."""
+    """Centres (count, 2) [m] of equally spaced holes on a circle of `diameter` [m], the first at `first_angle` [rad].
+
+    Raises
+    ------
+    ValueError : fewer than none, or more than `MOST_HOLES`.
+    """
+    if not 0 <= count <= MOST_HOLES:
+        raise ValueError(f"`count` of holes must lie between 0 and {MOST_HOLES}, found {count}")
     angle = first_angle + 2 * np.pi * np.arange(count) / count
     return diameter / 2 * np.column_stack([np.cos(angle), np.sin(angle)])
 

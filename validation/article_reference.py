@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import hypot
@@ -139,7 +140,7 @@ def reference(name: str, choice: str | None, asked: Asked, frame: Pose) -> tuple
     only = None if asked.changes else choice or ROUTES[0]
     routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=only)
     if not routes.agree:
-        raise CheckFailed(f"{name}: the routes disagree, {routes.text}")
+        raise CheckFailed(f"{name}: {routes.text}")
     chosen = choice or next(iter(routes.inertias))
     if chosen not in routes.inertias:
         raise BadInput(
@@ -164,7 +165,20 @@ def _of_built_in(name: str, asked: Asked, only: str | None = None) -> _Routes:
         return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)
     inertias = _by_routes(article, chord, changed_by_user=bool(asked.changes))
     verdict = agreement(article, inertias, chord)
-    return _Routes(inertias=inertias, errors=errors, agree=verdict.agree, text=verdict.text, note=article.note, chord=chord)
+    shared = _overlaps(article) if asked.changes or "+" in name else ""
+    text = f"{shared}; {verdict.text}" if shared else verdict.text
+    return _Routes(
+        inertias=inertias, errors=errors, agree=verdict.agree and not shared, text=text, note=article.note, chord=chord
+    )
+
+
+def _overlaps(article: Article) -> str:
+    """What no route can see, since each adds bodies up: two that share volume. Empty where none do."""
+    from geometry.cad import brep
+
+    pairs = [f"{a} and {b} share {1e9 * volume:.4g} mm³" for (a, b), volume in brep.overlaps(article).items()]
+    more = f" and {len(pairs) - 3} pairs more" if len(pairs) > 3 else ""
+    return f"bodies overlap: {', '.join(pairs[:3])}{more}" if pairs else ""
 
 
 def _by_routes(article: Article, chord: float, *, changed_by_user: bool) -> Mapping[str, Inertia]:
@@ -214,9 +228,14 @@ def draw(name: str, asked: Asked, folder: Path = Path("out")) -> Path:
         title, bodies, inertia, note = _users_drawing(name, asked)
     else:
         title, bodies, inertia, note = _drawing(name, asked)
-    path = folder / f"{title}.png"
+    path = folder / f"{file_name(title)}.png"
     picture(title, bodies, inertia, path, note)
     return path
+
+
+def file_name(title: str) -> str:
+    """`title` as the name of a file that stays in its folder: letters, digits and ``+ - _ .``, everything else a dash."""
+    return re.sub(r"[^\w.+-]+", "-", title).strip(".-") or "article"
 
 
 _Drawing = tuple[str, "tuple[DrawnBody, ...]", Inertia, str]

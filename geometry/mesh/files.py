@@ -11,14 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry.errors import BadInput
-from geometry.lengths import UNITS, LengthUnit, length_unit
+from geometry.lengths import UNITS, LengthUnit, doubts, length_unit
 from geometry.mesh.triangles import TriangleMesh, merged, scaled
 
 ENDINGS = (".stl", ".ply", ".obj")
 """What can be read, upper or lower case."""
-
-PLAUSIBLE = (2e-3, 20.0)
-"""Largest dimension [m] of a structure that is mounted on a shaking table; outside, the unit is doubted aloud."""
 
 _STATED = re.compile(r"\bunits?\s*[:=]\s*([A-Za-z]+)", re.IGNORECASE)
 _COMMENT = {".stl": re.compile(rb"\A.{0,80}", re.DOTALL), ".ply": re.compile(rb"^(?:comment|obj_info).*$", re.MULTILINE)}
@@ -44,7 +41,7 @@ def read(path: Path, unit: str | None = None) -> MeshFile:
     ending = path.suffix.lower()
     meant = _unit(content, ending, unit, str(path))
     mesh = scaled(_parsed(content, ending, str(path)), meant.metres)
-    return MeshFile(mesh=mesh, unit=meant, warnings=_doubts(mesh, meant, str(path)))
+    return MeshFile(mesh=mesh, unit=meant, warnings=doubts(float(np.ptp(mesh.bounds, axis=0).max()), str(path), meant))
 
 
 def _unit(content: bytes, ending: str, given: str | None, source: str) -> LengthUnit:
@@ -103,14 +100,3 @@ def _unreadable(ending: str, why: str, source: str) -> BadInput:
         problem=f"no mesh can be read from it as {ending[1:].upper()} ({' '.join(why.split())[:200]})",
         remedy="Check that the file is whole and what its ending says, and export it again",
     )
-
-
-def _doubts(mesh: TriangleMesh, unit: LengthUnit, source: str) -> tuple[str, ...]:
-    """A word about a size that no article has, and the units that would make it one."""
-    size = float(np.ptp(mesh.bounds, axis=0).max())
-    smallest, largest = PLAUSIBLE
-    if smallest <= size <= largest:
-        return ()
-    better = [other.name for other in UNITS.values() if 5 * smallest <= size / unit.metres * other.metres <= largest / 2]
-    instead = f"; in {' or '.join(better)} it would be of ordinary size" if better else ""
-    return (f"{source}: with unit {unit.name} it is {size:.4g} m long, which is suspicious{instead}",)

@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+import numpy as np
+
 from geometry.errors import BadInput
-from geometry.lengths import MILLIMETRE, LengthUnit
+from geometry.lengths import MILLIMETRE, LengthUnit, doubts
 from geometry.materials import Material
 from geometry.mesh import files
 from geometry.mesh.bodies import bodies
@@ -69,14 +71,16 @@ def _described(path: Path, unit: str | None, material: Material | None, chord: f
 
 
 def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:
-    return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(parts)))
+    return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(name, parts)))
 
 
 def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
     """The bodies that one entry stands for, and what was noticed."""
     ending = entry.file.suffix.lower()
     if ending in STEP_ENDINGS:
-        return _from_step(entry, chord), ()
+        parts = _from_step(entry, chord)
+        corners = np.vstack([part.mesh.bounds for part in parts])
+        return parts, doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
     if ending in files.ENDINGS:
         return _from_mesh(entry)
     raise BadInput(

@@ -13,12 +13,14 @@ import numpy as np
 
 from geometry.agreement import Agreement, held_together, missing_mass, rounding, single
 from geometry.arrays import Array
+from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from geometry.mesh import inertia_unchecked
+from geometry.mesh.checks import SLIVER
 from geometry.mesh.self_intersection import shared_volume
 from geometry.user_article.nouns import UserArticle, UserPart
 
-SLIVER = 1e-3
+NOTHING = 1e-3
 """Share of the smaller of two parts that their meshes may have in common before it is worth a warning."""
 
 
@@ -41,15 +43,23 @@ def tessellation_error(article: UserArticle) -> Array:
     return sum((_missed(part) for part in article.parts if part.solid is not None), np.zeros(10))
 
 
-def overlap_warnings(parts: tuple[UserPart, ...]) -> Iterator[str]:
-    """A sentence for every two parts that share more than a sliver of volume, which then counts in both materials."""
+def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]:
+    """A sentence for every two parts that share a sliver of volume, as meshes of curved surfaces in contact do.
+
+    Raises
+    ------
+    BadInput : two parts share more than that; it would count in both materials.
+    """
     for first, second in combinations(parts, 2):
         a, b = first.mesh, second.mesh
         if np.any(np.maximum(a.bounds[0], b.bounds[0]) >= np.minimum(a.bounds[1], b.bounds[1])):
             continue
         share = shared_volume(a, b) / min(a.volume, b.volume)
+        said = f"parts {first.name} and {second.name} overlap: {share:.2%} of the smaller one counts twice"
         if share > SLIVER:
-            yield f"parts {first.name} and {second.name} overlap: {share:.2%} of the smaller one counts twice"
+            raise BadInput(source=article, problem=said, remedy="Cut one by the other in the CAD, or correct its position")
+        if share > NOTHING:
+            yield said
 
 
 def _by_occ(article: UserArticle) -> Inertia:

@@ -1,5 +1,6 @@
 """A file is there whole or not at all, and nothing else is left beside it."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -46,3 +47,30 @@ def test_the_writer_sees_the_ending_that_it_chooses_its_format_by(tmp_path: Path
 def test_others_may_read_what_was_written(tmp_path: Path) -> None:
     write_text(tmp_path / "x.txt", "x")
     assert (tmp_path / "x.txt").stat().st_mode & 0o777 == 0o644
+
+
+def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path: Path) -> None:
+    real, link = tmp_path / "real.txt", tmp_path / "link.txt"
+    real.write_text("old")
+    link.symlink_to(real)
+    write_text(link, "new")
+    assert link.is_symlink()
+    assert real.read_text() == "new"
+
+
+def test_what_is_no_regular_file_is_left_alone(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OSError, match="no regular file"):
+        write_text(pipe, "x")
+    assert pipe.is_fifo()
+
+
+@pytest.mark.parametrize("name", ["", "folder"])
+def test_an_error_names_the_path_that_was_given(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OSError, match="this is a folder") as caught:
+        write_text(Path(name), "x")
+    assert caught.value.filename == str(Path(name))
+    assert [entry.name for entry in tmp_path.iterdir()] == ["folder"]

@@ -240,8 +240,24 @@ def test_parts_of_different_materials_and_places_add_up(tmp_path: Path) -> None:
 def test_parts_that_overlap_are_named_with_the_share_that_counts_twice(tmp_path: Path) -> None:
     path = one_part(tmp_path)
     second = '[[part]]\nname = "again"\nfile = "block.stl"\nunit = "mm"\nmaterial = "steel"\nposition_mm = [80, 0, 0]\n'
-    (warning,) = load(described(tmp_path, path.read_text(encoding="utf-8") + second)).warnings
-    assert warning == "parts block and again overlap: 50.00% of the smaller one counts twice"
+    alone = path.read_text(encoding="utf-8")
+    with pytest.raises(BadInput, match=r"block and again overlap: 50\.00% of the smaller one counts twice"):
+        load(described(tmp_path, alone + second))
+    sliver = second.replace("[80, 0, 0]", "[159.5, 0, 0]")
+    (warning,) = load(described(tmp_path, alone + sliver)).warnings
+    assert warning == "parts block and again overlap: 0.31% of the smaller one counts twice"
+
+
+@pytest.mark.parametrize(
+    ("scale", "words"), [(1e3, "400 m long, which is suspicious"), (1, None), (1e-3, "0.0004 m long, which")]
+)
+def test_a_suspicious_size_is_said_of_step_too(tmp_path: Path, scale: float, words: str | None) -> None:
+    import cadquery
+
+    file = tmp_path / "block.step"
+    cadquery.exporters.export(cadquery.Workplane().box(160 * scale, 70 * scale, 400 * scale), str(file))
+    warnings = load(file, material="aluminium").warnings
+    assert [words in warning for warning in warnings] == ([True] if words else [])
 
 
 @pytest.mark.parametrize(

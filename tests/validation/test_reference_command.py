@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 
 from geometry.inertia import Inertia
 from validation import cli
+from validation.article_reference import file_name
 from validation.output import inertia_json
 from validation.statement import inertia_of
 
@@ -91,7 +92,7 @@ def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run
     code, out, err = run("reference", "cuboid", "--json")
     assert code == cli.FAILED_CHECK
     assert json.loads(out)["articles"]["cuboid"]["agree"] is False
-    assert "cuboid: the routes disagree" in err
+    assert "cuboid: occ and pinocchio disagree" in err or "cuboid: trimesh and pinocchio disagree" in err
 
 
 @pytest.mark.parametrize(
@@ -242,7 +243,7 @@ def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_pa
     for command in (("reference", "cuboid"), ("validate", "r.json", "--against", "cuboid")):
         code, _, err = run(*command, "--set", "cuboid.threads.depth_mm=500")
         assert code == cli.FAILED_CHECK
-        assert "cuboid: the routes disagree" in err
+        assert "cuboid: occ and pinocchio disagree" in err or "cuboid: trimesh and pinocchio disagree" in err
 
 
 def test_holes_that_take_more_than_there_is_are_refused(run: Run) -> None:
@@ -295,3 +296,24 @@ def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None
     code, _, err = run("reference", "cuboid", "--view")
     assert code == cli.DONE, err
     assert (tmp_path / "out" / "cuboid.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("arguments", [("clumod-4", "--set", "clumod.blade.lower-1.z_mm=920"), ("fmd+fmd",)])
+def test_bodies_that_run_through_one_another_fail_the_check(run: Run, arguments: tuple[str, ...]) -> None:
+    code, out, err = run("reference", *arguments, "--chord", "100 um")
+    assert code == cli.FAILED_CHECK
+    assert "bodies overlap: " in err
+    assert "Mass m [kg]" in out
+
+
+@pytest.mark.parametrize("count", ["-3", "10000"])
+def test_a_count_of_holes_that_nobody_drills_is_refused(run: Run, count: str) -> None:
+    code, _, err = run("reference", "disc", "--set", f"disc.fmd_bolts.count={count}")
+    assert code == cli.BAD_INPUT
+    assert f"`count` of holes must lie between 0 and 200, found {count}" in err
+
+
+def test_a_picture_stays_in_its_folder_whatever_its_article_is_called() -> None:
+    assert file_name("../../../tmp/x/evil") == "tmp-x-evil"
+    assert file_name("..") == "article"
+    assert file_name("fmd+disc+cuboid") == "fmd+disc+cuboid"

@@ -73,7 +73,7 @@ def command(
     _write(_json(tables, warnings) if as_json else _text(tables, form, to_file=out is not None), out)
     if view:
         _pictures(names, asked, quiet=as_json)
-    apart = [f"{table.article}: the routes disagree, {table.agreement}" for table in tables if not table.agree]
+    apart = [f"{table.article}: {table.agreement}" for table in tables if not table.agree]
     if apart:
         raise CheckFailed("; ".join(apart))
 
