@@ -66,9 +66,14 @@ class _Routes:
         return {route: route_statement(route, inertia, self.errors.get(route)) for route, inertia in self.inertias.items()}
 
 
+def is_stack(name: str) -> bool:
+    """Whether `name` is made of built-in parts only."""
+    return set(name.split("+")) <= set(NAMES)
+
+
 def is_file(name: str) -> bool:
     """Whether `name` is a user's own file or folder; the name of a built-in stack always means that."""
-    if set(name.split("+")) <= set(NAMES):
+    if not name.strip() or is_stack(name):
         return False
     return Path(name).exists() or name.lower().endswith((".step", ".stp", ".stl", ".ply", ".obj", ".toml")) or "/" in name
 
@@ -81,7 +86,7 @@ def require_use(names: Sequence[str], asked: Asked) -> None:
     BadInput : unit or material are given, and every article is built in; a change, and no article has that part.
     """
     given = [option for option, value in (("--unit", asked.unit), ("--material", asked.material)) if value is not None]
-    if given and not any(map(is_file, names)):
+    if given and all(map(is_stack, names)):
         raise BadInput(source=given[0], problem="a built-in article states its own", remedy="Leave it out, or name a file")
     if asked.changes:
         changed.require_used([name for name in names if not is_file(name)], asked.changes)
@@ -102,7 +107,7 @@ def reference_table(name: str, asked: Asked) -> ReferenceTable:
         columns={**routes.statements(), **print_.statements},
         note=routes.note,
         agree=routes.agree,
-        agreement=f"{routes.text}; chord error of the mesh {routes.chord * 1e6:.3g} µm" if routes.chord else routes.text,
+        agreement=f"{routes.text}; chord error of the mesh {_length(routes.chord)}" if routes.chord else routes.text,
         chord=routes.chord,
         changes=_own_changes(name, asked),
         footnotes=(*notes, *print_.footnotes, *(f"{warning}." for warning in routes.warnings)),
@@ -150,6 +155,10 @@ def reference(name: str, choice: str | None, asked: Asked, frame: Pose) -> tuple
             remedy=f"Choose one of {', '.join((*(c for c in (PUBLISHED, MEASURED) if c in printed), *_possible(name, routes)))}",
         )
     return chosen, seen_from(_as_well_as(routes.statements()[chosen], printed), frame)
+
+
+def _length(metres: float) -> str:
+    return f"{metres * 1e3:.3g} mm" if metres >= 1e-3 else f"{metres * 1e6:.3g} µm"
 
 
 def _possible(name: str, routes: _Routes) -> tuple[str, ...]:

@@ -317,3 +317,10 @@ def test_a_picture_stays_in_its_folder_whatever_its_article_is_called() -> None:
     assert file_name("../../../tmp/x/evil") == "tmp-x-evil"
     assert file_name("..") == "article"
     assert file_name("fmd+disc+cuboid") == "fmd+disc+cuboid"
+
+
+@pytest.mark.parametrize("name", ["", "nofile", "clumod-5"])
+def test_what_is_neither_article_nor_file_is_said_to_be_neither(run: Run, name: str) -> None:
+    code, _, err = run("reference", name, "--unit", "mm")
+    assert code == cli.BAD_INPUT
+    assert f"no built-in article is called {name!r}" in err
