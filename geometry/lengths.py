@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from geometry.errors import BadInput
+from geometry.keys import nearest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,10 +84,9 @@ def length_unit(text: str, source: str, field: str = "unit") -> LengthUnit:
     unit = _BY_WORD.get(text.strip().lower())
     if unit is not None:
         return unit
-    near = difflib.get_close_matches(text.strip().lower(), _BY_WORD, n=1)
     raise BadInput(
         source=source,
         field=field,
         problem=f"no unit of length is called {text!r}",
-        remedy=(f"Did you mean {near[0]}? " if near else "") + f"Give one of {', '.join(UNITS)}",
+        remedy=f"{nearest(text.strip().lower(), _BY_WORD)}Give one of {', '.join(UNITS)}",
     )

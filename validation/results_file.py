@@ -11,11 +11,11 @@ value = "47.400 +/- 0.024 kg"
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from geometry.errors import BadInput
+from geometry.keys import nearest
 from geometry.quantities import tagged
 from validation.measurement_file import HEAD, Fields, read, shipped
 from validation.reduction import QUANTITIES, Reduction
@@ -76,9 +76,7 @@ def reference(name: str) -> dict[str, UFloat]:
         return dict(reduce(read(f"{name}-reference", ("results",))).results)
     if name.endswith(".toml") or name in shipped(("results",)):
         return dict(reduce(read(name, ("results",))).results)
-    near = difflib.get_close_matches(name, articles, n=1)
-    hint = f"Did you mean {near[0]}? " if near else ""
-    remedy = f"{hint}Known are {', '.join(articles)}, or a file of kind results"
+    remedy = f"{nearest(name, articles)}Known are {', '.join(articles)}, or a file of kind results"
     raise BadInput(source="--against", problem=f"nothing is published here about {name!r}", remedy=remedy)
 
 

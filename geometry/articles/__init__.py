@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from types import MappingProxyType
@@ -12,6 +11,7 @@ from geometry.articles import clumod, cuboid, disc, fmd
 from geometry.articles.changes import files
 from geometry.articles.dimensions import Dimensions, load
 from geometry.errors import BadInput
+from geometry.keys import nearest
 
 _BUILDERS: dict[str, tuple[str, Callable[[Dimensions], Article]]] = {
     "cuboid": ("cuboid", cuboid.build),
@@ -94,11 +94,10 @@ def _built(part: str, changes: Mapping[str, float]) -> Article:
 def _require_known(parts: list[str], whole: str) -> None:
     for part in parts:
         if part not in _BUILDERS:
-            near = difflib.get_close_matches(part, NAMES, n=1)
             raise BadInput(
                 source=f"article {whole}",
                 problem=f"no built-in article is called {part!r}",
-                remedy=(f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(NAMES)}, joined by +, and files",
+                remedy=f"{nearest(part, NAMES)}Known are {', '.join(NAMES)}, joined by +, and files",
             )
 
 
