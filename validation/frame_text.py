@@ -9,14 +9,12 @@ user's axes in the article's frame.
 from __future__ import annotations
 
 import re
-import tomllib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry import keys
+from geometry import keys, toml_file
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import Pose, proper_rotation, rotation_about
@@ -33,15 +31,12 @@ def read_frame(option: str, source: str = "--frame") -> Pose:
 
     Raises
     ------
-    BadInput : neither; a unit missing or of another dimension; a matrix that is no rotation.
+    BadInput : neither; no such file or no TOML in it; a unit missing or of another dimension; a matrix that is no rotation.
     OSError : the file cannot be read.
     """
     if not option.strip().endswith(".toml"):
         return pose_of(option, source)
-    try:
-        table = tomllib.loads(Path(option).read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadInput(source=option, problem=f"is not TOML: {error}", remedy="Write a [frame] table") from None
+    table = toml_file.read(option, remedy='Name a TOML file with a [frame] table, or write the frame: "0 0 45 mm; z 90 deg"')
     keys.require_present(table, ["frame"], source=option)
     return pose_of(table["frame"], option)
 

@@ -13,13 +13,11 @@ The same may be written in JSON. Missing values are allowed and come out as not 
 from __future__ import annotations
 
 import difflib
-import json
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from geometry import keys
+from geometry import keys, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from validation import published, stated_inertia
@@ -61,24 +59,10 @@ def read(name: str, *, article: str, frame: Pose | None = None) -> Result:
 
 
 def _table(name: str) -> dict[str, Any]:
-    path = Path(name)
-    if name in published.RESULTS and not path.exists():
+    if name in published.RESULTS and not Path(name).exists():
         return published.result_table(name)
-    try:
-        text = path.read_text(encoding="utf-8")
-        table = json.loads(text, parse_constant=_refused_constant) if path.suffix == ".json" else tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise BadInput(source=name, problem=f"is not UTF-8 text: {error}", remedy="Save it as UTF-8") from None
-    except (tomllib.TOMLDecodeError, ValueError) as error:
-        form = "JSON" if path.suffix == ".json" else "TOML"
-        raise BadInput(source=name, problem=f"is not {form}: {error}", remedy="Correct it; .json is read as JSON") from None
-    if not isinstance(table, dict):
-        raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
-    return table
-
-
-def _refused_constant(word: str) -> None:
-    raise ValueError(f"a value must be finite, found {word}")
+    remedy = f"{keys.nearest(name, published.RESULTS)}Give a result file, or one that ships: {', '.join(published.RESULTS)}"
+    return toml_file.read(name, remedy=remedy)
 
 
 def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
@@ -98,8 +82,7 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
 
 
 def _own_format(table: dict[str, Any], name: str, shown: Pose) -> Statement:
-    if table["format"] != 1:
-        raise BadInput(source=name, field="format", problem=f"must be 1, found {table['format']!r}", remedy="Write format = 1")
+    toml_file.require_format(table, name)
     keys.require_known(table, ("format", "article", "frame", *stated_inertia.TABLES), source=name)
     own = shown.inverse @ pose_of(table["frame"], name) if "frame" in table else Pose()
     return stated_inertia.read(table, name, own)

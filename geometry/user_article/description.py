@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry import keys
+from geometry import keys, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.lengths import length_unit
@@ -18,7 +17,6 @@ from geometry.materials import Material
 from geometry.user_article.made_of import density, made_of
 
 DESCRIPTION = "article.toml"
-FORMAT = 1
 _TOP = ("format", "article", "part", "material")
 _PART = ("name", "file", "unit", "material", "density", "body", "materials", "position_mm", "rotation_deg")
 
@@ -65,13 +63,9 @@ def read(path: Path) -> Description:
     BadInput : not TOML, an unknown key (the nearest known one is named), a wrong type, a missing file or material ...
     """
     source = str(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BadInput(source=source, problem=f"it is not TOML ({error})", remedy="Correct the place that it names") from None
+    table = toml_file.read(path)
     keys.require_known(table, _TOP, source=source)
-    if table.get("format") != FORMAT or isinstance(table["format"], bool):
-        raise BadInput(source=source, field="format", problem=f"must be {FORMAT}, found {table.get('format')!r}", remedy="Set it")
+    toml_file.require_format(table, source)
     article = keys.require_table(table.get("article", {}), source=source, where="article")
     keys.require_known(article, ("name",), source=source, where="article")
     materials = keys.require_table(table.get("material", {}), source=source, where="material")
@@ -86,7 +80,7 @@ def read(path: Path) -> Description:
 
 def template(name: str, parts: Iterable[Path]) -> str:
     """An ``article.toml`` for the files `parts`, to be corrected by the user."""
-    lines = [f"format = {FORMAT}", "", "[article]", f'name = "{name}"']
+    lines = [f"format = {toml_file.FORMAT}", "", "[article]", f'name = "{name}"']
     for part in parts:
         step = part.suffix.lower() in (".step", ".stp")
         lines += ["", "[[part]]", f'name = "{part.stem}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
