@@ -103,7 +103,7 @@ def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:
         article=article.text("name"),
         results=results,
         terms=terms,
-        notes=(*(note for swing in swings for note in swing.notes), *_impossible(results), HONEST),
+        notes=(*(note for swing in swings for note in swing.notes), HONEST),
     )
 
 
@@ -284,13 +284,3 @@ def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: periods.
             )
         sizes[key] = stated if switches.switch(name, True) and name not in off else None
     return Terms(**sizes)
-
-
-def _impossible(results: Mapping[str, UFloat]) -> tuple[str, ...]:
-    if not {"Ixx", "Iyy", "Izz"} <= results.keys():
-        return ()
-    moments = [results[key] for key in ("Ixx", "Iyy", "Izz")]
-    excess = 2 * max(moments, key=lambda m: m.nominal_value) - sum(moments)
-    if excess.nominal_value <= excess.std_dev:
-        return ()
-    return (f"No body has these moments: the largest exceeds the sum of the others by {excess.nominal_value:.3g} kg m².",)
