@@ -3,7 +3,7 @@
 Before the semicolon stands where the origin is, seen from the article's frame, with its unit; after it, optionally, the turns
 that carry the article's axes into the user's, each about an axis of the frame as turned so far, in the order written. A file may
 say the same as a table with ``origin = "0 0 45 mm"`` and ``rotation``, either such turns or a 3x3 matrix whose columns are the
-user's axes in the article's frame.
+user's axes in the article's frame, written as three rows of three or as nine numbers row by row.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import re
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from geometry import keys, toml_file
 from geometry.arrays import Array
@@ -79,19 +78,27 @@ def position(text: object, source: str, field: str) -> Array:
 def _rotation(value: Any, source: str, field: str) -> Array:
     if isinstance(value, str):
         return _turned(value, source, field)
+    numbers = _nine(value)
+    if numbers is None:
+        raise _no_rotation(f"found {value!r}", source, field)
     try:
-        return proper_rotation(_matrix(value), field)
-    except (ValueError, TypeError) as error:
-        raise BadInput(
-            source=source,
-            field=field,
-            problem=f"is no rotation: {error}",
-            remedy='Give nine numbers with ten digits each, or turns such as "z 30 deg"',
-        ) from None
+        return proper_rotation(np.array(numbers).reshape(3, 3), field)
+    except ValueError as error:
+        raise _no_rotation(str(error), source, field) from None
 
 
-def _matrix(value: Any) -> npt.NDArray[np.float64]:
-    return np.array([[float(entry) for entry in line] for line in value])
+def _no_rotation(why: str, source: str, field: str) -> BadInput:
+    remedy = 'Give nine numbers with ten digits each, row by row, or turns such as "z 30 deg"'
+    return BadInput(source=source, field=field, problem=f"is no rotation: {why}", remedy=remedy)
+
+
+def _nine(value: Any) -> list[float] | None:
+    """The numbers of three rows of three, or of one list of nine, row by row; None when it is neither."""
+    entries = value if isinstance(value, list) else []
+    if len(entries) == 3 and all(isinstance(row, list) and len(row) == 3 for row in entries):
+        entries = [entry for row in entries for entry in row]
+    numbers = all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries)
+    return [float(entry) for entry in entries] if numbers and len(entries) == 9 else None
 
 
 def _turned(text: str, source: str, field: str) -> Array:

@@ -16,6 +16,7 @@ from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from validation import stated_inertia
 from validation.cross_check import cross_check, summary
+from validation.frame_text import pose_of
 from validation.output import inertia_json
 from validation.reference_table import route_statement
 from validation.result_file import read
@@ -186,6 +187,13 @@ def test_a_result_about_something_else_is_said(tmp_path: Path) -> None:
         ("format = 1\n[frame]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n[inertia]", "reflection"),
         ("format = 1\n[frame]\nrotation = [[1, 0, 0], [0, 0.7071, 0.7071], [0, -0.7071, 0.7071]]\n[inertia]", "orthonormal"),
         ("format = 1\n[frame]\nrotation = [[1, 0], [0, 1]]\n[inertia]", "is no rotation"),
+        (
+            "format = 1\n[frame]\nrotation = [1, 0, 0, 0, 1, 0, 0, 0]\n[inertia]",
+            "is no rotation: found [1, 0, 0, 0, 1, 0, 0, 0]. Give",
+        ),
+        ("format = 1\n[frame]\nrotation = 5\n[inertia]", "is no rotation: found 5. Give"),
+        ("format = 1\n[frame]\nrotation = [1, 2, true]\n[inertia]", "is no rotation: found [1, 2, True]. Give"),
+        ("format = 1\n[frame]\nrotation = [inf, 0, 0, 0, 1, 0, 0, 0, 1]\n[inertia]", "is no rotation"),
         ('format = 1\n[frame]\norigin = "0 0 1"\n[inertia]', "a unit of length"),
         ('format = 1\nframe = "0 0 1 mm; q 3 deg"\n[inertia]', "a turn must be"),
         ("format = 1\n[inertia", "is not TOML"),
@@ -252,3 +260,8 @@ def test_the_format_of_the_documentation_reads(root: Path) -> None:
     table = tomllib.loads(block)
     assert table["format"] == 1
     assert stated_inertia.read(table, "docs", IDENTITY).complete
+
+
+@pytest.mark.parametrize("rotation", [[0, -1, 0, 1, 0, 0, 0, 0, 1], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "z 90 deg"])
+def test_a_rotation_is_the_same_as_a_list_as_rows_and_as_a_turn(rotation: object) -> None:
+    assert_allclose(pose_of({"rotation": rotation}, "test").rotation, rotation_about("z", np.pi / 2), rtol=0, atol=1e-15)
