@@ -138,11 +138,19 @@ def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -
     period, recorded, notes = _period(entry)
     pendulum = _SUSPENSIONS[suspension](entry, file, article, period)
     swing = _Swing(axis=_axis(entry), pendulum=pendulum, terms=_terms(entry, file, off, recorded), notes=notes)
-    if swing.moment.nominal_value <= 0:
-        problem = f"the swing contradicts itself: its moment of inertia comes out as {swing.moment.nominal_value:.4g} kg m²"
+    moment = _moment(swing, entry).nominal_value
+    if moment <= 0:
+        problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
         why = "No body swings faster than a point mass there; check period, lengths and mass"
         raise BadInput(source=entry.source, field=entry.place, problem=problem, remedy=why)
     return swing
+
+
+def _moment(swing: _Swing, entry: Fields) -> UFloat:
+    try:
+        return swing.moment
+    except BadInput as error:  # the equations know the quantity that is at fault, but not the file
+        raise entry.refused(error.field, error.problem, error.remedy) from None
 
 
 def _axis(entry: Fields) -> tuple[float, ...]:

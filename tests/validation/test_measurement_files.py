@@ -1,6 +1,7 @@
 """Measurement files and the commands that reduce them: what ships, every way to give a swing, every refusal."""
 
 import json
+import re
 from copy import deepcopy
 from importlib import import_module
 from pathlib import Path
@@ -358,3 +359,13 @@ def test_printed_moments_that_no_body_has_fail_the_run_too(tmp_path: Path) -> No
     moments = "\n".join(f'[{key}]\nvalue = "{value} kg m^2"' for key, value in {"Ixx": 1, "Iyy": 1, "Izz": 3}.items())
     path.write_text(f'format = 1\nkind = "results"\n{moments}\n', encoding="utf-8")
     assert isinstance(run("pendulum", str(path)).exception, CheckFailed)
+
+
+def test_an_amplitude_that_no_ropes_allow_is_refused_by_file_and_field(tmp_path: Path) -> None:
+    path = Path(impossible_body(tmp_path))
+    text = path.read_text(encoding="utf-8").split("[[swing]]")
+    text[2] = '\namplitude = "4 rad"' + re.sub(r"(?m)^amplitude.*$", "", text[2])
+    path.write_text("[[swing]]".join(text), encoding="utf-8")
+    error = run("pendulum", str(path)).exception
+    assert isinstance(error, BadInput)
+    assert (error.source, error.field) == (str(path), "swing[2].amplitude")
