@@ -3,7 +3,7 @@
 `validation.stated_inertia` documents the tables that hold the values. Around them stand
 
 - ``format = 1``;
-- `article`, optional, a reminder of what was identified;
+- `article`, optional: what was identified; a result about another article than the one at hand is refused;
 - `frame`, optional: where the file's own frame sits in the article's (see `validation.frame_text`); left out, the file is taken
   to be in the frame in which it is to be shown, by default the article's.
 
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry import keys, toml_file
+from geometry.articles import NAMES
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from validation import published, stated_inertia
@@ -49,13 +50,31 @@ def read(name: str, *, article: str, frame: Pose | None = None) -> Result:
 
     Raises
     ------
-    BadInput : not TOML or JSON, none of the three forms, unknown keys, missing units, a frame that is not known.
+    BadInput : not TOML or JSON, about another article, none of the forms, unknown keys, missing units, a frame that is not known.
     OSError : the file cannot be read.
     """
     table = _table(name)
-    about = table.get("article")
-    odd = f"{name}: says that it is about {about}, held against {article}"
-    return Result(statement=_statement(table, name, article, frame), warnings=(odd,) if about not in (None, article) else ())
+    warnings = _about_another(table.get("article", article), name, article)
+    return Result(statement=_statement(table, name, article, frame), warnings=warnings)
+
+
+def _about_another(about: object, name: str, article: str) -> tuple[str, ...]:
+    """Refuse a result about another article; between a user's own names, which may mean the same, it is only said."""
+    path = Path(article)
+    if isinstance(about, str) and _plain(about) in map(_plain, (article, path.name, path.stem)):
+        return ()
+    problem = f"it says that it is about {about if isinstance(about, str) else repr(about)}, held against {article}"
+    if isinstance(about, str) and not _is_built_in(about) and not _is_built_in(article):
+        return (f"{name}: {problem}",)
+    raise BadInput(source=name, field="article", problem=problem, remedy="Name the same article, or correct the file")
+
+
+def _plain(article: str) -> str:
+    return "".join(article.split()).lower()
+
+
+def _is_built_in(article: str) -> bool:
+    return set(article.split("+")) <= set(NAMES)
 
 
 def _table(name: str) -> dict[str, Any]:

@@ -106,7 +106,7 @@ def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run
         (("reference", "cuboid", "disc", "--identified", "x.toml"), "one article, found 2"),
         (("reference", "cuboid", "--identified", "x.toml"), "x.toml"),
         (("validate", "x.toml", "--against", "cuboid"), "x.toml"),
-        (("validate", "clumod-1-table2", "--against", "cuboid", "--reference", "published"), "Choose one of occ"),
+        (("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "measured"), "Choose one of published, occ"),
     ],
 )
 def test_bad_input_ends_with_2_and_a_remedy(run: Run, arguments: tuple[str, ...], words: str) -> None:
