@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 
 from geometry.inertia import Inertia
 from validation import cli
+from validation.commands.options import reading
 from validation.output import inertia_json
 from validation.statement import inertia_of
 
@@ -100,7 +101,11 @@ def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run
         (("reference", "cubiod"), "Did you mean cuboid"),
         (("reference", "nothing.stl"), "no such file"),
         (("reference", "cuboid", "--chord", "2"), "needs its unit"),
+        (("reference", "cuboid", "--chord", "2"), "--chord: a length needs its unit, found '2'. Write for example \"2 um\""),
         (("reference", "cuboid", "--chord", "-1 um"), "must be positive"),
+        (("reference", "cuboid", "--chord", "1e-9 mm"), "must be from 0.1 um to 0.1 m, found 1e-9 mm"),
+        (("reference", "cuboid", "--chord", "0.099 um"), "must be from 0.1 um to 0.1 m"),
+        (("reference", "cuboid", "--chord", "101 mm"), "must be from 0.1 um to 0.1 m, found 101 mm"),
         (("reference", "cuboid", "--frame", "1 2 mm"), "three numbers"),
         (("reference", "cuboid", "--unit", "mm"), "a built-in article states its own"),
         (("reference", "cuboid", "disc", "--identified", "x.toml"), "one article, found 2"),
@@ -295,3 +300,8 @@ def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None
     code, _, err = run("reference", "cuboid", "--view")
     assert code == cli.DONE, err
     assert (tmp_path / "out" / "cuboid.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(("text", "size"), [("0.1 um", 1e-7), ("100 mm", 0.1), ("2 um", 2e-6)])
+def test_a_chord_error_between_the_bounds_is_taken_as_it_is(text: str, size: float) -> None:
+    assert reading(text, None, None, ()).chord == pytest.approx(size, rel=1e-12)
