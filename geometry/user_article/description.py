@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -80,12 +80,22 @@ def read(path: Path) -> Description:
 
 def template(name: str, parts: Iterable[Path]) -> str:
     """An ``article.toml`` for the files `parts`, to be corrected by the user."""
+    parts = tuple(parts)
     lines = [f"format = {toml_file.FORMAT}", "", "[article]", f'name = "{name}"']
-    for part in parts:
+    for part, name_of_part in zip(parts, _numbered([part.stem for part in parts]), strict=True):
         step = part.suffix.lower() in (".step", ".stp")
-        lines += ["", "[[part]]", f'name = "{part.stem}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
+        lines += ["", "[[part]]", f'name = "{name_of_part}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
         lines.append('material = "steel"')
     return "\n".join(lines) + "\n"
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """`names`, each once: x, x and x become x, x-2 and x-3, or the next number where such a name is there already."""
+    taken: list[str] = []
+    for name in names:
+        tries = (name, *(f"{name}-{number}" for number in range(2, len(names) + 2)))
+        taken.append(next(each for each in tries if each not in taken and (each == name or each not in names)))
+    return taken
 
 
 def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> PartEntry:
