@@ -10,7 +10,7 @@ import click
 from geometry.errors import BadInput
 from geometry.routes import DEFAULT_CHORD
 from validation import changed
-from validation.article_reference import Asked
+from validation.article_reference import Asked, is_file
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -67,6 +67,20 @@ def reading(chord: str | None, unit: str | None, material: str | None, settings:
     BadInput : the chord error is no length within `CHORDS`, or a setting is not of the form KEY=VALUE with a number.
     """
     return Asked(chord=None if chord is None else _chord(chord), unit=unit, material=material, changes=changed.read(settings))
+
+
+def require_articles(names: Sequence[str]) -> None:
+    """Refuse a name that is neither a file or folder nor a built-in article, before anything is said about its options.
+
+    Raises
+    ------
+    BadInput : such a name, with the nearest.
+    """
+    from geometry.articles import dimension_files
+
+    for name in names:
+        if not is_file(name):
+            dimension_files(name)
 
 
 def _chord(text: str) -> float:
