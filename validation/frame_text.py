@@ -3,20 +3,17 @@
 Before the semicolon stands where the origin is, seen from the article's frame, with its unit; after it, optionally, the turns
 that carry the article's axes into the user's, each about an axis of the frame as turned so far, in the order written. A file may
 say the same as a table with ``origin = "0 0 45 mm"`` and ``rotation``, either such turns or a 3x3 matrix whose columns are the
-user's axes in the article's frame.
+user's axes in the article's frame, written as three rows of three or as nine numbers row by row.
 """
 
 from __future__ import annotations
 
 import re
-import tomllib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from geometry import keys
+from geometry import keys, toml_file
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import Pose, proper_rotation, rotation_about
@@ -33,15 +30,12 @@ def read_frame(option: str, source: str = "--frame") -> Pose:
 
     Raises
     ------
-    BadInput : neither; a unit missing or of another dimension; a matrix that is no rotation.
+    BadInput : neither; no such file or no TOML in it; a unit missing or of another dimension; a matrix that is no rotation.
     OSError : the file cannot be read.
     """
     if not option.strip().endswith(".toml"):
         return pose_of(option, source)
-    try:
-        table = tomllib.loads(Path(option).read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadInput(source=option, problem=f"is not TOML: {error}", remedy="Write a [frame] table") from None
+    table = toml_file.read(option, remedy='Name a TOML file with a [frame] table, or write the frame: "0 0 45 mm; z 90 deg"')
     keys.require_present(table, ["frame"], source=option)
     return pose_of(table["frame"], option)
 
@@ -84,19 +78,27 @@ def position(text: object, source: str, field: str) -> Array:
 def _rotation(value: Any, source: str, field: str) -> Array:
     if isinstance(value, str):
         return _turned(value, source, field)
+    numbers = _nine(value)
+    if numbers is None:
+        raise _no_rotation(f"found {value!r}", source, field)
     try:
-        return proper_rotation(_matrix(value), field)
-    except (ValueError, TypeError) as error:
-        raise BadInput(
-            source=source,
-            field=field,
-            problem=f"is no rotation: {error}",
-            remedy='Give nine numbers with ten digits each, or turns such as "z 30 deg"',
-        ) from None
+        return proper_rotation(np.array(numbers).reshape(3, 3), field)
+    except ValueError as error:
+        raise _no_rotation(str(error), source, field) from None
 
 
-def _matrix(value: Any) -> npt.NDArray[np.float64]:
-    return np.array([[float(entry) for entry in line] for line in value])
+def _no_rotation(why: str, source: str, field: str) -> BadInput:
+    remedy = 'Give nine numbers with ten digits each, row by row, or turns such as "z 30 deg"'
+    return BadInput(source=source, field=field, problem=f"is no rotation: {why}", remedy=remedy)
+
+
+def _nine(value: Any) -> list[float] | None:
+    """The numbers of three rows of three, or of one list of nine, row by row; None when it is neither."""
+    entries = value if isinstance(value, list) else []
+    if len(entries) == 3 and all(isinstance(row, list) and len(row) == 3 for row in entries):
+        entries = [entry for row in entries for entry in row]
+    numbers = all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries)
+    return [float(entry) for entry in entries] if numbers and len(entries) == 9 else None
 
 
 def _turned(text: str, source: str, field: str) -> Array:

@@ -20,13 +20,13 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geometry import keys, toml_file
 from geometry.errors import BadInput
 from geometry.quantities import exact, quantity
 
 if TYPE_CHECKING:
     from uncertainties import UFloat
 
-FORMAT = 1
 KINDS = ("weighing", "crane-cog", "pendulum", "results")
 HEAD = ("format", "kind", "title", "origin", "article")
 
@@ -149,18 +149,10 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
 
     Raises
     ------
-    BadInput : no such file, not TOML, another format number or another kind.
+    BadInput : no such file, a folder, not TOML, another format number or another kind.
     """
-    text = _text(name, kinds)
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise BadInput(source=name, problem=f"not a TOML file: {error}", remedy="See docs/classical-measurements.md") from None
-    fields = Fields(source=name, place="", table=table)
-    if table.get("format") != FORMAT or isinstance(table["format"], bool):
-        raise fields.refused(
-            "format", f"format {FORMAT} is understood, found {table.get('format')!r}", f"Write format = {FORMAT}"
-        )
+    fields = Fields(source=name, place="", table=_table(name, kinds))
+    toml_file.require_format(fields.table, name)
     kind = fields.choice("kind", KINDS)
     if kind not in kinds:
         commands = {"weighing": "massline weigh", "crane-cog": "massline cog", "pendulum": "massline pendulum"}
@@ -182,17 +174,9 @@ def _shipped_kinds() -> dict[str, str]:
     return {name: table["kind"] for name, table in tables.items() if "kind" in table}
 
 
-def _text(name: str, kinds: tuple[str, ...]) -> str:
-    path = Path(name)
-    if path.is_file():
-        try:
-            return path.read_text(encoding="utf-8")
-        except UnicodeDecodeError:
-            raise BadInput(source=name, problem="not a text file in UTF-8", remedy="Save it as UTF-8") from None
+def _table(name: str, kinds: tuple[str, ...]) -> dict[str, Any]:
     bare = name.removesuffix(".toml")
-    if bare in shipped():
-        return files("validation").joinpath("published", f"{bare}.toml").read_text(encoding="utf-8")
+    if bare in shipped() and not Path(name).is_file():
+        return tomllib.loads(files("validation").joinpath("published", f"{bare}.toml").read_text(encoding="utf-8"))
     known = shipped(kinds)
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f"Did you mean {near[0]}? " if near else ""
-    raise BadInput(source=name, problem="no such file", remedy=f"{hint}Shipped with massline are {', '.join(known)}")
+    return toml_file.read(name, remedy=f"{keys.nearest(name, known)}Shipped with massline are {', '.join(known)}")

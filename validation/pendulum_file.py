@@ -103,7 +103,7 @@ def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:
         article=article.text("name"),
         results=results,
         terms=terms,
-        notes=(*(note for swing in swings for note in swing.notes), *_impossible(results), HONEST),
+        notes=(*(note for swing in swings for note in swing.notes), HONEST),
     )
 
 
@@ -138,11 +138,19 @@ def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -
     period, recorded, notes = _period(entry)
     pendulum = _SUSPENSIONS[suspension](entry, file, article, period)
     swing = _Swing(axis=_axis(entry), pendulum=pendulum, terms=_terms(entry, file, off, recorded), notes=notes)
-    if swing.moment.nominal_value <= 0:
-        problem = f"the swing contradicts itself: its moment of inertia comes out as {swing.moment.nominal_value:.4g} kg m²"
+    moment = _moment(swing, entry).nominal_value
+    if moment <= 0:
+        problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
         why = "No body swings faster than a point mass there; check period, lengths and mass"
         raise BadInput(source=entry.source, field=entry.place, problem=problem, remedy=why)
     return swing
+
+
+def _moment(swing: _Swing, entry: Fields) -> UFloat:
+    try:
+        return swing.moment
+    except BadInput as error:  # the equations know the quantity that is at fault, but not the file
+        raise entry.refused(error.field, error.problem, error.remedy) from None
 
 
 def _axis(entry: Fields) -> tuple[float, ...]:
@@ -284,13 +292,3 @@ def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: periods.
             )
         sizes[key] = stated if switches.switch(name, True) and name not in off else None
     return Terms(**sizes)
-
-
-def _impossible(results: Mapping[str, UFloat]) -> tuple[str, ...]:
-    if not {"Ixx", "Iyy", "Izz"} <= results.keys():
-        return ()
-    moments = [results[key] for key in ("Ixx", "Iyy", "Izz")]
-    excess = 2 * max(moments, key=lambda m: m.nominal_value) - sum(moments)
-    if excess.nominal_value <= excess.std_dev:
-        return ()
-    return (f"No body has these moments: the largest exceeds the sum of the others by {excess.nominal_value:.3g} kg m².",)

@@ -78,11 +78,22 @@ class Reduction:
 
     @property
     def all_notes(self) -> tuple[str, ...]:
-        """The notes, and one for every input that matters and whose tolerance is too large for first order."""
+        """The notes, one for every input that matters and whose tolerance is too large for first order, and `impossible`."""
         items = [item for value in self.results.values() for item in itemised(value) if item.share > SMALL_SHARE]
         wide = dict.fromkeys(item.name for item in items if doubtful_at_first_order(item.value, item.tolerance))
         said = [f"The tolerance of {name} exceeds 10 % of it: first order is doubtful." for name in wide]
-        return (*self.notes, *said)
+        return (*self.notes, *said, *([self.impossible] if self.impossible else []))
+
+    @property
+    def impossible(self) -> str:
+        """Why no body has these moments of inertia, even within their tolerance, a sentence; empty when one may have them."""
+        if not {"Ixx", "Iyy", "Izz"} <= self.results.keys():
+            return ""
+        moments = [self.results[key] for key in ("Ixx", "Iyy", "Izz")]
+        excess = 2 * max(moments, key=lambda m: m.nominal_value) - sum(moments)
+        if excess.nominal_value <= excess.std_dev:
+            return ""
+        return f"No body has these moments: the largest exceeds the sum of the others by {excess.nominal_value:.3g} kg m²."
 
     def pages(self, reference: Mapping[str, UFloat] | None = None) -> Iterator[RenderableType]:
         """What a person reads: the rows, the budgets, the corrections, the notes."""

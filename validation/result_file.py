@@ -3,7 +3,7 @@
 `validation.stated_inertia` documents the tables that hold the values. Around them stand
 
 - ``format = 1``;
-- `article`, optional, a reminder of what was identified;
+- `article`, optional: what was identified; a result about another article than the one at hand is refused;
 - `frame`, optional: where the file's own frame sits in the article's (see `validation.frame_text`); left out, the file is taken
   to be in the frame in which it is to be shown, by default the article's.
 
@@ -13,13 +13,12 @@ The same may be written in JSON. Missing values are allowed and come out as not 
 from __future__ import annotations
 
 import difflib
-import json
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from geometry import keys
+from geometry import keys, toml_file
+from geometry.articles import NAMES
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from validation import published, stated_inertia
@@ -51,34 +50,38 @@ def read(name: str, *, article: str, frame: Pose | None = None) -> Result:
 
     Raises
     ------
-    BadInput : not TOML or JSON, none of the three forms, unknown keys, missing units, a frame that is not known.
+    BadInput : not TOML or JSON, about another article, none of the forms, unknown keys, missing units, a frame that is not known.
     OSError : the file cannot be read.
     """
     table = _table(name)
-    about = table.get("article")
-    odd = f"{name}: says that it is about {about}, held against {article}"
-    return Result(statement=_statement(table, name, article, frame), warnings=(odd,) if about not in (None, article) else ())
+    warnings = _about_another(table.get("article", article), name, article)
+    return Result(statement=_statement(table, name, article, frame), warnings=warnings)
+
+
+def _about_another(about: object, name: str, article: str) -> tuple[str, ...]:
+    """Refuse a result about another article; between a user's own names, which may mean the same, it is only said."""
+    path = Path(article)
+    if isinstance(about, str) and _plain(about) in map(_plain, (article, path.name, path.stem)):
+        return ()
+    problem = f"it says that it is about {about if isinstance(about, str) else repr(about)}, held against {article}"
+    if isinstance(about, str) and not _is_built_in(about) and not _is_built_in(article):
+        return (f"{name}: {problem}",)
+    raise BadInput(source=name, field="article", problem=problem, remedy="Name the same article, or correct the file")
+
+
+def _plain(article: str) -> str:
+    return "".join(article.split()).lower()
+
+
+def _is_built_in(article: str) -> bool:
+    return set(article.split("+")) <= set(NAMES)
 
 
 def _table(name: str) -> dict[str, Any]:
-    path = Path(name)
-    if name in published.RESULTS and not path.exists():
+    if name in published.RESULTS and not Path(name).exists():
         return published.result_table(name)
-    try:
-        text = path.read_text(encoding="utf-8")
-        table = json.loads(text, parse_constant=_refused_constant) if path.suffix == ".json" else tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise BadInput(source=name, problem=f"is not UTF-8 text: {error}", remedy="Save it as UTF-8") from None
-    except (tomllib.TOMLDecodeError, ValueError) as error:
-        form = "JSON" if path.suffix == ".json" else "TOML"
-        raise BadInput(source=name, problem=f"is not {form}: {error}", remedy="Correct it; .json is read as JSON") from None
-    if not isinstance(table, dict):
-        raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
-    return table
-
-
-def _refused_constant(word: str) -> None:
-    raise ValueError(f"a value must be finite, found {word}")
+    remedy = f"{keys.nearest(name, published.RESULTS)}Give a result file, or one that ships: {', '.join(published.RESULTS)}"
+    return toml_file.read(name, remedy=remedy)
 
 
 def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
@@ -98,8 +101,7 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
 
 
 def _own_format(table: dict[str, Any], name: str, shown: Pose) -> Statement:
-    if table["format"] != 1:
-        raise BadInput(source=name, field="format", problem=f"must be 1, found {table['format']!r}", remedy="Write format = 1")
+    toml_file.require_format(table, name)
     keys.require_known(table, ("format", "article", "frame", *stated_inertia.TABLES), source=name)
     own = shown.inverse @ pose_of(table["frame"], name) if "frame" in table else Pose()
     return stated_inertia.read(table, name, own)

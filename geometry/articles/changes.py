@@ -34,35 +34,38 @@ def files(changes: Mapping[str, float]) -> set[str]:
 
 
 def _put(table: dict[str, Any], steps: list[str], value: float, key: str) -> None:
-    *tables, entry = steps or [""]
+    found: Any = table
     inner: Any = table
-    for step in tables:
-        inner = _named(inner, step, key)
-    found = _named(inner, entry, key)
+    for step in steps:
+        inner, found = found, _named(found, step, key)
+    if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
+        names = ", ".join(f"{key}.{name}" for name, entry in _entries(found).items() if not isinstance(entry, str))
+        raise _refused(key, "this is a table of dimensions", f"Name one of {names}")
     if isinstance(found, bool) or not isinstance(found, (int, float)):
-        raise BadInput(
-            source="dimensions",
-            field=key,
-            problem=f"only a number can be changed, found {type(found).__name__} {found!r}",
-            remedy="Name a number",
-        )
-    inner[entry] = type(found)(value) if isinstance(found, float) or float(value).is_integer() else _whole(key, value)
+        raise _refused(key, f"only a number can be changed, found {found!r}", "Name a number")
+    inner[steps[-1]] = type(found)(value) if isinstance(found, float) or float(value).is_integer() else _whole(key, value)
 
 
 def _whole(key: str, value: float) -> int:
-    raise BadInput(source="dimensions", field=key, problem=f"this is a count, found {value:g}", remedy="Give a whole number")
+    raise _refused(key, f"this is a count, found {value:g}", "Give a whole number")
 
 
 def _named(table: Any, name: str, key: str) -> Any:
     """The entry `name` of a table, or of a list of tables that have names."""
-    entries = {entry["name"]: entry for entry in table} if isinstance(table, list) else table
-    if isinstance(entries, dict) and name in entries:
+    entries = _entries(table)
+    if name in entries:
         return entries[name]
-    known = list(entries) if isinstance(entries, dict) else []
-    near = difflib.get_close_matches(name, known, n=1)
-    raise BadInput(
-        source="dimensions",
-        field=key,
-        problem=f"there is no {name!r} here",
-        remedy=(f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(known) or 'no further entries'}",
-    )
+    near = difflib.get_close_matches(name, entries, n=1)
+    remedy = (f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(entries) or 'no further entries'}"
+    raise _refused(key, f"there is no {name!r} here", remedy)
+
+
+def _entries(table: Any) -> dict[str, Any]:
+    """By name what a table holds, or a list of tables that have names; nothing of anything else."""
+    if isinstance(table, list):
+        return {entry["name"]: entry for entry in table if isinstance(entry, dict)}
+    return table if isinstance(table, dict) else {}
+
+
+def _refused(key: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=f"--set, dimension file {key.split('.')[0]}.toml", field=key, problem=problem, remedy=remedy)

@@ -82,7 +82,7 @@ def _parsed(content: bytes, ending: str, source: str) -> TriangleMesh:
             found: Any = trimesh.load_mesh(io.BytesIO(content), file_type=ending[1:], process=False)
             vertices, faces = np.array(found.vertices, dtype=np.float64), np.array(found.faces)
     except Exception as error:  # trimesh's readers raise whatever their parsing stumbles over
-        raise _unreadable(ending, f"{type(error).__name__}: {error}", source) from error
+        raise _unreadable(ending, "its content does not follow the format", source) from error
     if faces.size == 0:
         raise _unreadable(ending, "no faces in it", source)
     if not np.isfinite(vertices).all():

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geometry import keys
+from geometry import keys, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.lengths import length_unit
@@ -18,7 +17,6 @@ from geometry.materials import Material
 from geometry.user_article.made_of import density, made_of
 
 DESCRIPTION = "article.toml"
-FORMAT = 1
 _TOP = ("format", "article", "part", "material")
 _PART = ("name", "file", "unit", "material", "density", "body", "materials", "position_mm", "rotation_deg")
 
@@ -65,13 +63,9 @@ def read(path: Path) -> Description:
     BadInput : not TOML, an unknown key (the nearest known one is named), a wrong type, a missing file or material ...
     """
     source = str(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BadInput(source=source, problem=f"it is not TOML ({error})", remedy="Correct the place that it names") from None
+    table = toml_file.read(path)
     keys.require_known(table, _TOP, source=source)
-    if table.get("format") != FORMAT or isinstance(table["format"], bool):
-        raise BadInput(source=source, field="format", problem=f"must be {FORMAT}, found {table.get('format')!r}", remedy="Set it")
+    toml_file.require_format(table, source)
     article = keys.require_table(table.get("article", {}), source=source, where="article")
     keys.require_known(article, ("name",), source=source, where="article")
     materials = keys.require_table(table.get("material", {}), source=source, where="material")
@@ -86,12 +80,22 @@ def read(path: Path) -> Description:
 
 def template(name: str, parts: Iterable[Path]) -> str:
     """An ``article.toml`` for the files `parts`, to be corrected by the user."""
-    lines = [f"format = {FORMAT}", "", "[article]", f'name = "{name}"']
-    for part in parts:
+    parts = tuple(parts)
+    lines = [f"format = {toml_file.FORMAT}", "", "[article]", f'name = "{name}"']
+    for part, name_of_part in zip(parts, _numbered([part.stem for part in parts]), strict=True):
         step = part.suffix.lower() in (".step", ".stp")
-        lines += ["", "[[part]]", f'name = "{part.stem}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
+        lines += ["", "[[part]]", f'name = "{name_of_part}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
         lines.append('material = "steel"')
     return "\n".join(lines) + "\n"
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """`names`, each once: x, x and x become x, x-2 and x-3, or the next number where such a name is there already."""
+    taken: list[str] = []
+    for name in names:
+        tries = (name, *(f"{name}-{number}" for number in range(2, len(names) + 2)))
+        taken.append(next(each for each in tries if each not in taken and (each == name or each not in names)))
+    return taken
 
 
 def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> PartEntry:

@@ -31,7 +31,10 @@ def test_a_change_acts_in_a_stack_and_nowhere_else() -> None:
     [
         ({"fmd.load_cel.height_mm": 1.0}, "Did you mean load_cell"),
         ({"fmd.load_cell.heigth_mm": 1.0}, "Did you mean height_mm"),
-        ({"fmd": 1.0}, "there is no ''"),
+        ({"fmd": 1.0}, r"a table of dimensions. Name one of fmd\.\w+"),
+        ({"fmd.": 1.0}, "there is no ''"),
+        ({"fmd.cover_plate": 1.0}, r"this is a table of dimensions. Name one of .*fmd\.cover_plate\.threads"),
+        ({"fmd.nothing": 1.0}, r"^--set, dimension file fmd\.toml: `fmd\.nothing`: there is no 'nothing' here"),
         ({"fmd.note": 1.0}, "only a number can be changed"),
         ({"fmd.note.more": 1.0}, "no further entries"),
         ({"fmd.cover_plate.threads.count": 7.5}, "a count, found 7.5"),
@@ -43,3 +46,17 @@ def test_a_change_acts_in_a_stack_and_nowhere_else() -> None:
 def test_what_cannot_be_is_refused(changes: dict[str, float], message: str) -> None:
     with pytest.raises(BadInput, match=message):
         built_in("fmd", changes)
+
+
+def test_a_list_of_blades_is_a_table_of_them() -> None:
+    with pytest.raises(BadInput, match=r"a table of dimensions. Name one of clumod\.blade\.lower-1,"):
+        built_in("clumod-1", {"clumod.blade": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [("cuboid.size_mm", r"found \[160\.0, 70\.0, 400\.0\]. Name a number"), ("cuboid.size_mm.x", "there is no 'x' here")],
+)
+def test_a_list_of_numbers_is_no_number(key: str, message: str) -> None:
+    with pytest.raises(BadInput, match=message):
+        built_in("cuboid", {key: 1.0})

@@ -297,7 +297,7 @@ def test_a_bad_field_is_named_with_what_was_found(
     ("text", "place", "problem"),
     [
         ("format = 2\n", "format", "must be 1, found 2"),
-        ("", "format", "must be 1, found None"),
+        ("", "format", "is missing"),
         ("format = true\n", "format", "must be 1, found True"),
         ("format = 1\n", "part", "there is no part"),
         ("format = 1\npart = 3\n", "part", "there is no part"),
@@ -480,3 +480,32 @@ def test_a_step_file_without_a_body_is_refused_without_noise(
     capfd.readouterr()  # what writing says is not what is looked at here
     assert problem in refused(tmp_path / "part.step", material="steel").problem
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("words.obj", b"v one two three\nf 1 2 3\n"),
+        ("junk.ply", b"ply\nformat nonsense\nelement vertex many\nend_header\n\x00\x01"),
+        ("junk.stl", bytes(range(200))),
+    ],
+)
+def test_what_no_reader_can_parse_is_refused_without_pythons_words(tmp_path: Path, name: str, content: bytes) -> None:
+    (tmp_path / name).write_bytes(content)
+    problem = refused(tmp_path / name, unit="mm", material="steel").problem
+    assert "no mesh can be read" in problem
+    assert "Error" not in problem
+
+
+def test_parts_of_the_same_name_are_numbered_in_the_suggested_description(tmp_path: Path) -> None:
+    for number, name in enumerate(("x.obj", "x.ply", "x.stl", "x-2.stl")):
+        write_box(tmp_path / name, centre=(1000.0 * number, 0, 0))
+    remedy = refused(tmp_path).remedy
+    described(tmp_path, remedy.partition("corrected:")[2].partition("Then try again")[0])
+    assert {part.name: Path(part.source).name for part in load(tmp_path).parts} == {
+        "x-2": "x-2.stl",
+        "x": "x.obj",
+        "x-3": "x.ply",
+        "x-4": "x.stl",
+    }

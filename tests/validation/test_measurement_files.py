@@ -1,6 +1,7 @@
 """Measurement files and the commands that reduce them: what ships, every way to give a swing, every refusal."""
 
 import json
+import re
 from copy import deepcopy
 from importlib import import_module
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 from numpy.testing import assert_allclose
 
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from validation import crane_cog, pendulum_file, results_file, weighing
 from validation.measurement_file import Fields, read, shipped
 from validation.reduction import Reduction
@@ -219,7 +220,7 @@ def test_moments_that_no_body_has_are_said(tmp_path: Path) -> None:
     swings = "".join(
         f'[[swing]]\nabout = "{a}"\nsuspension = "torsion-rod"\nperiod = "{t} s"\n' for a, t in zip("xyz", (2, 2, 4), strict=True)
     )
-    assert any("No body has these moments" in note for note in reduced(tmp_path, HEAD + rod + swings).notes)
+    assert any("No body has these moments" in note for note in reduced(tmp_path, HEAD + rod + swings).all_notes)
 
 
 def test_a_wide_tolerance_is_called_too_wide_for_first_order(tmp_path: Path) -> None:
@@ -261,13 +262,13 @@ period = "2.08 s"
         ('about = "z"', "about = [0, 0, 0]", "an axis is expected"),
         ('suspension = "ropes"', 'suspension = "rope"', "Did you mean ropes?"),
         ('gravity = "9.81 m/s^2"', "", "an acceleration is missing|a acceleration is missing"),
-        ("format = 1", "format = 2", "format 1 is understood, found 2"),
+        ("format = 1", "format = 2", "must be 1, found 2"),
         ('kind = "pendulum"', 'kind = "pendulm"', "Did you mean pendulum?"),
         ('kind = "pendulum"', 'kind = "weighing"', "Reduce it with `massline weigh`"),
         ("[[swing]]", "[corrections]\namplitude = true\n[[swing]]", "its size is missing"),
         ("[[swing]]", "[corrections]\nampltude = true\n[[swing]]", "Did you mean amplitude?"),
         ("[[swing]]", 'components = ["xx", "qq"]\n[[swing]]', "no such key|A list of some of"),
-        ("[[swing]]", "[[swing", "not a TOML file"),
+        ("[[swing]]", "[[swing", "it is not TOML"),
         (SWING, "", "one table or more"),
         (SWING, COMPOUND.replace("2.08", "1.2"), "contradicts itself"),
         (SWING, SWING.replace('"ropes"', '"torsion-rod"').replace('rope_length = "2 m"\nradius = "0.3 m"\n', ""), "torsion_rod"),
@@ -334,3 +335,37 @@ def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(nam
             except BadInput:
                 continue
             json.dumps(reduction.json(), allow_nan=False)
+
+
+def impossible_body(folder: Path) -> str:
+    """The shipped pendulum file, one swing of which took half its cycles in ten times the time."""
+    shipped_text = (Path(results_file.__file__).parent / "published" / "clumod-4-pendulum.toml").read_text(encoding="utf-8")
+    path = folder / "p.toml"
+    path.write_text(shipped_text.replace("cycles = 20", "cycles = 10", 1).replace("62.225", "620", 1), encoding="utf-8")
+    return str(path)
+
+
+def test_moments_that_no_body_has_fail_the_run_when_they_are_printed(tmp_path: Path) -> None:
+    paper, machine = run("pendulum", impossible_body(tmp_path)), run("pendulum", impossible_body(tmp_path), "--json")
+    assert isinstance(paper.exception, CheckFailed)
+    assert isinstance(machine.exception, CheckFailed)
+    assert "No body has these moments" in str(paper.exception)
+    assert "MoI xx" in paper.stdout
+    assert any("No body has these moments" in note for note in json.loads(machine.stdout)["notes"])
+
+
+def test_printed_moments_that_no_body_has_fail_the_run_too(tmp_path: Path) -> None:
+    path = tmp_path / "r.toml"
+    moments = "\n".join(f'[{key}]\nvalue = "{value} kg m^2"' for key, value in {"Ixx": 1, "Iyy": 1, "Izz": 3}.items())
+    path.write_text(f'format = 1\nkind = "results"\n{moments}\n', encoding="utf-8")
+    assert isinstance(run("pendulum", str(path)).exception, CheckFailed)
+
+
+def test_an_amplitude_that_no_ropes_allow_is_refused_by_file_and_field(tmp_path: Path) -> None:
+    path = Path(impossible_body(tmp_path))
+    text = path.read_text(encoding="utf-8").split("[[swing]]")
+    text[2] = '\namplitude = "4 rad"' + re.sub(r"(?m)^amplitude.*$", "", text[2])
+    path.write_text("[[swing]]".join(text), encoding="utf-8")
+    error = run("pendulum", str(path)).exception
+    assert isinstance(error, BadInput)
+    assert (error.source, error.field) == (str(path), "swing[2].amplitude")

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from geometry.inertia import Inertia
 from validation import cli
 from validation.article_reference import file_name
+from validation.commands.options import reading
 from validation.output import inertia_json
 from validation.statement import inertia_of
 
@@ -101,13 +102,19 @@ def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run
         (("reference", "cubiod"), "Did you mean cuboid"),
         (("reference", "nothing.stl"), "no such file"),
         (("reference", "cuboid", "--chord", "2"), "needs its unit"),
+        (("reference", "cuboid", "--chord", "2"), "--chord: a length needs its unit, found '2'. Write for example \"2 um\""),
         (("reference", "cuboid", "--chord", "-1 um"), "must be positive"),
+        (("reference", "cuboid", "--chord", "1e-9 mm"), "must be from 0.1 um to 0.1 m, found 1e-9 mm"),
+        (("reference", "cuboid", "--chord", "0.099 um"), "must be from 0.1 um to 0.1 m"),
+        (("reference", "cuboid", "--chord", "101 mm"), "must be from 0.1 um to 0.1 m, found 101 mm"),
         (("reference", "cuboid", "--frame", "1 2 mm"), "three numbers"),
+        (("reference", "nofile", "--unit", "mm"), "no built-in article is called 'nofile'"),
+        (("validate", "clumod-1-table2", "--against", "clumod-9", "--unit", "mm"), "no built-in article is called 'clumod-9'"),
         (("reference", "cuboid", "--unit", "mm"), "a built-in article states its own"),
         (("reference", "cuboid", "disc", "--identified", "x.toml"), "one article, found 2"),
         (("reference", "cuboid", "--identified", "x.toml"), "x.toml"),
         (("validate", "x.toml", "--against", "cuboid"), "x.toml"),
-        (("validate", "clumod-1-table2", "--against", "cuboid", "--reference", "published"), "Choose one of occ"),
+        (("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "measured"), "Choose one of published, occ"),
     ],
 )
 def test_bad_input_ends_with_2_and_a_remedy(run: Run, arguments: tuple[str, ...], words: str) -> None:
@@ -324,3 +331,19 @@ def test_what_is_neither_article_nor_file_is_said_to_be_neither(run: Run, name: 
     code, _, err = run("reference", name, "--unit", "mm")
     assert code == cli.BAD_INPUT
     assert f"no built-in article is called {name!r}" in err
+
+
+@pytest.mark.parametrize(("text", "size"), [("0.1 um", 1e-7), ("100 mm", 0.1), ("2 um", 2e-6)])
+def test_a_chord_error_between_the_bounds_is_taken_as_it_is(text: str, size: float) -> None:
+    assert reading(text, None, None, ()).chord == pytest.approx(size, rel=1e-12)
+
+
+def test_a_file_name_at_the_head_of_a_footnote_keeps_its_letters(run: Run, tmp_path: Path) -> None:
+    faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    (tmp_path / "my.obj").write_text(f"v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n{faces}", encoding="utf-8")
+    said = {**inertia_json(Inertia.from_cog(12.0, [0, 0, 0.2], np.eye(3))), "article": "rig"}
+    (tmp_path / "r.json").write_text(json.dumps(said), encoding="utf-8")
+    out = run("validate", "r.json", "--against", "my.obj", "--unit", "mm", "--material", "steel")[1]
+    assert "r.json: it says that it is about rig, held against my.obj" in out
+    assert "R.json" not in out
+    assert "A body can have these parameters" in out

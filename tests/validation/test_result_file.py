@@ -16,6 +16,7 @@ from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from validation import stated_inertia
 from validation.cross_check import cross_check, summary
+from validation.frame_text import pose_of
 from validation.output import inertia_json
 from validation.reference_table import route_statement
 from validation.result_file import read
@@ -140,18 +141,34 @@ def test_what_massline_prints_can_be_handed_back(tmp_path: Path, value: dict[str
 
 
 def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
-    name = written(tmp_path, identified(origin="F"))
+    value = identified(origin="F")
+    name = written(tmp_path, value)
     with pytest.raises(BadInput, match="clumod-1 does not say where F is"):
         read(name, article="clumod-1")
     frame = Pose(position=np.array([0, 0, -0.045]))
     assert read(name, article="clumod-1", frame=frame).statement.complete
-    assert read(name, article="fmd+clumod-1").statement.complete
+    whole = written(tmp_path, {**value, "article": "fmd+clumod-1"})
+    assert read(whole, article="fmd+clumod-1").statement.complete
 
 
-def test_a_result_about_something_else_is_said(tmp_path: Path) -> None:
-    warnings = read(written(tmp_path, identified(article="disc")), article="clumod-1").warnings
-    assert len(warnings) == 1
-    assert "about disc, held against clumod-1" in warnings[0]
+@pytest.mark.parametrize(
+    ("about", "against"), [("disc", "clumod-1"), ("nonsense", "cuboid"), ("cuboid", "my.step"), ("", "disc"), (5, "my.step")]
+)
+def test_a_result_about_another_article_is_refused(tmp_path: Path, about: object, against: str) -> None:
+    name = written(tmp_path, identified(article=about))
+    with pytest.raises(BadInput, match=f"about {about}, held against {against}") as caught:
+        read(name, article=against)
+    assert (caught.value.source, caught.value.field) == (name, "article")
+
+
+@pytest.mark.parametrize(("about", "against"), [("Disc", "disc"), ("fmd + disc", "fmd+disc"), ("rig", "some/Rig.step")])
+def test_a_result_about_the_same_article_in_other_letters_is_read(tmp_path: Path, about: str, against: str) -> None:
+    assert read(written(tmp_path, identified(article=about)), article=against).warnings == ()
+
+
+def test_a_result_about_another_name_of_the_users_own_is_said(tmp_path: Path) -> None:
+    (warning,) = read(written(tmp_path, identified(article="rig")), article="my.step").warnings
+    assert "about rig, held against my.step" in warning
 
 
 @pytest.mark.parametrize(
@@ -186,6 +203,13 @@ def test_a_result_about_something_else_is_said(tmp_path: Path) -> None:
         ("format = 1\n[frame]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n[inertia]", "reflection"),
         ("format = 1\n[frame]\nrotation = [[1, 0, 0], [0, 0.7071, 0.7071], [0, -0.7071, 0.7071]]\n[inertia]", "orthonormal"),
         ("format = 1\n[frame]\nrotation = [[1, 0], [0, 1]]\n[inertia]", "is no rotation"),
+        (
+            "format = 1\n[frame]\nrotation = [1, 0, 0, 0, 1, 0, 0, 0]\n[inertia]",
+            "is no rotation: found [1, 0, 0, 0, 1, 0, 0, 0]. Give",
+        ),
+        ("format = 1\n[frame]\nrotation = 5\n[inertia]", "is no rotation: found 5. Give"),
+        ("format = 1\n[frame]\nrotation = [1, 2, true]\n[inertia]", "is no rotation: found [1, 2, True]. Give"),
+        ("format = 1\n[frame]\nrotation = [inf, 0, 0, 0, 1, 0, 0, 0, 1]\n[inertia]", "is no rotation"),
         ('format = 1\n[frame]\norigin = "0 0 1"\n[inertia]', "a unit of length"),
         ('format = 1\nframe = "0 0 1 mm; q 3 deg"\n[inertia]', "a turn must be"),
         ("format = 1\n[inertia", "is not TOML"),
@@ -252,3 +276,8 @@ def test_the_format_of_the_documentation_reads(root: Path) -> None:
     table = tomllib.loads(block)
     assert table["format"] == 1
     assert stated_inertia.read(table, "docs", IDENTITY).complete
+
+
+@pytest.mark.parametrize("rotation", [[0, -1, 0, 1, 0, 0, 0, 0, 1], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "z 90 deg"])
+def test_a_rotation_is_the_same_as_a_list_as_rows_and_as_a_turn(rotation: object) -> None:
+    assert_allclose(pose_of({"rotation": rotation}, "test").rotation, rotation_about("z", np.pi / 2), rtol=0, atol=1e-15)

@@ -10,9 +10,12 @@ import click
 from geometry.errors import BadInput
 from geometry.routes import DEFAULT_CHORD
 from validation import changed
-from validation.article_reference import Asked
+from validation.article_reference import Asked, is_file
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+CHORDS = (1e-7, 0.1)
+"""Smallest and largest chord error of a mesh [m]: finer, OCC's own tolerance is reached; coarser, no round body is left."""
 
 FRAME = click.option(
     "--frame",
@@ -61,15 +64,38 @@ def reading(chord: str | None, unit: str | None, material: str | None, settings:
 
     Raises
     ------
-    BadInput : the chord error is no positive length, or a setting is not of the form KEY=VALUE with a number.
+    BadInput : the chord error is no length within `CHORDS`, or a setting is not of the form KEY=VALUE with a number.
     """
     return Asked(chord=None if chord is None else _chord(chord), unit=unit, material=material, changes=changed.read(settings))
+
+
+def require_articles(names: Sequence[str]) -> None:
+    """Refuse a name that is neither a file or folder nor a built-in article, before anything is said about its options.
+
+    Raises
+    ------
+    BadInput : such a name, with the nearest.
+    """
+    from geometry.articles import dimension_files
+
+    for name in names:
+        if not is_file(name):
+            dimension_files(name)
 
 
 def _chord(text: str) -> float:
     from geometry.quantities import quantity
 
-    size = float(quantity(text, "length", source="--chord", field="chord").nominal_value)
+    try:
+        size = float(quantity(text, "length", source="--chord", field="").nominal_value)
+    except BadInput as error:
+        raise _no_chord(error.problem) from None
     if size <= 0:
-        raise BadInput(source="--chord", problem=f"must be positive, found {text}", remedy='Write for example "2 um"')
+        raise _no_chord(f"must be positive, found {text}")
+    if not CHORDS[0] * (1 - 1e-9) <= size <= CHORDS[1] * (1 + 1e-9):  # 0.1 um and 100 mm, whichever way they are rounded
+        raise _no_chord(f"must be from {CHORDS[0] * 1e6:g} um to {CHORDS[1]:g} m, found {text}")
     return size
+
+
+def _no_chord(problem: str) -> BadInput:
+    return BadInput(source="--chord", problem=problem, remedy='Write for example "2 um"')

@@ -14,6 +14,8 @@ def command(file: str, against: str | None, off: tuple[str, ...], as_json: bool)
     """Reduce the pendulum periods in FILE: moments of inertia with tolerance, itemised.
 
     FILE is a path or the name of a file that ships with massline, for example clumod-4-pendulum.
+
+    Exit code 1 when no body can have the moments that come out.
     """
     from functools import partial
 

@@ -60,6 +60,7 @@ def command(
 
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
     asked = options.reading(chord, unit, material, settings)
+    options.require_articles(names)
     require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
     result = None if identified is None else _result(identified, names, pose)

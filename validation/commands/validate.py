@@ -59,6 +59,7 @@ def command(
     from validation.reference_table import IDENTIFIED
     from validation.result_file import read
 
+    options.require_articles([article])
     pose = None if frame is None else read_frame(frame)
     said = read(result, article=article, frame=pose)
     asked = options.reading(chord, unit, material, settings)
@@ -97,7 +98,7 @@ def _print(title: str, columns: dict[str, Statement], check: CrossCheck, warning
 
     odd = [f"Not stated by the result: {', '.join(check.not_stated)}."] if check.not_stated else []
     odd += [f"Nothing to hold against: {', '.join(check.not_known)}."] if check.not_known else []
-    odd += [f"{words[0].upper()}{words[1:]}." for words in (check.physics, *warnings)]
+    odd += [f"{check.physics[0].upper()}{check.physics[1:]}.", *(f"{words}." for words in warnings)]
     click.echo(text.render(ReferenceTable(article=title, columns=columns, footnotes=tuple(odd))))
 
 
