@@ -10,6 +10,7 @@ from importlib.metadata import version
 import click
 
 from geometry.errors import BadInput, CheckFailed
+from validation.interrupts import held_while_importing
 
 DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -69,7 +70,8 @@ def run(arguments: list[str] | None = None) -> int:
     A command returns None when it is done, ends early with `ctx.exit(code)`, or raises.
     """
     try:
-        code = cli.main(args=arguments, prog_name="massline", standalone_mode=False)
+        with held_while_importing():
+            code = cli.main(args=arguments, prog_name="massline", standalone_mode=False)
     except click.ClickException as error:
         error.show()
         return BAD_INPUT
