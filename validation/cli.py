@@ -12,7 +12,8 @@ import click
 from geometry.errors import BadInput, CheckFailed
 from validation.interrupts import held_while_importing
 
-DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
+"""The exit codes; the last two are a shell's for a program that SIGINT or SIGPIPE ended."""
 
 COMMANDS = {
     "reference": "Mass, CoG and inertia of articles by three routes.",
@@ -53,6 +54,8 @@ def cli() -> None:
     Exit codes: 0  done
                 1  the data or the model fails a check, said in words
                 2  bad input: what, where, and what to do
+              130  interrupted by Ctrl-C
+              141  the reader of a pipe left early, as in `massline ... | head -1`
     """
 
 
@@ -81,6 +84,10 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(f"{error.filename or 'file'}: {error.strerror or error}. Check the path and its permissions.", BAD_INPUT)
     except CheckFailed as error:
         return _say(str(error), FAILED_CHECK)
+    except SystemExit as leaving:  # how click and rich answer a closed pipe, both with code 1: here that is a failed check
+        if not isinstance(leaving.__context__, BrokenPipeError):
+            raise
+        return READER_LEFT
     except (KeyboardInterrupt, click.Abort):
         return _say("interrupted; files already finished are kept, none is half-written.", INTERRUPTED)
     return code if isinstance(code, int) else DONE
