@@ -84,9 +84,7 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(f"{error.filename or 'file'}: {error.strerror or error}. Check the path and its permissions.", BAD_INPUT)
     except CheckFailed as error:
         return _say(str(error), FAILED_CHECK)
-    except SystemExit as leaving:  # how click and rich answer a closed pipe, both with code 1: here that is a failed check
-        if not isinstance(leaving.__context__, BrokenPipeError):
-            raise
+    except SystemExit:  # how click and rich answer a closed pipe, both with the code of a failed check; commands leave otherwise
         return READER_LEFT
     except (KeyboardInterrupt, click.Abort):
         return _say("interrupted; files already finished are kept, none is half-written.", INTERRUPTED)

@@ -1,7 +1,7 @@
 """Ctrl-C while libraries are being imported: heard at once, acted upon when the import is done.
 
-An exception out of nowhere is more than the initialisation of a compiled library survives: it fails half-way, or takes the process
-with it. Between imports an interruption is what it always is, a KeyboardInterrupt.
+An exception out of nowhere is more than the initialisation of a compiled library survives: it fails half-way, or takes the
+process with it. Between imports an interruption is what it always is, a KeyboardInterrupt.
 """
 
 from __future__ import annotations

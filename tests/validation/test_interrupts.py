@@ -5,6 +5,7 @@ import sys
 import time
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -27,18 +28,30 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return name
 
 
-def test_an_import_is_finished_before_it_is_interrupted(module: str) -> None:
-    imported = []
-    with pytest.raises(KeyboardInterrupt), interrupts.held_while_importing():
-        imported.append(import_module(module))
+def imported_and_interrupted(name: str, imported: list[Any]) -> None:
+    with interrupts.held_while_importing():
+        imported.append(import_module(name))
         time.sleep(600 * interrupts.PATIENCE)
+
+
+def interrupted_at_once(reached: list[str]) -> None:
+    with interrupts.held_while_importing():
+        signal.raise_signal(signal.SIGINT)
+        reached.append("the next line")
+
+
+def test_an_import_is_finished_before_it_is_interrupted(module: str) -> None:
+    imported: list[Any] = []
+    with pytest.raises(KeyboardInterrupt):
+        imported_and_interrupted(module, imported)
     assert [one.finished for one in imported] == [499500]
 
 
 def test_outside_an_import_an_interruption_is_immediate() -> None:
-    with pytest.raises(KeyboardInterrupt), interrupts.held_while_importing():
-        signal.raise_signal(signal.SIGINT)
-        pytest.fail("the interruption came too late")
+    reached: list[str] = []
+    with pytest.raises(KeyboardInterrupt):
+        interrupted_at_once(reached)
+    assert not reached
 
 
 def test_a_command_that_ends_first_is_not_interrupted_afterwards(module: str) -> None:
