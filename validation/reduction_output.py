@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from validation.output import print_json
+from validation.output import print_json, print_pages
 from validation.reduction import Reduction
 from validation.results_file import reference
-
-PIPED_WIDTH = 130
-"""Columns of what goes to a file or a pipe, where nobody's window is narrower."""
 
 
 def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
@@ -20,12 +17,5 @@ def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
     published = reference(against) if against else None
     if as_json:
         print_json(reduction.json(published))
-        return
-    from rich.console import Console
-
-    # Nothing that a user wrote is markup: [kg] and :name: are printed as they are.
-    console = Console(markup=False, emoji=False, highlight=False)
-    if not console.is_terminal:
-        console.width = max(console.width, PIPED_WIDTH)
-    for page in reduction.pages(published):
-        console.print(page)
+    else:
+        print_pages(reduction.pages(published))

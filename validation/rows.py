@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 NONE = "–"
 
+FIGURES = ("value\n± tolerance", "reference", "deviation", "in tol.", "within")
+"""Headings of the columns that hold figures."""
+
 MIN_WORDS = 11
 """Columns below which words are not squeezed: room for "CoG [kg m²]"."""
 
@@ -103,13 +106,21 @@ def rows_table(rows: Iterable[Row], title: str = "") -> Table:
     table = Table(
         title=headline(title) if title else None, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False
     )
+    listed = list(rows)
+    figures = list(zip(*(_cells(row)[1:-1] for row in listed), strict=True)) or [()] * len(FIGURES)
     table.add_column("quantity", min_width=MIN_WORDS)
-    for heading in ("value ± tolerance", "reference", "deviation", "in tol.", "within"):
-        table.add_column(heading.replace(" ±", "\n±"), justify="right", no_wrap=True)
+    for heading, column in zip(FIGURES, figures, strict=True):
+        add_figures(table, heading, column)
     table.add_column("dominated by", min_width=MIN_WORDS)
-    for row in rows:
+    for row in listed:
         table.add_row(*(Text(cell) for cell in _cells(row)), style=None if row.within else "bold red")
     return table
+
+
+def add_figures(table: Table, heading: str, cells: Iterable[str]) -> None:
+    """Add a column to `table` that is never narrower than its `heading` and its `cells`, which are never broken."""
+    width = max(map(len, (*heading.splitlines(), *cells)))
+    table.add_column(heading, justify="right", no_wrap=True, min_width=width)
 
 
 def headline(title: str) -> Text:
@@ -117,9 +128,7 @@ def headline(title: str) -> Text:
     from rich.text import Text
 
     first, *rest = title.splitlines()
-    return Text("\n", end="").join(
-        [Text(first, style="bold not italic"), *(Text(line, style="yellow not italic") for line in rest)]
-    )
+    return Text("\n").join([Text(first, style="bold not italic"), *(Text(line, style="yellow not italic") for line in rest)])
 
 
 def rounded(value: float | None, tolerance: float | None) -> str:
