@@ -76,7 +76,10 @@ class Row:
 
 
 def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """`rows` as the output contract has them; more keys than the contract's eight may follow them."""
+    """`rows` as the output contract has them; more keys than the contract's eight may follow them.
+
+    `within` is true as well where nothing contradicts because nothing is known: `compared` tells the two apart.
+    """
     return [
         {
             "quantity": row.quantity,
@@ -89,6 +92,7 @@ def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
             "dominated_by": row.dominated_by,
             "reference_tolerance": row.reference_tolerance,
             "deviation_in_tolerances": row.deviation_in_tolerances,
+            "compared": row.reference is not None,
         }
         for row in rows
     ]

@@ -58,6 +58,11 @@ def test_json_carries_the_contract_first_and_is_strict_json() -> None:
     assert json.loads(json.dumps(entry, allow_nan=False)) == entry
 
 
+def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() -> None:
+    entries = rows_json([row(tolerance=1.0), row(reference=None), row(reference=0.0)])
+    assert [(entry["within"], entry["compared"]) for entry in entries] == [(True, True), (True, False), (False, True)]
+
+
 @pytest.mark.parametrize(
     ("value", "tolerance", "text"),
     [
