@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 NONE = "–"
 
+SMALL, LARGE = 1e-6, 1e7
+"""Outside of these a figure has an exponent: its zeros would have to be counted."""
+
 FIGURES = ("value\n± tolerance", "reference", "deviation", "in tol.", "within")
 """Headings of the columns that hold figures."""
 
@@ -142,7 +145,9 @@ def rounded(value: float | None, tolerance: float | None) -> str:
     if not tolerance:
         return f"{value:.6g}"
     decimals = 1 - math.floor(math.log10(tolerance))
-    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    if SMALL <= max(abs(value), tolerance) < LARGE:
+        return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    return f"{value:.{max(math.floor(math.log10(abs(value))) + decimals, 0)}e}" if value else "0"
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -72,6 +72,11 @@ def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() 
         (2.0, None, "2"),
         (None, 0.1, "–"),
         (-1e-9, 1.0, "0.0"),
+        (9.87e6, 1e4, "9870000"),
+        (1.23456789e20, 3e17, "1.2346e+20"),
+        (-4.5678e-8, 2e-10, "-4.568e-08"),
+        (0.0, 2e-10, "0"),
+        (0.0, 0.01, "0.000"),
     ],
 )
 def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value: float, tolerance: float, text: str) -> None:
