@@ -18,16 +18,18 @@ from pathlib import Path
 
 import click
 from numpy import pi
-from rich.console import Console
 from rich.table import Table
 from uncertainties import UFloat, umath
 
 from geometry.quantities import tagged
 from validation.orientations import PLANAR, meeting_point, tensor_from_axes
+from validation.output import print_pages
 from validation.pendulum import compound_pendulum, rod_inertia, torsion_pendulum, torsion_stiffness
+from validation.rows import add_figures
 
 BICYCLES = ("Browser", "Fisher", "Pista", "Yellow")
 HANGINGS = ("1", "2", "3")
+HEADINGS = ("computed", "tolerance", "published", "tolerance", "deviation\n/ tolerance")
 
 Quantities = dict[str, UFloat]
 
@@ -91,13 +93,20 @@ def comparison(folder: Path, bicycle: str) -> list[tuple[str, UFloat, UFloat]]:
 
 def _table(folder: Path, bicycle: str) -> Table:
     table = Table(title=f"{bicycle}: computed beside published (kg, m, rad, kg m²)", title_justify="left")
-    for heading in ("quantity", "computed", "tolerance", "published", "tolerance", "deviation / tolerance"):
-        table.add_column(heading, justify="left" if heading == "quantity" else "right")
-    for name, ours, theirs in comparison(folder, bicycle):
-        figures = (ours.nominal_value, ours.std_dev, theirs.nominal_value, theirs.std_dev)
-        deviation = abs(ours.nominal_value - theirs.nominal_value) / theirs.std_dev
-        table.add_row(name, *(f"{figure:.6g}" for figure in figures), f"{deviation:.1e}")
+    lines = [(name, *_figures(ours, theirs)) for name, ours, theirs in comparison(folder, bicycle)]
+    names, *figures = zip(*lines, strict=True)
+    table.add_column("quantity", no_wrap=True, min_width=max(map(len, ("quantity", *names))))
+    for heading, column in zip(HEADINGS, figures, strict=True):
+        add_figures(table, heading, column)
+    for line in lines:
+        table.add_row(*line)
     return table
+
+
+def _figures(ours: UFloat, theirs: UFloat) -> tuple[str, ...]:
+    figures = (ours.nominal_value, ours.std_dev, theirs.nominal_value, theirs.std_dev)
+    deviation = abs(ours.nominal_value - theirs.nominal_value) / theirs.std_dev
+    return (*(f"{figure:.6g}" for figure in figures), f"{deviation:.1e}")
 
 
 @click.command()
@@ -108,8 +117,7 @@ def main(folder: Path) -> None:
     """Print computed beside published inertias of the four bicycles in FOLDER/bicycle_pendulum."""
     if not (folder / "bicycle_pendulum").is_dir():
         raise click.UsageError(f"{folder}/bicycle_pendulum is absent; give the data folder with --data or MASSLINE_DATA")
-    for bicycle in BICYCLES:
-        Console().print(_table(folder / "bicycle_pendulum", bicycle))
+    print_pages(_table(folder / "bicycle_pendulum", bicycle) for bicycle in BICYCLES)
 
 
 if __name__ == "__main__":

@@ -10,8 +10,10 @@ from importlib.metadata import version
 import click
 
 from geometry.errors import BadInput, CheckFailed
+from validation.interrupts import held_while_importing
 
-DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, FAILED_CHECK, BAD_INPUT, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
+"""The exit codes; the last two are a shell's for a program that SIGINT or SIGPIPE ended."""
 
 COMMANDS = {
     "reference": "Mass, CoG and inertia of articles by three routes.",
@@ -52,6 +54,8 @@ def cli() -> None:
     Exit codes: 0  done
                 1  the data or the model fails a check, said in words
                 2  bad input: what, where, and what to do
+              130  interrupted by Ctrl-C
+              141  the reader of a pipe left early, as in `massline ... | head -1`
     """
 
 
@@ -69,7 +73,8 @@ def run(arguments: list[str] | None = None) -> int:
     A command returns None when it is done, ends early with `ctx.exit(code)`, or raises.
     """
     try:
-        code = cli.main(args=arguments, prog_name="massline", standalone_mode=False)
+        with held_while_importing():
+            code = cli.main(args=arguments, prog_name="massline", standalone_mode=False)
     except click.ClickException as error:
         error.show()
         return BAD_INPUT
@@ -79,6 +84,8 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(f"{error.filename or 'file'}: {error.strerror or error}. Check the path and its permissions.", BAD_INPUT)
     except CheckFailed as error:
         return _say(str(error), FAILED_CHECK)
+    except SystemExit:  # how click and rich answer a closed pipe, both with the code of a failed check; commands leave otherwise
+        return READER_LEFT
     except (KeyboardInterrupt, click.Abort):
         return _say("interrupted; files already finished are kept, none is half-written.", INTERRUPTED)
     return code if isinstance(code, int) else DONE

@@ -1,13 +1,54 @@
-"""Machine-readable output: one JSON object on standard output, keys end in their unit, inertia says its reference point."""
+"""What goes to standard output: one JSON object whose keys end in their unit, or pages for a reader, as wide as he can see."""
 
 from __future__ import annotations
 
 import json
-from typing import Any
+import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from geometry.inertia import Inertia
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+PIPED_WIDTH = 132
+"""Columns of what goes to a file or a pipe, where nobody's window is narrower."""
+
+UNBOUNDED = 10_000
+"""Columns in which every table finds room, to see how few it needs."""
+
+
+def page_width() -> int:
+    """Columns of a page: what COLUMNS says, else the terminal's, else `PIPED_WIDTH`."""
+    from rich.console import Console
+
+    asked = os.environ.get("COLUMNS", "")
+    if asked.isdecimal() and int(asked) > 0:
+        return int(asked)
+    terminal = Console()
+    return terminal.width if terminal.is_terminal else PIPED_WIDTH
+
+
+def print_pages(pages: Iterable[RenderableType]) -> None:
+    """Print `pages` in `page_width` columns, a table that needs more in as many as it needs: its figures are never cut.
+
+    Nothing that a user wrote is markup: [kg] and :name: are printed as they are. No line of a file or a pipe ends in spaces.
+    """
+    from rich.console import Console
+
+    console = Console(markup=False, emoji=False, highlight=False)
+    width = page_width()
+    for page in pages:
+        console.width = UNBOUNDED
+        console.width = max(width, console.measure(page).minimum)
+        with console.capture() as capture:
+            console.print(page)
+        lines = capture.get().splitlines()
+        shown = lines if console.is_terminal else [line.rstrip() for line in lines]
+        click.echo("\n".join(shown), color=console.is_terminal or None)
 
 
 def print_json(value: dict[str, Any]) -> None:

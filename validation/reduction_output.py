@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
-
 from geometry.errors import CheckFailed
-from validation.output import print_json
+from validation.output import print_json, print_pages
 from validation.reduction import Reduction
 from validation.results_file import reference
-
-if TYPE_CHECKING:
-    from uncertainties import UFloat
-
-PIPED_WIDTH = 130
-"""Columns of what goes to a file or a pipe, where nobody's window is narrower."""
 
 
 def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
@@ -29,17 +20,6 @@ def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
     if as_json:
         print_json(reduction.json(published))
     else:
-        _print(reduction, published)
+        print_pages(reduction.pages(published))
     if reduction.impossible:
         raise CheckFailed(reduction.impossible)
-
-
-def _print(reduction: Reduction, published: Mapping[str, UFloat] | None) -> None:
-    from rich.console import Console
-
-    # Nothing that a user wrote is markup: [kg] and :name: are printed as they are.
-    console = Console(markup=False, emoji=False, highlight=False)
-    if not console.is_terminal:
-        console.width = max(console.width, PIPED_WIDTH)
-    for page in reduction.pages(published):
-        console.print(page)

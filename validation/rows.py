@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 NONE = "–"
 
+SMALL, LARGE = 1e-6, 1e7
+"""Outside of these a figure has an exponent: its zeros would have to be counted."""
+
+FIGURES = ("value\n± tolerance", "reference", "deviation", "in tol.", "within")
+"""Headings of the columns that hold figures."""
+
 MIN_WORDS = 11
 """Columns below which words are not squeezed: room for "CoG [kg m²]"."""
 
@@ -73,7 +79,10 @@ class Row:
 
 
 def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """`rows` as the output contract has them; more keys than the contract's eight may follow them."""
+    """`rows` as the output contract has them; more keys than the contract's eight may follow them.
+
+    `within` is true as well where nothing contradicts because nothing is known: `compared` tells the two apart.
+    """
     return [
         {
             "quantity": row.quantity,
@@ -86,6 +95,7 @@ def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
             "dominated_by": row.dominated_by,
             "reference_tolerance": row.reference_tolerance,
             "deviation_in_tolerances": row.deviation_in_tolerances,
+            "compared": row.reference is not None,
         }
         for row in rows
     ]
@@ -103,13 +113,21 @@ def rows_table(rows: Iterable[Row], title: str = "") -> Table:
     table = Table(
         title=headline(title) if title else None, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False
     )
+    listed = list(rows)
+    figures = list(zip(*(_cells(row)[1:-1] for row in listed), strict=True)) or [()] * len(FIGURES)
     table.add_column("quantity", min_width=MIN_WORDS)
-    for heading in ("value ± tolerance", "reference", "deviation", "in tol.", "within"):
-        table.add_column(heading.replace(" ±", "\n±"), justify="right", no_wrap=True)
+    for heading, column in zip(FIGURES, figures, strict=True):
+        add_figures(table, heading, column)
     table.add_column("dominated by", min_width=MIN_WORDS)
-    for row in rows:
+    for row in listed:
         table.add_row(*(Text(cell) for cell in _cells(row)), style=None if row.within else "bold red")
     return table
+
+
+def add_figures(table: Table, heading: str, cells: Iterable[str]) -> None:
+    """Add a column to `table` that is never narrower than its `heading` and its `cells`, which are never broken."""
+    width = max(map(len, (*heading.splitlines(), *cells)))
+    table.add_column(heading, justify="right", no_wrap=True, min_width=width)
 
 
 def headline(title: str) -> Text:
@@ -117,9 +135,7 @@ def headline(title: str) -> Text:
     from rich.text import Text
 
     first, *rest = title.splitlines()
-    return Text("\n", end="").join(
-        [Text(first, style="bold not italic"), *(Text(line, style="yellow not italic") for line in rest)]
-    )
+    return Text("\n").join([Text(first, style="bold not italic"), *(Text(line, style="yellow not italic") for line in rest)])
 
 
 def rounded(value: float | None, tolerance: float | None) -> str:
@@ -129,7 +145,9 @@ def rounded(value: float | None, tolerance: float | None) -> str:
     if not tolerance:
         return f"{value:.6g}"
     decimals = 1 - math.floor(math.log10(tolerance))
-    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    if SMALL <= max(abs(value), tolerance) < LARGE:
+        return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    return f"{value:.{max(math.floor(math.log10(abs(value))) + decimals, 0)}e}" if value else "0"
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -1,12 +1,16 @@
 """The examples run, and what they print and draw is what they promise."""
 
 import io
+import json
 import re
 import runpy
 from pathlib import Path
 
 import pytest
 from rich.console import Console
+
+from geometry.articles import built_in
+from validation.pictures import said_about
 
 
 def test_the_quickstart_prints_three_routes_that_agree_and_the_tare(root: Path) -> None:
@@ -32,3 +36,17 @@ def test_the_pictures_are_drawn_and_put_on_one_sheet_that_fits_a_readme(root: Pa
 
 def test_the_sheet_in_the_readme_is_small(root: Path) -> None:
     assert 50_000 < (root / "docs" / "pictures" / "articles.png").stat().st_size < 300_000
+
+
+def test_the_sheet_in_the_readme_shows_the_articles_as_they_are_now(root: Path) -> None:
+    program = runpy.run_path(str(root / "examples" / "pictures.py"))
+    drawn = json.loads(said_about(root / "docs" / "pictures" / "articles.png"))
+    assert list(drawn) == list(program["ON_THE_SHEET"])
+    for name, then in drawn.items():
+        now = program["figures"](built_in(name))
+        again = "draw it again: python examples/pictures.py"
+        assert [now["parts"], now["note"]] == [then["parts"], then["note"]], again
+        assert now["mass_kg"] == pytest.approx(then["mass_kg"], rel=1e-6), again
+        # 1e-6 of the largest entry: far below a printed digit, far above rounding
+        for key in ("cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
+            assert now[key] == pytest.approx(then[key], rel=1e-6, abs=1e-6), again

@@ -101,10 +101,11 @@ def test_a_terminal_without_the_sign_does_not_stop_the_run(massline: Callable[..
     assert "No such command '?'" in run.stderr
 
 
-def test_a_reader_that_leaves_early_meets_silence() -> None:
+@pytest.mark.parametrize("say", ["click.echo", "__import__('rich.console').console.Console().print"])
+def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: str) -> None:
     talker = (
         "import sys, types, click; from validation import cli; m = types.ModuleType('validation.commands.talk');"
-        "m.command = click.Command('talk', callback=lambda: [click.echo('x' * 99) for _ in range(9999)]);"
+        f"say = {say}; m.command = click.Command('talk', callback=lambda: [say('x' * 99) for _ in range(9999)]);"
         "sys.modules[m.__name__] = m; cli.COMMANDS['talk'] = ''; cli.main(['talk'])"
     )
     process = subprocess.Popen([sys.executable, "-P", "-c", talker], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -114,4 +115,4 @@ def test_a_reader_that_leaves_early_meets_silence() -> None:
     process.stdout.close()
     with process.stderr:
         assert process.stderr.read() == ""
-    process.wait(timeout=60)
+    assert process.wait(timeout=60) == cli.READER_LEFT == 141

@@ -58,6 +58,11 @@ def test_json_carries_the_contract_first_and_is_strict_json() -> None:
     assert json.loads(json.dumps(entry, allow_nan=False)) == entry
 
 
+def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() -> None:
+    entries = rows_json([row(tolerance=1.0), row(reference=None), row(reference=0.0)])
+    assert [(entry["within"], entry["compared"]) for entry in entries] == [(True, True), (True, False), (False, True)]
+
+
 @pytest.mark.parametrize(
     ("value", "tolerance", "text"),
     [
@@ -67,6 +72,11 @@ def test_json_carries_the_contract_first_and_is_strict_json() -> None:
         (2.0, None, "2"),
         (None, 0.1, "–"),
         (-1e-9, 1.0, "0.0"),
+        (9.87e6, 1e4, "9870000"),
+        (1.23456789e20, 3e17, "1.2346e+20"),
+        (-4.5678e-8, 2e-10, "-4.568e-08"),
+        (0.0, 2e-10, "0"),
+        (0.0, 0.01, "0.000"),
     ],
 )
 def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value: float, tolerance: float, text: str) -> None:

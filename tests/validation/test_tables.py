@@ -84,6 +84,21 @@ def test_what_rounds_to_zero_has_no_sign() -> None:
     assert grid.number(-0.006, 2) == "-0.01"
 
 
+@pytest.mark.parametrize("scale", [1e-13, 1e18])
+def test_what_is_very_large_or_small_has_an_exponent_and_its_points_still_line_up(scale: float) -> None:
+    body = Inertia.from_cog(32.95 * scale, [0, 0, 0.2706], scale * np.diag([6.42, 6.00, 0.77]))
+    lines = grid.values(ReferenceTable(article="huge", columns={"occ": route_statement("occ", body)}, footnotes=())).lines
+    assert float(lines[0][1]) == pytest.approx(32.95 * scale, rel=1e-5)
+    assert max(len(cell.strip()) for _, cell in lines) <= len("3.29500e+19")
+    assert len({cell.index(".") for _, cell in lines if "." in cell}) == 1
+    assert lines[3][1].strip() == "270.600"
+
+
+def test_ordinary_figures_of_one_kind_keep_their_decimals_beside_small_ones() -> None:
+    assert grid.number(8e-7, 7) == "0.0000008"
+    assert grid.number(9_999_999.0, 1) == "9999999.0"
+
+
 def test_the_text_holds_the_same_cells_as_the_grid() -> None:
     page = text.render(table())
     for shown in (grid.values(table()), grid.deviations(table())):

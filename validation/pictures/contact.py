@@ -9,14 +9,19 @@ from typing import Any
 from geometry.errors import BadInput
 from validation.pictures.files import save
 
+ABOUT = "Comment"
+"""The key of a PNG's own words."""
+
 COLUMNS = 2
 TILE = (800, 600)
 COLOURS = 255
 """A PNG sheet keeps so many colours, spread over all that occur: a third of the size, and no difference to the eye."""
 
 
-def contact_sheet(paths: Sequence[Path], path: Path) -> None:
+def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
+
+    A PNG carries the words `about`, which `said_about` reads again.
 
     Raises
     ------
@@ -33,7 +38,24 @@ def contact_sheet(paths: Sequence[Path], path: Path) -> None:
         sheet.paste(_tile(tile), (column * TILE[0], row * TILE[1]))
     octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
     finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
-    save(path, lambda temporary: finished.save(temporary, optimize=True))
+    more = {"pnginfo": _noted(about)} if path.suffix == ".png" and about else {}
+    save(path, lambda temporary: finished.save(temporary, optimize=True, **more))
+
+
+def said_about(path: Path) -> str:
+    """The words that a sheet was written with; empty without any."""
+    from PIL import Image
+
+    with Image.open(path) as sheet:
+        return str(sheet.info.get(ABOUT, ""))
+
+
+def _noted(about: str) -> Any:
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    info.add_text(ABOUT, about)
+    return info
 
 
 def _tile(path: Path) -> Any:

@@ -11,10 +11,13 @@ from dataclasses import dataclass
 
 from geometry.routes import ROUTES
 from validation.reference_table import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, row, verdict
-from validation.rows import NONE, Row
+from validation.rows import LARGE, NONE, Row
 from validation.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Stated
 
 SIGNIFICANT = 6
+
+MANY_DECIMALS = 12
+"""Decimals of `SIGNIFICANT` digits whose largest is too small to be written without an exponent."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -154,7 +157,9 @@ def _many(many: float) -> str:
 
 
 def number(value: float, decimals: int) -> str:
-    """`value` with `decimals`; what rounds to zero has no sign."""
+    """`value` with `decimals`, or six significant digits and an exponent beyond `LARGE`; zero has no sign."""
+    if abs(value) >= LARGE or decimals >= MANY_DECIMALS:
+        return f"{value:.{SIGNIFICANT - 1}e}" if abs(value) >= 0.5 * 10.0**-decimals else "0"
     text = f"{value:.{decimals}f}"
     return text.lstrip("-") if float(text) == 0 else text
 

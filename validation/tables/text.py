@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from validation.output import PIPED_WIDTH, page_width
 from validation.reference_table import ReferenceTable
 from validation.tables.grid import Grid, grids, notes
 
@@ -11,8 +12,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-WIDTH = 132
-"""Columns of what goes to a file or a pipe."""
+WIDTH = PIPED_WIDTH
+"""Columns of a table in a file."""
 
 VERDICT = 24
 """Columns below which words are not squeezed."""
@@ -22,7 +23,7 @@ GAP = 3
 
 
 def render(table: ReferenceTable, width: int | None = None) -> str:
-    """`table` as plain text of `width` columns; None is what the terminal has, or `WIDTH` where there is none.
+    """`table` as plain text of `width` columns; None is `page_width`.
 
     No figure is cut or broken: words wrap, and a table that is still too wide is continued below itself.
     """
@@ -30,8 +31,7 @@ def render(table: ReferenceTable, width: int | None = None) -> str:
     from rich.padding import Padding
     from rich.text import Text
 
-    terminal = Console()
-    console = Console(width=width or (terminal.width if terminal.is_terminal else WIDTH), color_system=None, force_terminal=False)
+    console = Console(width=width or page_width(), color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(Text(table.article), Text("═" * min(len(table.article), console.width)), sep="\n")
         for grid in grids(table):

@@ -1,0 +1,60 @@
+"""An interruption never breaks an import, and is never lost."""
+
+import signal
+import sys
+import time
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from validation import interrupts
+
+INTERRUPTED_INSIDE = """
+import signal
+signal.raise_signal(signal.SIGINT)
+finished = sum(range(1000))
+"""
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Name of a module during whose import Ctrl-C is pressed."""
+    name = "interrupted_inside"
+    (tmp_path / f"{name}.py").write_text(INTERRUPTED_INSIDE, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    return name
+
+
+def imported_and_interrupted(name: str, imported: list[Any]) -> None:
+    with interrupts.held_while_importing():
+        imported.append(import_module(name))
+        time.sleep(600 * interrupts.PATIENCE)
+
+
+def interrupted_at_once(reached: list[str]) -> None:
+    with interrupts.held_while_importing():
+        signal.raise_signal(signal.SIGINT)
+        reached.append("the next line")
+
+
+def test_an_import_is_finished_before_it_is_interrupted(module: str) -> None:
+    imported: list[Any] = []
+    with pytest.raises(KeyboardInterrupt):
+        imported_and_interrupted(module, imported)
+    assert [one.finished for one in imported] == [499500]
+
+
+def test_outside_an_import_an_interruption_is_immediate() -> None:
+    reached: list[str] = []
+    with pytest.raises(KeyboardInterrupt):
+        interrupted_at_once(reached)
+    assert not reached
+
+
+def test_a_command_that_ends_first_is_not_interrupted_afterwards(module: str) -> None:
+    with interrupts.held_while_importing():
+        import_module(module)
+    time.sleep(3 * interrupts.PATIENCE)
