@@ -11,7 +11,6 @@ What else a file holds depends on its kind; `validation.weighing`, `validation.c
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -57,15 +56,12 @@ class Fields:
         """The complaint about `key`, ready to be raised."""
         return BadInput(source=self.source, field=self.path(key), problem=problem, remedy=remedy)
 
-    def only(self, keys: Iterable[str]) -> Fields:
-        """Pass unchanged; BadInput when the table has a key besides `keys`, with the nearest of them."""
-        known = sorted(keys)
+    def only(self, allowed: Iterable[str]) -> Fields:
+        """Pass unchanged; BadInput when the table has a key besides those `allowed`, with the nearest of them."""
+        known = sorted(allowed)
         for key in self.table:
             if key not in known:
-                near = difflib.get_close_matches(key, known, n=1)
-                raise self.refused(
-                    key, "no such key", (f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(known)}"
-                )
+                raise self.refused(key, "no such key", f"{keys.nearest(key, known)}Known are {', '.join(known)}")
         return self
 
     def quantity(self, key: str, dimension: str, name: str = "") -> UFloat:
@@ -104,9 +100,7 @@ class Fields:
         """The text under `key`, one of `choices`; BadInput else."""
         value = self.text(key)
         if value not in choices:
-            near = difflib.get_close_matches(value, choices, n=1)
-            hint = f"Did you mean {near[0]}? " if near else ""
-            raise self.refused(key, f"found {value!r}", f"{hint}Known are {', '.join(choices)}")
+            raise self.refused(key, f"found {value!r}", f"{keys.nearest(value, choices)}Known are {', '.join(choices)}")
         return value
 
     def integer(self, key: str, default: int, least: int) -> int:

@@ -7,11 +7,11 @@ named by its ``name``.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from typing import Any
 
 from geometry.errors import BadInput
+from geometry.keys import nearest
 
 
 def apply(table: dict[str, Any], file: str, changes: Mapping[str, float]) -> dict[str, Any]:
@@ -55,8 +55,7 @@ def _named(table: Any, name: str, key: str) -> Any:
     entries = _entries(table)
     if name in entries:
         return entries[name]
-    near = difflib.get_close_matches(name, entries, n=1)
-    remedy = (f"Did you mean {near[0]}? " if near else "") + f"Known are {', '.join(entries) or 'no further entries'}"
+    remedy = f"{nearest(name, entries)}Known are {', '.join(entries) or 'no further entries'}"
     raise _refused(key, f"there is no {name!r} here", remedy)
 
 
