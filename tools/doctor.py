@@ -30,7 +30,15 @@ LIBRARIES = (
     Library(soname="libX11.so.6", package="libx11-6", needed_by="cadquery (OCC) and exudyn, though no window is ever opened"),
     Library(soname="libEGL.so.1", package="libegl1", needed_by="pyvista (VTK), to draw off screen without an X server"),
     Library(soname="libexpat.so.1", package="libexpat1", needed_by="cadquery (fontconfig)"),
-    Library(soname="libgomp.so.1", package="libgomp1", needed_by="pinocchio (OpenMP)"),
+    Library(soname="libgomp.so.1", package="libgomp1", needed_by="pinocchio and gmsh (OpenMP)"),
+    Library(soname="libGLU.so.1", package="libglu1-mesa", needed_by="gmsh"),
+    Library(soname="libXcursor.so.1", package="libxcursor1", needed_by="gmsh, though no window is ever opened"),
+    Library(soname="libXext.so.6", package="libxext6", needed_by="gmsh"),
+    Library(soname="libXfixes.so.3", package="libxfixes3", needed_by="gmsh"),
+    Library(soname="libXft.so.2", package="libxft2", needed_by="gmsh"),
+    Library(soname="libXinerama.so.1", package="libxinerama1", needed_by="gmsh"),
+    Library(soname="libXrender.so.1", package="libxrender1", needed_by="gmsh"),
+    Library(soname="libfontconfig.so.1", package="libfontconfig1", needed_by="gmsh"),
 )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.flexible_body import from_exudyn, quiet, to_exudyn
+from fem.flexible_body.inertia import from_exudyn, quiet, to_exudyn
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import rotation_about

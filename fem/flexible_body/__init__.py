@@ -1,0 +1,1 @@
+"""The door to exudyn: bodies, beams and their linearised equations. Nothing else in massline imports it."""

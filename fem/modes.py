@@ -1,0 +1,72 @@
+"""`Modes`: eigenfrequencies, shapes and participation of a structure whose base is held - what the dynamic mass is made of.
+
+With base motion u_b and the displacements relative to it expanded in mass-normalised fixed-base modes, the modal equations
+are q'' + 2 zeta omega q' + omega² q = -L^T u_b''. L is the participation about the reference point and L L^T of one mode its
+effective mass. Of the modes that are not kept, the static share of their answer is: the residual mass R = sum of L L^T / omega²
+over them, which follows from one static solution with the base accelerated, without any of them being computed (Craig, Structural
+Dynamics).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from geometry.arrays import Array, frozen
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Modes:
+    """The lowest fixed-base modes of a structure and what the others leave behind.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz], ascending
+    damping_ratio : (n,) [1]
+    participation : (6, n) L about the reference point of mass-normalised modes [kg^0.5, kg^0.5 m]; column r belongs to mode r
+    rigid_mass : (6, 6) mass matrix of the whole structure about the reference point (Eq. 1)
+    residual : (6, 6) R, static share of the truncated modes [kg s², kg m s², kg m² s²]
+    reference_point : (3,) [m], in the article's frame
+    shapes : (N, n) mass-normalised, all degrees of freedom, zero where held; (0, n) when they were not asked for
+    viscous : (n, n) modal damping matrix C [rad/s], symmetric; its diagonal is 2 zeta omega
+    structural : (n, n) modal structural damping S [rad²/s²], symmetric, as in K + i S; zero when there is none
+
+    `damping_ratio` repeats the equivalent of both on the diagonal: (C_rr + S_rr / omega_r) / (2 omega_r).
+    """
+
+    frequency: Array
+    damping_ratio: Array
+    participation: Array
+    rigid_mass: Array
+    residual: Array
+    reference_point: Array
+    shapes: Array
+    viscous: Array
+    structural: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def __post_init__(self) -> None:
+        n = np.size(self.frequency)
+        structural = self.structural if np.size(self.structural) else np.zeros((n, n))
+        object.__setattr__(self, "structural", structural)
+        shapes = {
+            "frequency": (n,),
+            "damping_ratio": (n,),
+            "participation": (6, n),
+            "rigid_mass": (6, 6),
+            "residual": (6, 6),
+            "reference_point": (3,),
+            "shapes": (np.shape(self.shapes)[0], n),
+            "viscous": (n, n),
+            "structural": (n, n),
+        }
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+    @property
+    def effective_mass(self) -> Array:
+        """Effective mass (n, 6) per mode and axis [kg, kg m²]: the squares of the participation.
+
+        Summed over all modes of a structure they reach the diagonal of `rigid_mass`, less what the base itself carries.
+        """
+        return np.asarray(self.participation.T**2)
