@@ -23,7 +23,7 @@ AROUND = 12
 GROWTH = 0.5
 """How fast the size grows away from a small feature, metre a metre."""
 
-THIN, SLENDER = 4.0, 15.0
+THIN, SLENDER = 6.0, 12.0
 """Largest size of a body: `THIN` times its thickness, or its longest dimension over `SLENDER`, whichever is smaller ..."""
 
 SOLID = 0.5
