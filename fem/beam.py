@@ -1,154 +1,139 @@
-"""Clumod as a frame of Rayleigh beams on a clamped, rigid flange: eigenfrequencies in milliseconds.
+"""Beam models of the built-in articles and their stacks, in milliseconds: the model that fitting uses.
 
-The model that the dimensions of Clumod were solved with. Mast and half-blades are beams between axes; all that the beams do not
-have of the real parts - hub collars, the blade's holes for mast and bolts - is a rigid body on its station, so that the frame
-carries the mass of the drawing exactly.
+Clumod is a frame, Cuboid and disc are stiff columns, the FMD's moving part is rigid. What stands on something stands on its top
+node, rigidly. The base holds the lowest body: Clumod's flange, the foot of a column, the FMD's cover plate or, when its load
+cells are springs, what is below them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
+from functools import reduce
+from types import MappingProxyType
 
 import numpy as np
+import numpy.typing as npt
 
-from fem.frame import Member, Section, add_lumped, assemble
+from fem import beam_bodies, beam_clumod
+from fem.beam_clumod import ELEMENTS, Joint
+from fem.frame import Frame, Plan, assemble, on_top, placed
+from fem.structure import Structure
 from geometry.arrays import Array
-from geometry.article import Article, Part
-from geometry.articles import clumod
-from geometry.articles.dimensions import Dimensions
-from geometry.inertia import Inertia
-from geometry.materials import Material, material
-from geometry.multibody import inertia as drawn_inertia
-from geometry.shapes import Shape
+from geometry.article import Article, prefixes
+from geometry.articles import built_in, changes_of, clumod, dimension_files
+from geometry.articles.dimensions import Dimensions, load
+from geometry.errors import BadInput
+from geometry.frames import Pose
 
-HALF_BLADE_ELEMENTS = 5
-MAST_ELEMENTS = 12
+NO_CHANGES: Mapping[str, float] = MappingProxyType({})
+BASE = 6
+"""The first degrees of freedom are those of the base."""
+
+BLADES = {"clumod-1": clumod.ONE_BLADE, "clumod-4": clumod.FOUR_BLADES}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class BeamModel:
-    """The assembled frame.
+def structure(
+    article_name: str,
+    changes: Mapping[str, float] = NO_CHANGES,
+    *,
+    elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
+) -> Structure:
+    """Beam model of the built-in article or stack called `article_name`, about its origin.
 
-    Attributes
+    Parameters
     ----------
-    nodes : (n, 3) [m], in Clumod's frame
-    stiffness, mass : (6 n, 6 n), free; node by node x, y, z, alpha, beta, gamma
-    clamped : index of the node on the flange's upper side, which the flange holds
+    article_name, changes : as `geometry.articles.built_in` takes them
+    elements : in a half-blade of Clumod; its mast has twice, a column three times as many
+    cells : (4, 3) [N/m] stiffness of the FMD's load cells along x, y, z (`load_cells` gives assumed values); rigid when None
+    joints : what a local model of Clumod's crossings adds
+
+    Raises
+    ------
+    BadInput : an article, a dimension, a port or a material that cannot be used; the message says why.
     """
-
-    nodes: Array
-    stiffness: Array
-    mass: Array
-    clamped: int
-
-
-def build(blades: tuple[str, ...], dimensions: Dimensions) -> BeamModel:
-    """Frame of Clumod with the `blades` named, from `dimensions` as `clumod.toml` has them."""
-    heights = _mast_heights(dimensions)
-    nodes = [np.array([0.0, 0.0, z]) for z in heights]
-    members = [Member(nodes=tuple(range(len(heights))), section=_tube(dimensions["mast"]), z_axis=np.array([1.0, 0.0, 0.0]))]
-    stations = {blade["name"]: int(np.argmin(np.abs(heights - blade["z"]))) for blade in dimensions["blade"]}
-    for blade in dimensions["blade"]:
-        if blade["name"] in blades:
-            members += _half_blades(blade, dimensions, stations[blade["name"]], nodes)
-    K, M = assemble(nodes, members)
-    article = clumod.build(blades, dimensions)
-    for number, blade in enumerate(dimensions["blade"], start=1):
-        add_lumped(M, stations[blade["name"]], _lumped(article, number, blade, dimensions).mass_matrix)
-    return BeamModel(nodes=np.array(nodes), stiffness=K, mass=M, clamped=0)
+    built_in(article_name, changes)  # checks names, order and changes of the whole stack
+    names = article_name.split("+")
+    _require_usable(article_name, names, elements, cells, joints)
+    plans = [_plan(name, changes, elements, cells, joints) for name in names]
+    frame = assemble(reduce(on_top, _in_place(names, plans, changes)))
+    return _structure(frame)
 
 
-def frequencies(model: BeamModel, count: int) -> Array:
-    """The lowest `count` eigenfrequencies (count,) [Hz] with the flange clamped, ascending."""
+def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:
+    """Assumed stiffness (4, 3) along x, y, z [N/m] of the FMD's load cells, from `fmd.toml`."""
+    return beam_bodies.cell_stiffness(load("fmd", changes))
+
+
+def build(blades: tuple[str, ...], dimensions: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Frame:
+    """Frame of Clumod with the `blades` named, from `dimensions` as `clumod.toml` has them; its base is the flange."""
+    return assemble(beam_clumod.plan(blades, dimensions, joints=joints, elements=elements))
+
+
+def frequencies(frame: Frame, count: int) -> Array:
+    """The lowest `count` eigenfrequencies (count,) [Hz] with the base held, ascending."""
     from scipy.linalg import eigh
 
-    free = np.delete(np.arange(len(model.mass)), slice(6 * model.clamped, 6 * model.clamped + 6))
-    held = np.ix_(free, free)
-    squares = eigh(model.stiffness[held], model.mass[held], eigvals_only=True, subset_by_index=[0, count - 1])
-    return np.asarray(np.sqrt(squares) / (2 * np.pi))
+    K = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
+    n = len(K) - BASE
+    # The largest of M x = mu K x: what an eigen-solver loses to rounding is a share of the largest value, and here that is ours.
+    inverse = eigh(frame.mass[BASE:, BASE:], K[BASE:, BASE:], eigvals_only=True, subset_by_index=[n - count, n - 1])
+    return np.asarray(1 / np.sqrt(inverse[::-1]) / (2 * np.pi))
 
 
-def _mast_heights(d: Dimensions) -> Array:
-    """Node heights from flange to top, blade stations among them, no element much longer than the others."""
-    fixed = [d["flange"]["height"], *sorted(blade["z"] for blade in d["blade"]), d["mast"]["top"]]
-    step = (fixed[-1] - fixed[0]) / MAST_ELEMENTS
-    pieces = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False) for a, b in pairwise(fixed)]
-    return np.append(np.concatenate(pieces), fixed[-1])
+def _plan(name: str, changes: Mapping[str, float], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> Plan:
+    """One article in its own frame."""
+    (file,) = dimension_files(name)
+    article, dimensions = _article(name, changes), load(file, changes)
+    if name in BLADES:
+        return beam_clumod.plan(BLADES[name], dimensions, joints=joints, elements=elements)
+    if name == "fmd":
+        return beam_bodies.fmd(article, dimensions, None if cells is None else beam_bodies.require_cells(cells))
+    return {"cuboid": beam_bodies.cuboid, "disc": beam_bodies.disc}[name](article, dimensions, elements)
 
 
-def _half_blades(blade: Dimensions, d: Dimensions, station: int, nodes: list[Array]) -> list[Member]:
-    """Two members from the mast's axis to the tips, their new nodes appended to `nodes`."""
-    outwards = {"x": np.array([1.0, 0.0, 0.0]), "y": np.array([0.0, 1.0, 0.0])}[blade["axis"]]
-    section, members = _blade_section(blade, d), []
-    for side in (1, -1):
-        first = len(nodes)
-        distances = np.linspace(0, blade["length"] / 2, HALF_BLADE_ELEMENTS + 1)[1:]
-        nodes += [nodes[station] + side * distance * outwards for distance in distances]
-        chain = (station, *range(first, len(nodes)))
-        members.append(Member(nodes=chain, section=section, z_axis=np.array([0.0, 0.0, 1.0])))
-    return members
+def _article(name: str, changes: Mapping[str, float]) -> Article:
+    return built_in(name, changes_of(name, changes))
 
 
-def _tube(d: Dimensions) -> Section:
-    steel, outer, inner = material(d["material"]), d["outer_diameter"], d["inner_diameter"]
-    area, second = np.pi / 4 * (outer**2 - inner**2), np.pi / 64 * (outer**4 - inner**4)
-    E, G = _moduli(steel)
-    bending, rotary = E * second, steel.density * second
-    return Section(
-        axial=E * area,
-        torsion=2 * G * second,
-        bending_y=bending,
-        bending_z=bending,
-        mass=steel.density * area,
-        rotary_y=rotary,
-        rotary_z=rotary,
+def _in_place(names: list[str], plans: list[Plan], changes: Mapping[str, float]) -> list[Plan]:
+    """`plans` where the seats below them put them; seats have parallel axes. Names of parts as the stacked article has them."""
+    if len(plans) == 1:
+        return plans
+    pose, in_place = Pose(), []
+    for name, prefix, plan in zip(names, prefixes(names), plans, strict=True):
+        in_place.append(placed(plan, pose.position, f"{prefix}/"))
+        seat = _article(name, changes).seat
+        pose = pose @ seat if seat else pose
+    return in_place
+
+
+def _structure(frame: Frame) -> Structure:
+    from scipy.sparse import csr_array
+
+    parts = {part: csr_array(k) for part, k in frame.stiffness.items()}
+    moving = list(frame.moving)
+    return Structure(
+        stiffness=csr_array(sum(frame.stiffness.values(), np.zeros_like(frame.mass))),
+        mass=csr_array(frame.mass),
+        rigid=frame.rigid,
+        held=np.arange(BASE),
+        points=frame.plan.nodes[moving],
+        translations=6 * np.arange(len(moving))[:, None] + np.arange(3),
+        part_stiffness=MappingProxyType(parts),
+        loss_factors=MappingProxyType(dict(frame.plan.loss_factors)),
     )
 
 
-def _blade_section(blade: Dimensions, d: Dimensions) -> Section:
-    """A rectangle, thin along z. A sandwich keeps the share `bending_factor` of the solid's bending and torsional stiffness."""
-    w, t, layer = blade["width"], blade["thickness"], blade.get("layer")
-    steel = material(d["blades"]["material"])
-    E, G = _moduli(steel)
-    share = 1.0 if layer is None else layer["bending_factor"]
-    mass, rotary_y = _layered_inertia(w, t, layer, steel)
-    return Section(
-        axial=E * w * t,
-        torsion=share * G * w * t**3 / 3 * (1 - 0.63 * t / w),
-        bending_y=share * E * w * t**3 / 12,
-        bending_z=E * t * w**3 / 12,
-        mass=mass,
-        rotary_y=rotary_y,
-        rotary_z=mass * w**2 / 12,
-    )
+def _require_usable(whole: str, names: list[str], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> None:
+    if elements < 1:
+        raise _refused(whole, "elements", f"at least one element is needed, found {elements}", "Give a whole number from 1 on")
+    if cells is not None and "fmd" not in names:
+        raise _refused(whole, "cells", "there is no FMD whose load cells could be springs", "Name a stack that begins with fmd")
+    if joints and not BLADES.keys() & set(names):
+        raise _refused(whole, "joints", "there is no Clumod whose crossings could have joints", "Leave the joints away")
 
 
-def _layered_inertia(w: float, t: float, layer: Dimensions | None, steel: Material) -> tuple[float, float]:
-    """Mass [kg/m] and rotary inertia about the width [kg m] of the rectangle with its layer."""
-    if layer is None:
-        return steel.density * w * t, steel.density * w * t**3 / 12
-    excess = material(layer["material"]).density - steel.density
-    s = layer["thickness"]
-    return w * (steel.density * t + excess * s), w * (steel.density * t**3 + excess * s**3) / 12
-
-
-def _moduli(m: Material) -> tuple[float, float]:
-    """Young's and shear modulus [Pa]."""
-    if m.youngs_modulus is None or m.poisson_ratio is None:
-        raise ValueError(f"`{m.name}` needs Young's modulus and Poisson's ratio to be a beam")
-    return m.youngs_modulus, m.youngs_modulus / (2 * (1 + m.poisson_ratio))
-
-
-def _lumped(article: Article, number: int, blade: Dimensions, d: Dimensions) -> Inertia:
-    """What the beams lack at a station: the hub, and the blade as drawn less the blade without holes; about the station."""
-    drawn = [part for part in article.parts if part.name == f"hub-{number}" or part.name.startswith(blade["name"])]
-    total = drawn_inertia(Article(name="station", parts=tuple(drawn)))
-    if len(drawn) > 1:
-        whole = tuple(_without_holes(part) for part in drawn if not part.name.startswith("hub"))
-        total = total - drawn_inertia(Article(name="beam", parts=whole))
-    return total.about([0.0, 0.0, blade["z"]])
-
-
-def _without_holes(part: Part) -> Part:
-    return replace(part, shape=Shape(solids=part.shape.solids))
+def _refused(whole: str, field: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=f"article {whole}", field=field, problem=problem, remedy=remedy)
