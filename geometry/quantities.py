@@ -25,6 +25,7 @@ SI_UNITS = {
     "time": "s",
     "acceleration": "m/s^2",
     "density": "kg/m^3",
+    "pressure": "Pa",
     "moment of inertia": "kg m^2",
     "first moment": "kg m",
     "angle": "rad",
