@@ -65,11 +65,13 @@ def _by_matrix(contents: Contents, description: Description, n: int) -> DofMap:
     for name in ("rigid", "held"):
         if name not in contents:
             problem = "there is neither a map of the degrees of freedom (`dof`, `nodes`, `coordinates`) nor `rigid` and `held`"
-            raise contents.refused("dof", problem, "Add dof (n x 2: node, component 1 to 6, or 0), nodes (p) and coordinates (p x 3)")
+            raise contents.refused(
+                "dof", problem, "Add dof (n x 2: node, component 1 to 6, or 0), nodes (p) and coordinates (p x 3)"
+            )
     units = description.units
     if (units.length, units.mass, units.time) != (SI.length, SI.mass, SI.time):
         problem = f"`rigid` without `dof` says not what is a length, and the units are {units.name}"
-        raise contents.refused("rigid", problem, "Add dof, nodes and coordinates, or write all in SI with units = \"m-kg-N-s\"")
+        raise contents.refused("rigid", problem, 'Add dof, nodes and coordinates, or write all in SI with units = "m-kg-N-s"')
     points = contents.numbers("points", (-1, 3)) if "points" in contents else np.zeros((0, 3))
     translations = contents.whole("translations", (len(points), 3)) if len(points) else np.zeros((0, 3), dtype=np.intp)
     held = contents.whole("held", (-1,))
@@ -177,7 +179,9 @@ def _held(contents: Contents, description: Description, labels: Integers) -> Int
     interface = description.interface or tuple(contents.whole("interface", (-1,)).tolist() if "interface" in contents else ())
     if not interface:
         problem = "is missing: no node is named that the base carries"
-        raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy="Add interface = [node, ...]")
+        raise BadInput(
+            source=description.source, field="fe_model.interface", problem=problem, remedy="Add interface = [node, ...]"
+        )
     physical = labels[:, 1] > 0
     for node in interface:
         if not np.any(physical & (labels[:, 0] == node)):

@@ -82,4 +82,6 @@ def _require_reasonable(found: dict[str, Any], source: str) -> None:
     total = sum(int(dataset.size or 0) * dataset.dtype.itemsize for dataset in found.values())
     if total > LARGEST_BYTES:
         problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-        raise BadInput(source=source, problem=problem, remedy="Reduce the model (Craig-Bampton), or write K and M as sparse matrices")
+        raise BadInput(
+            source=source, problem=problem, remedy="Reduce the model (Craig-Bampton), or write K and M as sparse matrices"
+        )

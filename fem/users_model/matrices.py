@@ -151,7 +151,9 @@ def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: Do
     if empty.size:
         worst = empty[np.argmin(diagonal[empty])]
         what = f"{empty.size} degree(s) of freedom without {name}" if diagonal[worst] == 0 else f"a negative {name}"
-        problem = f"is not positive definite: {what}, such as {dofs.name(free[worst])}, {diagonal[worst]:.6g} [SI] on the diagonal"
+        problem = (
+            f"is not positive definite: {what}, such as {dofs.name(free[worst])}, {diagonal[worst]:.6g} [SI] on the diagonal"
+        )
         raise contents.refused(name, problem, _REMEDIES[name])
     factor = definite.factored(A)
     if factor.negative:

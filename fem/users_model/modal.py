@@ -77,7 +77,9 @@ def _frequency(contents: Contents) -> Array:
     if falls.size:
         k = int(falls[0])
         problem = f"must ascend, found {frequency[k]:.6g} Hz for mode {k + 1} and {frequency[k + 1]:.6g} Hz for mode {k + 2}"
-        remedy = "Sort the modes, the columns of participation and the damping together; it is not done here, since one may be sorted"
+        remedy = (
+            "Sort the modes, the columns of participation and the damping together; it is not done here, since one may be sorted"
+        )
         raise contents.refused("frequency", problem, remedy)
     return frequency
 
@@ -88,7 +90,9 @@ def _damping_ratio(contents: Contents, n: int) -> Array:
     if wrong.size:
         found = ratio[wrong[0]]
         problem = f"must be at least 0 and below 1, found {found:.6g} for mode {wrong[0] + 1}"
-        raise contents.refused("damping_ratio", problem, "Write the share of critical damping, 0.01 for 1 %" if found >= 1 else "Correct it")
+        raise contents.refused(
+            "damping_ratio", problem, "Write the share of critical damping, 0.01 for 1 %" if found >= 1 else "Correct it"
+        )
     return ratio
 
 
@@ -112,7 +116,9 @@ def _require_ratios_of(contents: Contents, ratio: Array, viscous: Array, structu
     worst = int(np.argmax(off))
     if off[worst] > 1e-3 * ratio[worst] + 1e-9 or np.any(np.diag(viscous) < -1e-9 * omega):
         problem = f"is {ratio[worst]:.6g} for mode {worst + 1} where the damping matrices make it {equivalent[worst]:.6g}"
-        raise contents.refused("damping_ratio", problem, "Write (C_rr + S_rr / omega_r) / (2 omega_r), with C in rad/s and S in rad²/s²")
+        raise contents.refused(
+            "damping_ratio", problem, "Write (C_rr + S_rr / omega_r) / (2 omega_r), with C in rad/s and S in rad²/s²"
+        )
 
 
 def _residual(contents: Contents) -> Array:

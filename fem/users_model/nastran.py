@@ -166,9 +166,7 @@ def _entries(name: str, group: tuple[list[Any], list[list[Any]]], path: Path) ->
     return values, labels[:, 2:], labels[:, :2], form == 6
 
 
-def _on_common_rows(
-    found: dict[str, tuple[Array, Integers, Integers, bool]], path: Path
-) -> tuple[dict[str, Sparse], Integers]:
+def _on_common_rows(found: dict[str, tuple[Array, Integers, Integers, bool]], path: Path) -> tuple[dict[str, Sparse], Integers]:
     """The matrices on the degrees of freedom that any of them names, ascending, and those (n, 2)."""
     from scipy.sparse import coo_array, csr_array
 

@@ -68,7 +68,9 @@ def require_as_stated(inertia: Inertia, description: Description, source: str) -
     if stated.mass is not None and abs(inertia.mass - stated.mass) > max(MASS * stated.mass, 3 * stated.mass_tolerance):
         ratio = inertia.mass / stated.mass
         problem = f"the matrices weigh {inertia.mass:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
-        raise BadInput(source=source, field=f"{description.source}: stated.mass", problem=problem, remedy=_slip(ratio, description))
+        raise BadInput(
+            source=source, field=f"{description.source}: stated.mass", problem=problem, remedy=_slip(ratio, description)
+        )
     if stated.cog is None:
         return
     cog = description.reference_point + inertia.first_moment / inertia.mass

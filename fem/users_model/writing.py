@@ -65,9 +65,7 @@ def _compressed(name: str, matrix: Any) -> dict[str, Array]:
 def _description(name: str, kind: str, point: Array) -> str:
     metres = ", ".join(f'"{value!r} m"' for value in point.tolist())
     title = "".join(letter for letter in name if letter.isprintable() and letter not in '"\\')
-    return (
-        f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
-    )
+    return f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
 
 
 def _save_npz(path: Path, arrays: dict[str, Array], text: str) -> None:
