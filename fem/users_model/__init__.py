@@ -1,7 +1,7 @@
 """Models that users bring: modal data or matrices from HDF5, npz and Nastran. The door to pyyeti's readers.
 
 =================== ================================================================================================
-reading             `read`, `is_model`: from a path to `Structure` or `Modes`
+reading             `read`, `load`, `is_model`: from a path to `Structure` or `Modes`; `load` with name and damping
 writing             `write`: a `Structure` or `Modes` into a file that `read` takes
 description         the TOML text that says what bare numbers mean
 units               systems of units such as mm-t-N-s
@@ -15,7 +15,7 @@ definite, stated    symmetry, signs of eigenvalues, rigid bodies, slips of units
 The formats are described in ``docs/own-model.md``.
 """
 
-from fem.users_model.reading import is_model, read
+from fem.users_model.reading import UsersModel, is_model, load, read
 from fem.users_model.writing import write
 
-__all__ = ["is_model", "read", "write"]
+__all__ = ["UsersModel", "is_model", "load", "read", "write"]

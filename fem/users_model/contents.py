@@ -1,4 +1,4 @@
-"""What a user's file holds, as arrays by name, and the judge of every single array: there, numbers, finite, real, the right shape."""
+"""What a user's file holds, as arrays by name, and the judge of every one: there, numbers, finite, real, of the right shape."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from geometry.keys import require_known, require_present
 LARGEST_BYTES = 4 * 2**30
 """What the arrays of one file may take in memory; it is compared with what the file declares before anything is read."""
 
+TOO_LARGE = "Reduce the model (Craig-Bampton), or write K and M as sparse matrices"
+"""What to do about more."""
+
 SPARSE = ("data", "indices", "indptr", "shape")
-"""A sparse matrix `name` is four arrays name/data, name/indices ...: SciPy's CSR, or its CSC, which is the same of a symmetric one."""
+"""A sparse matrix `name` is four arrays name/data, name/indices ...: SciPy's CSR or, the same for a symmetric one, CSC."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

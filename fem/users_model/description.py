@@ -166,8 +166,10 @@ def _names(value: Any, source: str) -> dict[str, str]:
 def _loss_factor(value: Any, source: str) -> float | None:
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 1:
-        raise _wrong(value, "at least 0 and below 1", source, f"{TABLE}.loss_factor", "Twice the damping ratio at resonance")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 2:
+        raise _wrong(
+            value, "at least 0 and below 2", source, f"{TABLE}.loss_factor", "It is twice the damping ratio at resonance"
+        )
     return float(value)
 
 

@@ -178,10 +178,8 @@ def _points(labels: Integers, nodes: Integers, coordinates: Array) -> tuple[Arra
 def _held(contents: Contents, description: Description, labels: Integers) -> Integers:
     interface = description.interface or tuple(contents.whole("interface", (-1,)).tolist() if "interface" in contents else ())
     if not interface:
-        problem = "is missing: no node is named that the base carries"
-        raise BadInput(
-            source=description.source, field="fe_model.interface", problem=problem, remedy="Add interface = [node, ...]"
-        )
+        problem, remedy = "is missing: no node is named that the base carries", "Add interface = [node, ...]"
+        raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
     physical = labels[:, 1] > 0
     for node in interface:
         if not np.any(physical & (labels[:, 0] == node)):

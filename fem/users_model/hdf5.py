@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.users_model.contents import LARGEST_BYTES, Contents
+from fem.users_model.contents import LARGEST_BYTES, TOO_LARGE, Contents
 from geometry.errors import BadInput
 
 ENDINGS = (".h5", ".hdf5", ".hdf")
@@ -82,6 +82,4 @@ def _require_reasonable(found: dict[str, Any], source: str) -> None:
     total = sum(int(dataset.size or 0) * dataset.dtype.itemsize for dataset in found.values())
     if total > LARGEST_BYTES:
         problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-        raise BadInput(
-            source=source, problem=problem, remedy="Reduce the model (Craig-Bampton), or write K and M as sparse matrices"
-        )
+        raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)

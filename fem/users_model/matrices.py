@@ -19,6 +19,7 @@ from fem.users_model import definite, stated
 from fem.users_model.contents import Contents
 from fem.users_model.description import Description
 from fem.users_model.dof_map import DofMap, dof_map
+from fem.users_model.units import UnitSystem
 from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
@@ -29,22 +30,23 @@ OPTIONAL = (
 )
 
 GROUNDED = 1e-5
-"""Largest (f_rigid / f_1)²: square of the frequency that K gives the free rigid body, by the lowest one with the interface held."""
+"""Largest (f_rigid / f_1)²: f_rigid is what K gives the free rigid body, f_1 the lowest frequency with the interface held."""
 
 NEGATIVE_MASS = 1e-6
 """What the base itself carries may be this share of the rigid mass below nothing: rounding."""
 
 
-def structure(contents: Contents, description: Description) -> Structure:
-    """The structure that K, M and the degrees of freedom in `contents` describe.
+def structure(contents: Contents, description: Description) -> tuple[Structure, Sparse | None]:
+    """The structure that K, M and the degrees of freedom in `contents` describe, and its viscous matrix C [SI] if there is one.
 
     Raises
     ------
     BadInput : whatever is wrong with them, with the file, the array, what was found and what to do.
     """
     contents.require(("stiffness", "mass"), OPTIONAL)
-    K, M = contents.matrix("stiffness"), contents.matrix("mass")
-    n = _one_size(contents, {"stiffness": K, "mass": M})
+    K = contents.matrix("stiffness")
+    n = K.shape[0]
+    M = _sized(contents, "mass", n)
     dofs = dof_map(contents, description, n)
     scale, u = dofs.scale, description.units
     K = _symmetric(contents, "stiffness", _converted(K, scale, u.energy), dofs)
@@ -62,26 +64,23 @@ def structure(contents: Contents, description: Description) -> Structure:
         loss_factors=loss_factors,
     )
     _require_mechanics(found, contents, description, dofs)
-    return found
+    return found, _viscous(contents, n, dofs, u)
 
 
-def viscous(contents: Contents, description: Description) -> Sparse | None:
-    """The viscous damping matrix C [SI] of `contents`, (n, n) sparse, None when there is none."""
+def _viscous(contents: Contents, n: int, dofs: DofMap, units: UnitSystem) -> Sparse | None:
     if "viscous" not in contents:
         return None
-    C = contents.matrix("viscous")
-    n = _one_size(contents, {"stiffness": contents.matrix("stiffness"), "viscous": C})
-    dofs = dof_map(contents, description, n)
-    return _symmetric(contents, "viscous", _converted(C, dofs.scale, description.units.energy * description.units.time), dofs)
+    C = _sized(contents, "viscous", n)
+    return _symmetric(contents, "viscous", _converted(C, dofs.scale, units.energy * units.time), dofs)
 
 
-def _one_size(contents: Contents, matrices: Mapping[str, Sparse]) -> int:
-    (first, A), *others = matrices.items()
-    for name, B in others:
-        if B.shape != A.shape:
-            problem = f"is {B.shape[0]} x {B.shape[1]} where {first} is {A.shape[0]} x {A.shape[1]}"
-            raise contents.refused(name, problem, "Write both for the same degrees of freedom, in the same order")
-    return int(A.shape[0])
+def _sized(contents: Contents, name: str, n: int) -> Sparse:
+    """The matrix `name`, which must be as large as the stiffness."""
+    A = contents.matrix(name)
+    if A.shape != (n, n):
+        problem = f"is {A.shape[0]} x {A.shape[1]} where stiffness is {n} x {n}"
+        raise contents.refused(name, problem, "Write both for the same degrees of freedom, in the same order")
+    return A
 
 
 def _converted(A: Sparse, scale: Array, energy: float) -> Sparse:
@@ -114,14 +113,13 @@ def _losses(
             problem = "is given beside a matrix `structural`"
             field = "fe_model.loss_factor"
             raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
-        S = contents.matrix("structural")
-        _one_size(contents, {"stiffness": K, "structural": S})
+        S = _sized(contents, "structural", dofs.scale.size)
         S = _symmetric(contents, "structural", _converted(S, dofs.scale, description.units.energy), dofs)
         # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
         diagonal = K.diagonal()
         g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))
-        if not 0 < g < 1:
-            problem = f"is {g:.3g} of the stiffness at most, no loss factor between 0 and 1"
+        if not 0 < g < 2:
+            problem = f"is {g:.3g} of the stiffness at most, no loss factor between 0 and 2"
             raise contents.refused("structural", problem, "Give the matrix that multiplies i, in the unit of K")
         return MappingProxyType({"damped": S / g, "rest": K - S / g}), MappingProxyType({"damped": g})
     if whole:
@@ -135,13 +133,26 @@ def _losses(
 def _require_mechanics(found: Structure, contents: Contents, description: Description, dofs: DofMap) -> None:
     free = found.free
     K, M = (A[free][:, free] for A in (found.stiffness, found.mass))
-    mass = _factored(contents, "mass", M, free, dofs)
+    heavy = _heavy(contents, M, free, dofs)
+    mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
     remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
     inertia = stated.require_rigid_body(found.rigid_mass, contents.source, "mass", remedy)
     stated.require_as_stated(inertia, description, contents.source)
-    _require_mass_of_base(found, free, mass, contents)
+    _require_mass_of_base(found, free[heavy], mass, contents)
     stiffness = _factored(contents, "stiffness", K, free, dofs)
     _require_not_grounded(found, free, K, M, stiffness, contents)
+
+
+def _heavy(contents: Contents, M: Sparse, free: Integers, dofs: DofMap) -> Integers:
+    """Those of the free degrees of freedom that have mass; lumped masses leave rotations without, in rows that are empty."""
+    without = M.diagonal() == 0
+    coupled = np.flatnonzero(without & (abs(M).sum(axis=1) > 0))
+    if coupled.size:
+        problem = f"is indefinite: {dofs.name(free[coupled[0]])} has no mass of its own but is coupled to others"
+        raise contents.refused("mass", problem, "Write the whole consistent mass matrix, or a lumped one without couplings")
+    if np.all(without):
+        raise contents.refused("mass", "gives no free degree of freedom any mass", "Check that this is M, and the interface")
+    return np.flatnonzero(~without)
 
 
 def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap) -> definite.Factored:
@@ -168,7 +179,7 @@ def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: Do
 
 
 _REMEDIES = {
-    "mass": "Give every free degree of freedom its mass, or condense out those that have none (OMIT, Guyan: exact for them)",
+    "mass": "Check how M was made; a motion that has no mass must have an empty row",
     "stiffness": "Look for parts that hang loose and for an interface that leaves a mechanism, and name all its nodes; "
     "write K unreduced by loads or pre-stress beyond buckling",
 }

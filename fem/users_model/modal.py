@@ -77,9 +77,7 @@ def _frequency(contents: Contents) -> Array:
     if falls.size:
         k = int(falls[0])
         problem = f"must ascend, found {frequency[k]:.6g} Hz for mode {k + 1} and {frequency[k + 1]:.6g} Hz for mode {k + 2}"
-        remedy = (
-            "Sort the modes, the columns of participation and the damping together; it is not done here, since one may be sorted"
-        )
+        remedy = "Sort frequency, damping_ratio and the columns of participation together; here nobody knows which are sorted"
         raise contents.refused("frequency", problem, remedy)
     return frequency
 

@@ -1,6 +1,6 @@
-"""Nastran's matrices through pyyeti: OUTPUT4 files and punched DMIG, with grid points from bulk data or an external superelement.
+"""Nastran's matrices through pyyeti: OUTPUT4 files and punched DMIG, with grid points from bulk data.
 
-What every row of an OUTPUT4 matrix is does not stand in it. With an ``.asm`` beside it (EXTSEOUT) the order is that of the SECONCT
+An OUTPUT4 matrix does not say what its rows are. With an ``.asm`` beside it (EXTSEOUT) the order is that of the SECONCT
 card, grid points of the boundary and modal points; with other bulk data it is the a-set of all grid points with six components
 each, ascending. Punched DMIG name their rows. Displacement coordinate systems are honoured: the rigid motions are pyyeti's.
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.users_model.contents import LARGEST_BYTES, Contents
+from fem.users_model.contents import LARGEST_BYTES, TOO_LARGE, Contents
 from geometry.errors import BadInput
 
 _WRITE_AGAIN = "Write it again with numpy.savez_compressed"
@@ -45,9 +45,7 @@ def _require_reasonable(archive: zipfile.ZipFile, source: str) -> None:
     total = sum(entry.file_size for entry in archive.infolist())
     if total > LARGEST_BYTES:
         problem = f"its arrays would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-        raise BadInput(
-            source=source, problem=problem, remedy="Reduce the model (Craig-Bampton), or write K and M as sparse matrices"
-        )
+        raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, source: str) -> Any:
@@ -59,9 +57,7 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, source: str) -> Any
         shape, _, dtype = header(file)
         if dtype.hasobject:
             problem = "holds Python objects, which only pickle could read, and that could run anything"
-            raise BadInput(
-                source=source, field=name, problem=problem, remedy="Convert it to an array of numbers before saving it"
-            )
+            raise BadInput(source=source, field=name, problem=problem, remedy="Save an array of numbers")
         declared = int(np.prod([int(side) for side in shape], dtype=object)) * dtype.itemsize
         if declared != entry.file_size - file.tell():
             problem = f"declares {declared} bytes where {entry.file_size - file.tell()} follow"

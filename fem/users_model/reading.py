@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
+from fem.damping import Damping
 from fem.modes import Modes
-from fem.structure import Sparse, Structure
+from fem.structure import Structure
 from fem.users_model import description as descriptions
 from fem.users_model import hdf5, matrices, modal, nastran, npz
 from fem.users_model.contents import LARGEST_BYTES, Contents
@@ -29,6 +31,22 @@ def is_model(path: str | Path) -> bool:
         return False
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UsersModel:
+    """All that a user's model says.
+
+    Attributes
+    ----------
+    name : as described, else that of the file
+    model : K and M as `Structure`, or modal data as `Modes`
+    damping : of a structure whose file says it (loss factors, viscous matrix); None when it does not, and for modal data
+    """
+
+    name: str
+    model: Structure | Modes
+    damping: Damping | None = None
+
+
 def read(path: str | Path) -> Structure | Modes:
     """The model in `path`: a description (TOML), or the data themselves with a description inside or beside them.
 
@@ -38,23 +56,18 @@ def read(path: str | Path) -> Structure | Modes:
     ------
     BadInput : whatever is wrong with it: the file, the field, what was found and what to do.
     """
+    return load(path).model
+
+
+def load(path: str | Path) -> UsersModel:
+    """As `read`, with the name and the damping that the user gave."""
     contents, description = _opened(Path(path))
     if description.kind == "modal":
-        return modal.modes(contents, description)
-    return matrices.structure(contents, description)
-
-
-def viscous_damping(path: str | Path) -> Sparse | None:
-    """The viscous damping matrix C (n, n) [SI] of the model in `path`, for the degrees of freedom of its `Structure`; None without.
-
-    Raises
-    ------
-    BadInput : as `read`, or the model is modal data, whose damping is in `Modes`.
-    """
-    contents, description = _opened(Path(path))
-    if description.kind == "modal":
-        raise BadInput(source=str(path), problem="holds modal data, no matrices", remedy="Its damping is that of its modes")
-    return matrices.viscous(contents, description)
+        return UsersModel(name=description.name, model=modal.modes(contents, description))
+    structure, viscous = matrices.structure(contents, description)
+    damped = viscous is not None or bool(structure.loss_factors)
+    damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
+    return UsersModel(name=description.name, model=structure, damping=damping)
 
 
 def _opened(path: Path) -> tuple[Contents, Description]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.structure import Integers
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.quantities import quantity
@@ -40,10 +41,10 @@ class UnitSystem:
     mass: float
     time: float
 
-    def coordinates(self, components: Array) -> Array:
+    def coordinates(self, components: Integers) -> Array:
         """SI value (n,) of one unit of each degree of freedom, from its component 1 to 6, 0 for a generalised one."""
         scales = np.array([self.length * np.sqrt(self.mass), *3 * [self.length], *3 * [1.0]])
-        return np.asarray(scales[components.astype(np.intp)])
+        return np.asarray(scales[components])
 
     @property
     def energy(self) -> float:
@@ -52,7 +53,7 @@ class UnitSystem:
 
     @property
     def six(self) -> Array:
-        """SI value (6,) of a unit of each of x, y, z (pure numbers, motion against motion) and of the lever arms of the rotations."""
+        """SI value (6,) of the lever arms of the six motions: none of x, y and z, the unit of length of the rotations."""
         return np.array([1.0, 1.0, 1.0, *3 * [self.length]])
 
 
@@ -64,7 +65,7 @@ def unit_system(text: object, source: str, field: str = "fe_model.units") -> Uni
 
     Raises
     ------
-    BadInput : not of that form, a unit that pint does not know or of another dimension, a force that is not mass × length / time².
+    BadInput : not of that form, a unit not known or of another dimension, a force that is not mass × length / time².
     """
     words = [word.strip() for word in text.split("-")] if isinstance(text, str) else []
     if len(words) not in (3, 4):

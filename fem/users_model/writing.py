@@ -37,12 +37,12 @@ def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
     atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
 
 
-def _of_modes(modes: Modes) -> dict[str, Array]:
+def _of_modes(modes: Modes) -> dict[str, Any]:
     names = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
     return {name: getattr(modes, name) for name in names}
 
 
-def _of_structure(structure: Structure) -> dict[str, Array]:
+def _of_structure(structure: Structure) -> dict[str, Any]:
     arrays = {"rigid": structure.rigid, "held": structure.held}
     if len(structure.points):
         arrays |= {"points": structure.points, "translations": structure.translations}
@@ -53,7 +53,7 @@ def _of_structure(structure: Structure) -> dict[str, Array]:
     return arrays | {key: array for name, matrix in matrices.items() for key, array in _compressed(name, matrix).items()}
 
 
-def _compressed(name: str, matrix: Any) -> dict[str, Array]:
+def _compressed(name: str, matrix: Any) -> dict[str, Any]:
     from scipy.sparse import csr_array
 
     A = csr_array(matrix)
@@ -68,13 +68,13 @@ def _description(name: str, kind: str, point: Array) -> str:
     return f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
 
 
-def _save_npz(path: Path, arrays: dict[str, Array], text: str) -> None:
+def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:
     packed = io.BytesIO()  # numpy adds its ending to the name of a path that lacks it
     np.savez_compressed(packed, allow_pickle=False, **arrays, description=np.array(text))
     path.write_bytes(packed.getvalue())
 
 
-def _save_hdf5(path: Path, arrays: dict[str, Array], text: str) -> None:
+def _save_hdf5(path: Path, arrays: dict[str, Any], text: str) -> None:
     import h5py
 
     with h5py.File(path, "w") as file:
