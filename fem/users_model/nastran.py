@@ -74,7 +74,6 @@ def _guarded(path: Path, work: Callable[[], Any]) -> Any:
 
 def _output4(path: Path) -> dict[str, Sparse]:
     from pyyeti.nastran import op4
-    from scipy.sparse import csr_array
 
     _require_whole_records(path)
     names, matrices, _, types = op4.OP4().listload(str(path), sparse=True)
@@ -86,7 +85,7 @@ def _output4(path: Path) -> dict[str, Sparse]:
         if kind not in (1, 2, 3, 4):
             problem = f"has the type {kind}, no real or complex number of Nastran"
             raise BadInput(source=str(path), field=name, problem=problem, remedy="Write the file again")
-        found[name] = csr_array(matrix)
+        found[name] = matrix
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,6 +102,7 @@ def _beside(path: Path) -> Description:
 
 def _contents(path: Path, description: Description) -> Contents:
     _require_file(path)
+    _require_digest(path, description)
     if path.suffix.lower() in nastran.ENDINGS:
         return nastran.read(path, description)
     if description.grids is not None or description.matrices:
@@ -108,6 +110,18 @@ def _contents(path: Path, description: Description) -> Contents:
         problem = f"is for Nastran files, and {path.name} is none"
         raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
     return _data(path)
+
+
+def _require_digest(path: Path, description: Description) -> None:
+    """What mechanics cannot tell, such as one wrong rotary inertia, a checksum can."""
+    if not description.sha256:
+        return
+    with path.open("rb") as file:
+        found = hashlib.file_digest(file, "sha256").hexdigest()
+    if found != description.sha256:
+        problem = f"is not that of {path.name}, which has {found}"
+        remedy = "Copy the file again; if it was changed on purpose, write its new sum here"
+        raise BadInput(source=description.source, field="fe_model.sha256", problem=problem, remedy=remedy)
 
 
 def _data(path: Path) -> Contents:
