@@ -136,12 +136,11 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
     K, M = (A[free][:, free] for A in (found.stiffness, found.mass))
     heavy = _heavy(contents, M, free, dofs)
     mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
-    remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
-    inertia = stated.require_rigid_body(found.rigid_mass, contents.source, "mass", remedy)
-    stated.require_as_stated(inertia, description, contents.source)
     _require_mass_of_base(found, free[heavy], mass, contents)
     stiffness = _factored(contents, "stiffness", K, free, dofs)
     _require_not_grounded(found, free, K, M, stiffness, contents)
+    remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
+    stated.require_as_stated(stated.require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description)
 
 
 def _heavy(contents: Contents, M: Sparse, free: Integers, dofs: DofMap) -> Integers:
@@ -188,9 +187,13 @@ _REMEDIES = {
 
 def _require_mass_of_base(found: Structure, free: Integers, mass: definite.Factored, contents: Contents) -> None:
     """The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative."""
+    inertia = np.diag(found.rigid_mass)
+    if np.any(inertia <= 0):
+        problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {MOTIONS[int(np.argmin(inertia))]}"
+        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M, and the coordinates")
     coupling = np.asarray((found.mass @ found.rigid)[free])
     left = found.rigid_mass - coupling.T @ mass.solve(coupling)
-    scale = 1 / np.sqrt(np.diag(found.rigid_mass))
+    scale = 1 / np.sqrt(inertia)
     values, vectors = np.linalg.eigh(scale[:, None] * left * scale)
     if values[0] < -NEGATIVE_MASS:
         axis = MOTIONS[int(np.argmax(np.abs(vectors[:, 0])))]

@@ -208,6 +208,9 @@ def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
     else:
         uset, _ = bulk.bulk2uset(_text(grids))
         boundary, kept = np.zeros(0, dtype=bool), np.ones(len(uset), dtype=bool)
+    if not len(uset):
+        problem = "holds no GRID card; INCLUDE statements are not followed"
+        raise BadInput(source=str(grids), problem=problem, remedy="Name the file that holds the grid points themselves")
     labels, table = uset.index.to_frame().to_numpy(dtype=np.intp), uset.to_numpy(dtype=np.float64)
     rigid = np.asarray(nastran.rbgeom_uset(uset, np.zeros(3)), dtype=np.float64)
     first = np.flatnonzero(labels[:, 1] == 1)  # of the six rows of a grid point: place, system, its origin and its three axes

@@ -83,7 +83,13 @@ def _opened(path: Path) -> tuple[Contents, Description]:
         description = _beside(path)
         return _contents(path, description), description
     contents = _data(path)
-    return contents, descriptions.embedded(contents.description, path) if contents.description is not None else _beside(path)
+    if contents.description is None:
+        description = _beside(path)
+        _require_digest(path, description)
+    else:
+        description = descriptions.embedded(contents.description, path)
+    _require_not_nastrans(path, description)
+    return contents, description
 
 
 def _beside(path: Path) -> Description:
@@ -105,11 +111,15 @@ def _contents(path: Path, description: Description) -> Contents:
     _require_digest(path, description)
     if path.suffix.lower() in nastran.ENDINGS:
         return nastran.read(path, description)
+    _require_not_nastrans(path, description)
+    return _data(path)
+
+
+def _require_not_nastrans(path: Path, description: Description) -> None:
     if description.grids is not None or description.matrices:
         field = "fe_model.grids" if description.grids is not None else "fe_model.matrices"
         problem = f"is for Nastran files, and {path.name} is none"
         raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
-    return _data(path)
 
 
 def _require_digest(path: Path, description: Description) -> None:

@@ -61,11 +61,11 @@ def loose(arrays: Arrays) -> None:
 
 
 def hinge(arrays: Arrays) -> None:
-    """Node 110 may turn about x for nothing."""
-    dof = 57
-    K = arrays["stiffness"]
-    K -= np.outer(K[:, dof], K[dof]) / K[dof, dof]
-    K[dof, dof] = 1e-14 * np.abs(K).max()
+    """Nodes 109 and 110 may turn about x together for nothing: the stiffness of that motion is taken out, and no other."""
+    v = np.zeros(60)
+    v[[51, 57]] = 1.0
+    Kv = arrays["stiffness"] @ v
+    arrays["stiffness"] -= np.outer(Kv, Kv) / (v @ Kv)
 
 
 def without(name: str, instead: str | None = None) -> Callable[[Arrays], None]:
@@ -82,15 +82,15 @@ def more_mass_at_the_base(arrays: Arrays) -> None:
 
 
 SPOILT: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
-    "unsymmetric K": (bump("stiffness", 13, 7, 0.01), "stiffness", ("not symmetric", "row 14, column 8", "node 103, y")),
-    "unsymmetric M": (bump("mass", 30, 24, 0.01), "mass", ("not symmetric", "row 31, column 25")),
+    "unsymmetric K": (bump("stiffness", 13, 7, 0.01), "stiffness", ("not symmetric", "row 8, column 14", "node 103, y")),
+    "unsymmetric M": (bump("mass", 30, 24, 0.01), "mass", ("not symmetric", "row 25, column 31")),
     "negative K": (scaled("stiffness", -1.0), "stiffness", ("not positive definite", "negative")),
     "indefinite K": (put("stiffness", lambda K: K - 3e3 * np.diag(np.abs(K).max(axis=1)) / 3e3), "stiffness", ("definite",)),
     "indefinite M": (entry("mass", (30, 30), -1e-6), "mass", ("not positive definite", "node 106, x")),
     "M without mass": (entry("mass", (30, 30), 0.0), "mass", ("no mass of its own", "node 106, x")),
     "mass of base": (more_mass_at_the_base, "mass", ("indefinite", "interface itself carries")),
     "loose part": (loose, "stiffness", ()),
-    "mechanism": (hinge, "stiffness", ("cost no energy", "node 110, alpha")),
+    "mechanism": (hinge, "stiffness", ("cost no energy", "alpha")),
     "grounded": (bump("stiffness", 59, 59, 0.5), "stiffness", ("K @ rigid must be 0", "Hz")),
     "coordinates in metres": (scaled("coordinates", 1e-3), "stiffness", ("K @ rigid", "unit")),
     "coordinates in another order": (put("coordinates", lambda x: x[::-1]), "stiffness", ("K @ rigid", "coordinates")),
@@ -167,8 +167,8 @@ def test_wrong_descriptions_are_refused(case: str, arrays: Arrays, saved: Callab
     [
         ("m-kg-N-s", "0.001", "tonnes"),
         ("mm-kg-mN-s", "0.001", "tonnes"),
-        ("in-lbf-s", "0.1751", ""),
-        ("mm-kt-kN-s", "1000", "tonnes"),
+        ("in-lbf-s", "0.1751", "lbf"),
+        ("mm-Gg-kN-s", "1000", "tonnes"),
     ],
 )
 def test_a_slip_of_units_is_found_by_the_stated_mass_and_named(
@@ -381,15 +381,14 @@ def nastran_files(bracket_files: Path, tmp_path: Path) -> Path:
 
 
 NASTRAN: dict[str, tuple[str, str, str, str, str, tuple[str, ...]]] = {
-    "no grids": ("bracket-op4.toml", "bracket.bdf", "GRID", "GRIX", "", ("bracket.bdf",)),
+    "no grids": ("bracket-op4.toml", "bracket.bdf", "GRID", "GRIX", "", ("no GRID",)),
     "matrix missing": ("bracket-pch.toml", "bracket-pch.toml", '"k"', '"kk"', "KK", ("missing", "k, m", "stiffness")),
-    "triangle twice": ("bracket-pch.toml", "bracket.pch", "*                    101               1 ", "*                    101               1 ", "", ()),
     "rectangular": ("bracket-pch.toml", "bracket.pch", "DMIG    K              0       6", "DMIG    K              0       9", "k", ("form 9",)),
     "complex": ("bracket-pch.toml", "bracket.pch", "DMIG    M              0       6       2", "DMIG    M              0       6       4", "m", ("complex",)),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", [name for name in NASTRAN if name != "triangle twice"])
+@pytest.mark.parametrize("case", NASTRAN)
 def test_spoilt_nastran_files_are_refused(case: str, nastran_files: Path) -> None:
     model, spoilt, old, new, field, words = NASTRAN[case]
     users_model.read(nastran_files / model)
@@ -405,7 +404,7 @@ def test_an_entry_punched_twice_is_refused(nastran_files: Path) -> None:
     lines = path.read_text(encoding="utf-8").splitlines()
     column = next(k for k, line in enumerate(lines) if line.startswith("DMIG*   M"))
     path.write_text("\n".join([*lines[: column + 2], *lines[column:]]) + "\n", encoding="utf-8")
-    refused(nastran_files / "bracket-pch.toml", "m", "more than once")
+    refused(nastran_files / "bracket-pch.toml", "mass", "more than once")
 
 
 def test_an_output4_with_a_broken_record_is_refused(nastran_files: Path) -> None:
@@ -419,4 +418,4 @@ def test_includes_are_not_followed(nastran_files: Path) -> None:
     grids = nastran_files / "bracket.bdf"
     grids.rename(nastran_files / "inner.bdf")
     grids.write_text("INCLUDE 'inner.bdf'\n", encoding="utf-8")
-    refused(nastran_files / "bracket-op4.toml", "", "bracket.bdf")
+    refused(nastran_files / "bracket-op4.toml", "", "bracket.bdf", "INCLUDE")
