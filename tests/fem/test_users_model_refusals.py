@@ -355,7 +355,9 @@ def test_a_checksum_finds_a_file_that_was_changed(bracket_files: Path, tmp_path:
     refused(tmp_path / "model.toml", "fe_model.sha256", "is not that of bracket.op4")
 
 
-@pytest.mark.parametrize(("name", "words"), [("a.h5", "no such file"), ("a.mat", "ending"), ("a.op4", "no such file")])
+@pytest.mark.parametrize(
+    ("name", "words"), [("a.h5", "no such file"), ("a.mat", "ending"), ("a.op4", "no such file"), ("a.toml", "no such file")]
+)
 def test_what_is_not_there_is_said(tmp_path: Path, name: str, words: str) -> None:
     refused(tmp_path / name, "", words)
 
@@ -380,12 +382,14 @@ def nastran_files(bracket_files: Path, tmp_path: Path) -> Path:
     return tmp_path
 
 
+K_HEADER, M_HEADER = (f"DMIG    {name}              0       6       2" for name in "KM")
+
 NASTRAN: dict[str, tuple[str, str, str, str, str, tuple[str, ...]]] = {
     "no grids": ("bracket-op4.toml", "bracket.bdf", "GRID", "GRIX", "", ("no GRID",)),
-    "matrix missing": ("bracket-pch.toml", "bracket-pch.toml", '"k"', '"kk"', "KK", ("missing", "k, m", "stiffness")),
-    "rectangular": ("bracket-pch.toml", "bracket.pch", "DMIG    K              0       6", "DMIG    K              0       9", "k", ("form 9",)),
-    "complex": ("bracket-pch.toml", "bracket.pch", "DMIG    M              0       6       2", "DMIG    M              0       6       4", "m", ("complex",)),
-}  # fmt: skip
+    "missing": ("bracket-pch.toml", "bracket-pch.toml", '"k"', '"kk"', "KK", ("missing", "k, m", "stiffness")),
+    "rectangular": ("bracket-pch.toml", "bracket.pch", K_HEADER, K_HEADER.replace("6", "9"), "k", ("form 9",)),
+    "complex": ("bracket-pch.toml", "bracket.pch", M_HEADER, M_HEADER[:-1] + "4", "m", ("complex",)),
+}
 
 
 @pytest.mark.parametrize("case", NASTRAN)
