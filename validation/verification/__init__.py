@@ -11,9 +11,12 @@ from validation.verification.check import Check
 
 FAMILIES = {
     "beams": "beam elements",
+    "sandwich": "sandwich beam",
     "solids": "solid elements",
     "essentials": "patch test, rigid body, units",
     "plates": "NAFEMS plates",
+    "rods": "an article meshed by gmsh",
+    "dynamic_mass": "dynamic mass",
 }
 """Families by the name that the command takes, in the order of the table; each is a module of this package."""
 

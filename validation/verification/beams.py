@@ -141,7 +141,7 @@ def _order(case: Case, expected: float, number: int, mesh: Mesh) -> Found:
 
 def _rigid_inertia(mesh: Mesh) -> Found:
     """Zero, and the largest deviation of the bar's rigid mass matrix from that of a rod with thick ends [share of its scale]."""
-    frame, expected = assemble(plan(RECTANGLE, STOCKY, 2)), _rod(RECTANGLE, STOCKY)
+    frame, expected = assemble(plan(RECTANGLE, STOCKY, 2)), rod_inertia(RECTANGLE, STOCKY)
     return Found(0.0, _largest_share(frame.rigid.T @ frame.mass @ frame.rigid - expected, expected))
 
 
@@ -152,7 +152,7 @@ def _rigid_motion(mesh: Mesh) -> Found:
     return Found(0.0, float(np.max(np.abs(K @ T) / np.max(np.abs(K) @ np.abs(T), axis=0))))
 
 
-def _rod(section: Section, length: float) -> Array:
+def rod_inertia(section: Section, length: float) -> Array:
     """6x6 mass matrix about its start of a straight rod along `ALONG` with rotary inertia of its section."""
     axes = np.array([ALONG, np.cross(SIDE, ALONG), SIDE])
     mass, polar = section.mass * length, section.rotary_y + section.rotary_z

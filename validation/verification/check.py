@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from validation.progress import counted
@@ -114,7 +114,12 @@ def once(function: Callable[P, T]) -> Callable[P, T]:
     """`function`, whose results are kept for the other rows of the same run."""
     kept = cache(function)
     _FORGET.append(kept.cache_clear)
-    return kept
+
+    @wraps(function)
+    def remembered(*args: P.args, **kwargs: P.kwargs) -> T:
+        return kept(*args, **kwargs)  # type: ignore[arg-type]  # every argument of a row is hashable
+
+    return remembered
 
 
 def forget() -> None:

@@ -2,9 +2,9 @@
 
 Bending is governed by w' = psi + Q / (k G A), psi' = M / (E I), M' = -Q - rho I omega² psi, Q' = -rho A omega² w with w the
 deflection, psi the rotation of the section, M the bending moment and Q the shear force (Timoshenko 1921; Huang 1961). What these
-four do over a whole beam is the exponential of their matrix, so a frequency equation is one 2 x 2 determinant of it, and the answer
-to a moving clamp is one linear system. Letting k G A go to infinity and rho I to zero leaves Euler and Bernoulli's beam, whose roots
-come here from the textbook equation instead.
+four become over a whole beam is the exponential of their matrix, so a frequency equation is one 2 x 2 determinant of it, and the
+answer to a moving clamp is one linear system. Letting k G A go to infinity and rho I to zero leaves Euler and Bernoulli's beam,
+whose roots come here from the textbook equation instead.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def timoshenko_free(beam: Beam, count: int) -> Array:
 
 def rod_fixed_free(wave_speed: float, length: float, count: int) -> Array:
     """Frequencies (count,) [Hz] of a rod in tension or torsion, clamped at one end: ``(2 k - 1) c / (4 L)``."""
-    return (2 * np.arange(1, count + 1) - 1) * wave_speed / (4 * length)
+    return np.asarray((2 * np.arange(1, count + 1) - 1) * wave_speed / (4 * length), dtype=np.float64)
 
 
 def rod_dynamic_mass(inertia: float, wave_speed: complex, length: float, frequency: npt.ArrayLike) -> ComplexMatrix:

@@ -107,21 +107,21 @@ def _rigid(mesh: SolidMesh) -> Array:
     return rigid_motion(mesh.points).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)
 
 
-def _lowest(sides: Array, material: Material, nodes: int) -> float:
-    matrices = solid(block(sides, (2, 2, 2), nodes), material)
+def _lowest(scale: float, material: Material, nodes: int) -> float:
+    """Lowest elastic frequency of the free block whose sides are `scale` times `SIDES`."""
+    matrices = solid(block([scale * side for side in SIDES], (2, 2, 2), nodes), material)
     return float(np.sqrt(floating(matrices.stiffness, matrices.mass, 8).values[6]) / (2 * np.pi))
 
 
 def _scaled(nodes: int, mesh: Mesh) -> Found:
     """Lowest elastic frequency [Hz] of the block, and three times that of the block three times as long, wide and high."""
-    sides = np.array(SIDES)
-    return Found(_lowest(sides, steel(0.3), nodes), 3 * _lowest(3 * sides, steel(0.3), nodes))
+    return Found(_lowest(1.0, steel(0.3), nodes), 3 * _lowest(3.0, steel(0.3), nodes))
 
 
 def _millimetres(nodes: int, mesh: Mesh) -> Found:
     """Lowest elastic frequency [Hz] in metres, kilograms and pascals, and in millimetres, tonnes and megapascals."""
     other = Material(name="steel", density=7850e-12, youngs_modulus=YOUNG / 1e6, poisson_ratio=0.3)
-    return Found(_lowest(np.array(SIDES), steel(0.3), nodes), _lowest(1e3 * np.array(SIDES), other, nodes))
+    return Found(_lowest(1.0, steel(0.3), nodes), _lowest(1e3, other, nodes))
 
 
 def _row(what: str, source: str, unit: str, bar: float, find: Callable[[Mesh], Found], error: Error) -> Check:

@@ -16,7 +16,9 @@ HEX, TET = 27, 10
 PART = "block"
 
 
-def block(sides: Sequence[float], counts: Sequence[int], nodes: int = HEX, bent: Callable[[Array], Array] | None = None) -> SolidMesh:
+def block(
+    sides: Sequence[float], counts: Sequence[int], nodes: int = HEX, bent: Callable[[Array], Array] | None = None
+) -> SolidMesh:
     """A block from the origin to `sides` [m] in `counts` cells along each side, every cell six tetrahedra where `nodes` is TET.
 
     `bent` gives the places (p, 3) [m] of the mesh's points instead of their straight ones.

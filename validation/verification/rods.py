@@ -1,4 +1,4 @@
-"""Rows about the way from an article to its modes: a round rod drawn, meshed by gmsh with curved tetrahedra, and clamped at its foot.
+"""Rows about the way from an article to its modes: a round rod, drawn, meshed by gmsh and clamped at its foot.
 
 Torsion of a round rod warps no section, so that the wave equation is exact in space and at the clamp.
 """
@@ -78,7 +78,9 @@ def _bending(mesh: Mesh) -> Found:
 
 CHECKS: tuple[Check, ...] = (
     Check(family=FAMILY, what="Round rod by gmsh: mass", source="rho pi d² L / 4", unit="kg", bar=5e-4, find=_mass),
-    Check(family=FAMILY, what="Round rod by gmsh: inertia about its axis", source="m d² / 8", unit="kg m²", bar=1e-3, find=_polar),
+    Check(
+        family=FAMILY, what="Round rod by gmsh: inertia about its axis", source="m d² / 8", unit="kg m²", bar=1e-3, find=_polar
+    ),
     *(
         Check(
             family=FAMILY,

@@ -1,13 +1,13 @@
 """Rows about the sandwich element: a simply supported beam of two faces and a soft layer, after Mead and Markus.
 
-With w = W sin(k x) the slip follows as a cosine, and the layer acts as a spring in series with the faces' stretching: per width, the
-bending stiffness at the wave number k is
+With w = W sin(k x) the slip follows as a cosine, and the layer acts as a spring in series with the faces' stretching: per width,
+the bending stiffness at the wave number k is
 
     B(k) = E t³ / 6 + E t d² / 2 * g / (1 + g),    g = 2 G_c / (E t s k²),    d = t + s,
 
-from two loose faces at short waves to the bonded section at long ones (Ross, Ungar and Kerwin 1959; Mead and Markus, J. Sound Vib.
-10, 1969, 163-175). A loss factor of the layer makes G_c complex; to first order the mode loses what share of its energy the layer
-stores, d ln B / d ln G_c.
+from two loose faces at short waves to the bonded section at long ones (Ross, Ungar and Kerwin 1959; Mead and Markus, J. Sound
+Vib. 10, 1969, 163-175). A loss factor of the layer makes G_c complex; to first order a mode has of it the share of its energy
+that the layer stores, d ln B / d ln G_c.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def _modes(mesh: Mesh) -> tuple[Array, Array]:
 
     frame = _beam(ELEMENTS[mesh])
     free = _free(frame)
-    K, M = sum(frame.stiffness.values())[free], frame.mass[free]
+    K, M = sum(frame.stiffness.values(), np.zeros_like(frame.mass))[free], frame.mass[free]
     squares, shapes = eigh(K, M, subset_by_index=[0, MODES - 1])
     stored = np.einsum("ir,ij,jr->r", shapes, frame.stiffness["layer"][free], shapes)
     return np.sqrt(squares) / (2 * np.pi), stored / squares

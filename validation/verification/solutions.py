@@ -1,17 +1,16 @@
-"""Eigenfrequencies of the bodies that the table checks, clamped or free, small ones dense and large ones by shift and invert."""
+"""Eigenfrequencies of the bodies that the table checks, small ones dense and large ones by shift and invert."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
 
 import numpy as np
 
 from fem.eigen import Eigenpairs, floating_shift, lowest
 from fem.solid.elasticity import Matrices, assemble
-from fem.solid.mesh import Integers, SolidMesh
-from fem.structure import Sparse, Structure, rigid_motion
+from fem.solid.mesh import SolidMesh
+from fem.structure import Sparse
 from geometry.arrays import Array
 from geometry.materials import Material
+
 
 def frequencies(K: Array, M: Array, count: int, *, rigid: int = 0) -> Array:
     """The lowest `count` elastic frequencies [Hz], above `rigid` rigid motions; dense."""
@@ -28,20 +27,4 @@ def floating(K: Sparse, M: Sparse, count: int) -> Eigenpairs:
 
 def solid(mesh: SolidMesh, material: Material) -> Matrices:
     """Stiffness and mass of a mesh of one material."""
-    materials: Mapping[str, Material] = dict.fromkeys(mesh.parts, material)
-    return assemble(mesh, materials)
-
-
-def clamped(mesh: SolidMesh, material: Material, held: Integers) -> Structure:
-    """The solid on a base that carries the points `held` along, about the origin."""
-    matrices = solid(mesh, material)
-    dofs = np.arange(3 * len(mesh.points)).reshape(-1, 3)
-    rigid = rigid_motion(mesh.points).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)
-    return Structure(
-        stiffness=matrices.stiffness,
-        mass=matrices.mass,
-        rigid=rigid,
-        held=dofs[held].ravel(),
-        points=mesh.points,
-        translations=dofs,
-    )
+    return assemble(mesh, dict.fromkeys(mesh.parts, material))
