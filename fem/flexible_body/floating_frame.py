@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from fem.factorisers import factorise
-from fem.flexible_body.linearised import Linearised, frequencies
 from fem.flexible_body.running import finite, running
 from fem.structure import Integers, Structure
 from geometry.arrays import Array
@@ -64,15 +63,17 @@ def floating_frame(
     with running("make a flexible body of the solid") as exudyn:
         from exudyn import FEM
 
-        solid = _matrices(FEM, structure)
-        solid.ComputeHurtyCraigBamptonModes([held.tolist()], nEigenModes=count, computationMode=FEM.HCBstaticModeSelection.RBE2)
+        tools: Any = FEM
+
+        solid = _matrices(tools, structure)
+        solid.ComputeHurtyCraigBamptonModes([held.tolist()], nEigenModes=count, computationMode=tools.HCBstaticModeSelection.RBE2)
         ascending = np.argsort(solid.eigenValues)
         modes = finite(solid.modeBasis["matrix"][:, ascending], "find the modes of the solid")
         modes = _with_static(structure, solid, modes)
         solid.modeBasis["matrix"] = modes
         container = exudyn.SystemContainer()
         system = container.AddSystem()
-        body = FEM.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=exudyn.NodeType.RotationRxyz)
+        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=exudyn.NodeType.RotationRxyz)
         made = body.AddObjectFFRFreducedOrder(
             system,
             initialVelocity=[0.0] * 3 if velocity is None else velocity.tolist(),
@@ -89,36 +90,14 @@ def floating_frame(
     )
 
 
-def linearised(body: FloatingFrame, count: int) -> Linearised:
-    """Small motions of `body` by exudyn: matrices on its free frame, the lowest `count` frequencies with the frame held.
-
-    Raises
-    ------
-    CheckFailed : exudyn failed.
-    """
-    task = "linearise the flexible body"
-    with running(task):
-        mass, stiffness, _damping = body.system.ComputeLinearizedSystem()
-        squares, shapes = body.system.ComputeODE2Eigenvalues(
-            constrainedCoordinates=list(range(6)), numberOfEigenvalues=count, useAbsoluteValues=False
-        )
-    n = len(mass)
-    return Linearised(
-        mass=finite(mass, task),
-        stiffness=finite(stiffness, task),
-        constraints=np.zeros((n, 0)),
-        rigid=np.eye(n, 6),
-        frequency=frequencies(squares, task),
-        shapes=finite(shapes, task),
-    )
-
-
 def _matrices(fem: Any, structure: Structure) -> Any:
     """Exudyn's `FEMinterface` with the structure's points and matrices, ordered point by point, from the reference point."""
     order = structure.translations.ravel()
     solid = fem.FEMinterface()
     solid.nodes = {"Position": structure.points - structure.reference_point}
-    solid.massMatrix, solid.stiffnessMatrix = (matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness))
+    solid.massMatrix, solid.stiffnessMatrix = (
+        matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness)
+    )
     return solid
 
 

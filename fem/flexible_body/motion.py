@@ -7,6 +7,7 @@ end, works out the velocity of every point of the solid and weighs it with the s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def now(structure: Structure, body: FloatingFrame) -> Flight:
         kinds = exudyn.OutputVariableType
         output = [kinds.Position, kinds.Velocity, kinds.RotationMatrix, kinds.AngularVelocity]
         place, velocity, rotation, spin = (np.array(body.system.GetNodeOutput(body.node, kind)) for kind in output)
-        q, rate = (finite(read(), "integrate") for read in _readers(body))
+        q, rate = (finite(values, "integrate") for values in _coordinates(body))
     A, order = rotation.reshape(3, 3), structure.translations.ravel()
     shape, shape_rate = ((body.modes @ x[6:]).reshape(-1, 3) for x in (q, rate))
     arms = (structure.points - structure.reference_point + shape) @ A.T
@@ -81,5 +82,6 @@ def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) 
     return now(structure, body)
 
 
-def _readers(body: FloatingFrame) -> tuple[object, object]:
-    return body.system.systemData.GetODE2Coordinates, body.system.systemData.GetODE2Coordinates_t
+def _coordinates(body: FloatingFrame) -> tuple[Any, Any]:
+    data = body.system.systemData
+    return data.GetODE2Coordinates(), data.GetODE2Coordinates_t()

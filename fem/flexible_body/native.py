@@ -8,7 +8,8 @@ takes the strain of the reference state off, so that a straight beam may point a
 the frame.
 
 A sandwich is what it is in the workshop: two beams as faces and, between them, springs for the layer that only shears. Its
-torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their warping.
+torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their
+warping.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ class _Builder:
     def __init__(self, exudyn: Any, plan: Plan) -> None:
         from exudyn import itemInterface
 
-        self.exudyn, self.items, self.plan = exudyn, itemInterface, plan
+        self.exudyn, self.plan = exudyn, plan
+        self.items: Any = itemInterface
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
         self.points: list[Array] = []
