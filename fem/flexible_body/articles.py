@@ -26,7 +26,7 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 
-ELEMENTS = 12
+ELEMENTS = 8
 """In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 1e-4."""
 
 EXTRA = 10

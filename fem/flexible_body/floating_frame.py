@@ -25,6 +25,14 @@ REDUNDANT = 1e-8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Flight:
+    """How a free body sets off: `velocity` (3,) [m/s] of its frame and `angular_velocity` (3,) [rad/s], undeformed."""
+
+    velocity: Array
+    angular_velocity: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FloatingFrame:
     """A flexible body in exudyn.
 
@@ -32,8 +40,8 @@ class FloatingFrame:
     ----------
     container : owns `system`, which dies with it
     system : exudyn's `MainSystem`, assembled: the body alone, free
-    node : number of its frame's node; its six coordinates come first, then those of the modes
-    body : number of the object
+    node : number of its frame's node; its coordinates come first, then those of the modes
+    frame_coordinates : six with angles, which are good for small motions; seven with Euler parameters, which turn anywhere
     modes : (3 p, m) what the modes do to the points, x, y, z of one after the other
     eigenvalues : (k,) [(rad/s)²] that exudyn found for the full matrices
     """
@@ -41,18 +49,16 @@ class FloatingFrame:
     container: Any
     system: Any
     node: int
-    body: int
+    frame_coordinates: int
     modes: Array
     eigenvalues: Array
 
 
-def floating_frame(
-    structure: Structure, count: int, *, velocity: Array | None = None, angular_velocity: Array | None = None
-) -> FloatingFrame:
+def floating_frame(structure: Structure, count: int, *, flight: Flight | None = None) -> FloatingFrame:
     """`structure` as exudyn's flexible body with `count` modes of its held base and the static answers of the others.
 
-    Its frame is the base, at the structure's reference point, and starts with `velocity` (3,) [m/s] and `angular_velocity` (3,)
-    [rad/s].
+    Its frame is the base, at the structure's reference point. Without a `flight` it is at rest and ready to be linearised: angles
+    about x, y, z, that about y short of a right angle. With one it sets off, turns by Euler parameters and as far as it likes.
 
     Raises
     ------
@@ -73,21 +79,24 @@ def floating_frame(
         solid.modeBasis["matrix"] = modes
         container = exudyn.SystemContainer()
         system = container.AddSystem()
-        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=exudyn.NodeType.RotationRxyz)
-        made = body.AddObjectFFRFreducedOrder(
-            system,
-            initialVelocity=[0.0] * 3 if velocity is None else velocity.tolist(),
-            initialAngularVelocity=[0.0] * 3 if angular_velocity is None else angular_velocity.tolist(),
-        )
+        nodes = exudyn.NodeType
+        kind = nodes.RotationRxyz if flight is None else nodes.RotationEulerParameters
+        velocities = {} if flight is None else _setting_off(flight)
+        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=kind)
+        made = body.AddObjectFFRFreducedOrder(system, **velocities)
         system.Assemble()
     return FloatingFrame(
         container=container,
         system=system,
         node=int(made["nRigidBody"]),
-        body=int(made["oFFRFreducedOrder"]),
+        frame_coordinates=6 if flight is None else 7,
         modes=modes,
         eigenvalues=solid.eigenValues[ascending],
     )
+
+
+def _setting_off(flight: Flight) -> dict[str, list[float]]:
+    return {"initialVelocity": flight.velocity.tolist(), "initialAngularVelocity": flight.angular_velocity.tolist()}
 
 
 def _matrices(fem: Any, structure: Structure) -> Any:
