@@ -1,0 +1,182 @@
+"""Joints of Clumod's beam model from local solid models: what hub, blade roots and mast do that beams and rigid hubs do not.
+
+A crossing is cut out of the drawing: a piece of the mast with its hubs and the roots of its blades, no frequency in sight. It is
+built twice from the same dimensions, as hexahedra and as the beam model's own beams, both held at the lower end of the mast. Unit
+loads at the other ends - the ports - give the flexibility of each, 6 x 6 a port; ends of the solid carry and report them as the
+mean over the cut section. The difference of the two stiffnesses, expanded to all ports by rigid motion, is the joint: added to
+the beams it gives them the flexibility of the solid, and nothing else. The mast's foot on the elastic flange is a joint as well.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.beam_clumod import AXES, MAST, Joint, Port
+from fem.beam_clumod import plan as beams
+from fem.factorisers import factorise
+from fem.frame import assemble
+from fem.held_base import hold
+from fem.structure import Structure
+from geometry.arrays import Array
+from geometry.articles import clumod
+from geometry.articles.dimensions import Dimensions
+from geometry.frames import rigid_transformation_6
+
+STUB = 0.75
+"""Length of a blade's root beyond the collars, in widths of the blade: where the plate has become a beam."""
+
+SLEEVE = 1.0
+"""Length of mast beyond the collars, in diameters of the mast."""
+
+ELEMENTS = 24
+"""Of a half-blade in the local beam model, which shall be exact."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Piece:
+    """A piece of Clumod between two heights of the mast.
+
+    Attributes
+    ----------
+    dimensions : as of a Clumod that ends where the piece ends; its flange reaches up to the lower end, unless `foot`
+    blades : names of those whose roots belong to the piece
+    ports : its free ends
+    base : (3,) [m] the middle of its held section
+    foot : whether the flange itself belongs to it
+    """
+
+    dimensions: Dimensions
+    blades: tuple[str, ...]
+    ports: tuple[Port, ...]
+    base: Array
+    foot: bool = False
+
+
+def joints(blades: Sequence[str], d: Dimensions, *, size: float = 0.02) -> tuple[Joint, ...]:
+    """The joints of Clumod with the `blades` named, for `fem.beam.build`; `size` [m] is that of the local solids' cells.
+
+    Raises
+    ------
+    BadInput, CheckFailed : a local solid that cannot be meshed or factorised.
+    """
+    return tuple(joint(piece, d, size) for piece in pieces(blades, d))
+
+
+def joint(piece: Piece, d: Dimensions, size: float) -> Joint:
+    """What the solid `piece` adds to the stiffness of its beams, between its lower end and its ports."""
+    added = np.linalg.inv(solid_flexibility(piece, size)) - np.linalg.inv(beam_flexibility(piece))
+    T = np.hstack([-np.vstack([rigid_transformation_6(place(port, d) - piece.base) for port in piece.ports]), np.eye(len(added))])
+    held = Port(member=MAST, at=float(piece.base[2]))
+    return Joint(ports=(held, *piece.ports), stiffness=T.T @ ((added + added.T) / 2) @ T)
+
+
+def pieces(blades: Sequence[str], d: Dimensions) -> Iterator[Piece]:
+    """The foot of the mast, then its hubs from bottom to top, neighbours in one piece when they stand close together."""
+    sleeve = SLEEVE * d["mast"]["outer_diameter"]
+    yield _foot(d, sleeve)
+    for group in _neighbours(d, sleeve):
+        low, high = _collars(group[0])[0] - sleeve, _collars(group[-1])[1] + sleeve
+        yield _crossing(d, group, tuple(b["name"] for b in group if b["name"] in blades), low, min(high, d["mast"]["top"]))
+
+
+def beam_flexibility(piece: Piece) -> Array:
+    """Displacements and rotations of the ports (6 k, 6 k) for unit forces and moments there, by the beam model."""
+    frame = assemble(beams(piece.blades, piece.dimensions, elements=ELEMENTS))
+    stiffness = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
+    places = np.array([place(port, piece.dimensions) for port in piece.ports])
+    nodes = [int(np.argmin(np.linalg.norm(frame.plan.nodes[list(frame.moving)] - p, axis=1))) for p in places]
+    dofs = np.concatenate([6 * node + np.arange(6) for node in nodes])
+    free = np.arange(6, len(stiffness))
+    loads = np.zeros((len(stiffness), len(dofs)))
+    loads[dofs, np.arange(len(dofs))] = 1.0
+    return np.asarray(np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])[dofs - 6])
+
+
+def solid_flexibility(piece: Piece, size: float) -> Array:
+    """The same by hexahedra."""
+    solid = _solid(piece, size)
+    held = hold(solid)
+    B = np.hstack([_mean(solid, piece, port) for port in piece.ports])[held.free]
+    return np.asarray(B.T @ factorise(held.stiffness, definite=True).solve(B))
+
+
+def place(port: Port, d: Dimensions) -> Array:
+    """Where a port is (3,) [m], in Clumod's frame."""
+    if port.member == MAST:
+        return np.array([0.0, 0.0, port.at])
+    blade = next(blade for blade in d["blade"] if blade["name"] == port.member)
+    return np.array([0.0, 0.0, blade["z"]]) + port.at * AXES[blade["axis"]]
+
+
+def _solid(piece: Piece, size: float) -> Structure:
+    from fem.solid.layers import hexahedra
+    from fem.solid.model import of_mesh
+
+    article = clumod.build(piece.blades, piece.dimensions)
+    parts = [part for part in article.parts if piece.foot or part.name != "flange"]
+    sizes, cuts = ([2 * size, size], [piece.dimensions["flange"]["height"]]) if piece.foot else ([size], [])
+    mesh = hexahedra(parts, sizes=sizes, cuts=cuts)
+    return of_mesh(mesh, {part.name: part.material for part in parts})
+
+
+def _mean(solid: Structure, piece: Piece, port: Port) -> Array:
+    """Weights (N, 6) whose products with the displacements are the mean motion of the port's section.
+
+    The motion is that of the rigid section nearest to the displacements, every node weighted with its share of the cells' mass.
+    """
+    d = piece.dimensions
+    axis = 2 if port.member == MAST else int(np.argmax(np.abs(place(port, d)[:2])))
+    middle = place(port, d)
+    nodes = np.flatnonzero(np.abs(solid.points[:, axis] - middle[axis]) < 1e-7)
+    dofs = solid.translations[nodes]
+    if port.member != MAST:  # of a plane through all blades, the one blade's section only
+        thickness = next(blade["thickness"] for blade in d["blade"] if blade["name"] == port.member)
+        dofs = dofs[np.abs(solid.points[nodes, 2] - middle[2]) < thickness / 2 + 1e-7]
+    own = dofs.ravel()
+    R = solid.rigid[own] @ np.linalg.inv(rigid_transformation_6(middle))
+    weights = (solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1)[own]
+    result = np.zeros((len(solid.rigid), 6))
+    result[own] = (weights[:, None] * R) @ np.linalg.inv(R.T @ (weights[:, None] * R))
+    return result
+
+
+def _foot(d: Dimensions, sleeve: float) -> Piece:
+    top = d["flange"]["height"] + sleeve
+    own = {**copy.deepcopy(d), "blade": [], "mast": {**d["mast"], "top": top}}
+    return Piece(dimensions=own, blades=(), ports=(Port(member=MAST, at=top),), base=np.zeros(3), foot=True)
+
+
+def _crossing(d: Dimensions, group: list[Dimensions], blades: tuple[str, ...], low: float, high: float) -> Piece:
+    own = copy.deepcopy(d)
+    own["flange"] |= {"height": low}
+    own["mast"] |= {"top": high}
+    own["blade"] = [{**blade, "length": 2 * _end(blade, d)} for blade in group]
+    ports = [Port(member=b["name"], at=side * _end(b, d)) for b in group if b["name"] in blades for side in (1, -1)]
+    if high < d["mast"]["top"]:
+        ports.append(Port(member=MAST, at=high))
+    return Piece(dimensions=own, blades=blades, ports=tuple(ports), base=np.array([0.0, 0.0, low]))
+
+
+def _neighbours(d: Dimensions, sleeve: float) -> list[list[Dimensions]]:
+    """Hubs from bottom to top, in groups whose sleeves would run into one another."""
+    groups: list[list[Dimensions]] = []
+    for blade in sorted(d["blade"], key=lambda blade: float(blade["z"])):
+        if groups and _collars(blade)[0] - _collars(groups[-1][-1])[1] < 2 * sleeve:
+            groups[-1].append(blade)
+        else:
+            groups.append([blade])
+    return groups
+
+
+def _collars(blade: Dimensions) -> tuple[float, float]:
+    """Heights [m] between which the hub of a blade reaches."""
+    half = (blade["thickness"] + blade["hub_height"]) / 2
+    return blade["z"] - half, blade["z"] + half
+
+
+def _end(blade: Dimensions, d: Dimensions) -> float:
+    return float(min(d["hubs"]["outer_diameter"] / 2 + STUB * blade["width"], blade["length"] / 2))
