@@ -1,8 +1,8 @@
 """`Condensed`: kept modes with the static answer of the truncated ones, where structural damping couples the two.
 
-A lossy layer (silicone, loss factor 0.2) pulls at kept and truncated modes alike, and the truncated ones give way. With all modes in
-hand the modal stiffness is A = Omega² + i S; taking the truncated ones as static leaves the Schur complement of A on the kept ones.
-It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static solution with the complex
+A lossy layer (silicone, loss factor 0.2) pulls at kept and truncated modes alike, and the truncated ones give way. With all
+modes in hand the modal stiffness is A = Omega² + i S; taking the truncated ones as static leaves the Schur complement of A on
+the kept ones. It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static solution with the complex
 stiffness (Guyan's condensation, AIAA Journal 3, 1965, in modal coordinates):
 
     F_kk = (M Phi)^T (K + i S)^-1 M Phi,   F_kb = (M Phi)^T (K + i S)^-1 P,   F_bb = P^T (K + i S)^-1 P

@@ -39,8 +39,8 @@ class Modes:
     shapes : (N, n) mass-normalised, all degrees of freedom, zero where held; (0, n) when they were not asked for
     viscous : (n, n) modal damping matrix C [rad/s], symmetric; its diagonal is 2 zeta omega
     structural : (n, n) modal structural damping S [rad²/s²], symmetric, as in K + i S; zero when there is none
-    condensed : what structural damping makes of squared frequencies, participation and residual when it couples kept and truncated
-        modes; None where it does not
+    condensed : what structural damping, which couples kept and truncated modes, makes of squared frequencies, participation
+        and residual; None where there is none
 
     `damping_ratio` repeats the equivalent of both on the diagonal: (C_rr + S_rr / omega_r) / (2 omega_r).
     """
