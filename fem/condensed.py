@@ -2,8 +2,8 @@
 
 A lossy layer (silicone, loss factor 0.2) pulls at kept and truncated modes alike, and the truncated ones give way. With all
 modes in hand the modal stiffness is A = Omega² + i S; taking the truncated ones as static leaves the Schur complement of A on
-the kept ones. It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static solution with the complex
-stiffness (Guyan's condensation, AIAA Journal 3, 1965, in modal coordinates):
+the kept ones. It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static solution
+with the complex stiffness (Guyan's condensation, AIAA Journal 3, 1965, in modal coordinates):
 
     F_kk = (M Phi)^T (K + i S)^-1 M Phi,   F_kb = (M Phi)^T (K + i S)^-1 P,   F_bb = P^T (K + i S)^-1 P
     A = F_kk^-1,   L^T = A F_kb,   R = F_bb - F_kb^T A F_kb.
@@ -61,10 +61,12 @@ def condensed(held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor:
     n = shapes.shape[1]
     loads = np.hstack([held.mass @ shapes, held.load])
     F = loads.T @ _solved(held, S, greatest, factor)(loads)
-    A = np.linalg.inv(F[:n, :n])
+    A = np.asarray(np.linalg.inv(F[:n, :n]), dtype=np.complex128)
     L = A @ F[:n, n:]
     R = F[n:, n:] - F[n:, :n] @ L
-    return Condensed(stiffness=(A + A.T) / 2, participation=np.ascontiguousarray(L.T), residual=(R + R.T) / 2)
+    return Condensed(
+        stiffness=np.asarray((A + A.T) / 2), participation=np.ascontiguousarray(L.T), residual=np.asarray((R + R.T) / 2)
+    )
 
 
 def _solved(held: HeldBase, S: Sparse, greatest: float, factor: Factor | None) -> Callable[[Array], ComplexArray]:

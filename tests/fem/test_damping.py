@@ -47,7 +47,7 @@ def test_each_part_damps_its_own_mode() -> None:
 
 
 def test_off_diagonal_entries_stay() -> None:
-    """The silicone of the short blade couples modes: entries beside the diagonal as large as the geometric mean of theirs on it."""
+    """The silicone of the short blade couples modes: entries beside the diagonal reach the geometric mean of those on it."""
     S = fixed_base(beam.structure("clumod-4"), 10).structural
     coupling = np.abs(S) / np.sqrt(np.outer(np.diag(S), np.diag(S)))
     assert (coupling - np.eye(10)).max() > 0.5
