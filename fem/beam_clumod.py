@@ -89,13 +89,13 @@ class Joint:
             object.__setattr__(self, name, matrix)
 
 
-def reach(radius: float, width: float) -> float:
-    """Distance [m] from the mast's axis at which a half-blade of `width` leaves collars of `radius` and begins to bend.
+def reach(radius: float, thickness: float) -> float:
+    """Distance [m] from the mast's axis at which a half-blade of `thickness` between collars of `radius` begins to bend.
 
-    The mean over the width of the collar's edge, sqrt(radius² - y²), nothing where the blade is wider than the collar.
+    The collars end at their radius; a plate is not held rigidly at the edge of what clamps it but yields over a length of the
+    order of its thickness, of which a third is taken. The solid model stands beside the beam to say what this rule is worth.
     """
-    y = min(radius, width / 2)
-    return float((y * np.sqrt(radius**2 - y**2) + radius**2 * np.arcsin(y / radius)) / width)
+    return radius - thickness / 3
 
 
 def plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Plan:
@@ -168,7 +168,7 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
 
 
 def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
-    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top)), d["mast"]["top"]]
+    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top))]
     for lower, upper in pairwise(edges):
         if upper < lower:
             raise BadInput(
@@ -191,7 +191,8 @@ def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int,
 
 def _mast_heights(d: Dimensions, pieces: list[_Rigid], asked: list[float], elements: int) -> list[float]:
     """Heights of the nodes: the flange, the ends of rigid pieces, those asked for, the top, and enough between."""
-    ends = [end for piece in pieces for end in (piece.bottom, piece.top)]
+    # a collar may stand out beyond the mast's top
+    ends = [min(end, d["mast"]["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
     fixed = sorted({d["flange"]["height"], d["mast"]["top"], *ends, *asked})
     return _between(fixed, (fixed[-1] - fixed[0]) / elements)
 
@@ -210,7 +211,7 @@ def _half_blade(
 
 def _ends(blade: Dimensions, d: Dimensions) -> tuple[float, float]:
     """Distances [m] from the mast's axis at which a half-blade begins and ends."""
-    return reach(d["hubs"]["outer_diameter"] / 2, blade["width"]), blade["length"] / 2
+    return reach(d["hubs"]["outer_diameter"] / 2, blade["thickness"]), blade["length"] / 2
 
 
 def _between(fixed: list[float], step: float) -> list[float]:

@@ -49,7 +49,17 @@ class Condensed:
     residual: ComplexArray
 
 
-def condensed(held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor: Factor | None) -> Condensed:
+def alike(loss_factor: float, squares: Array, participation: Array, residual: Array) -> Condensed:
+    """Where all parts have one loss factor, K (1 + i eta) couples nothing; `squares` (n,) [rad²/s²] are Omega²."""
+    turn = 1 + 1j * loss_factor
+    return Condensed(
+        stiffness=np.diag(turn * squares), participation=participation.astype(np.complex128), residual=np.asarray(residual / turn)
+    )
+
+
+def condensed(
+    held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor: Factor | None = None, factoriser: str | None = None
+) -> Condensed:
     """The truncated modes of `held` condensed on `shapes` (f, n).
 
     Parameters
@@ -57,10 +67,11 @@ def condensed(held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor:
     S : (f, f) sparse structural damping, sum of eta_p K_p
     greatest : the greatest loss factor in it
     factor : of the stiffness, if there is one already
+    factoriser : name as in `fem.factorisers`
     """
     n = shapes.shape[1]
     loads = np.hstack([held.mass @ shapes, held.load])
-    F = loads.T @ _solved(held, S, greatest, factor)(loads)
+    F = loads.T @ _solution(held, S, greatest, factor, factoriser)(loads)
     A = np.asarray(np.linalg.inv(F[:n, :n]), dtype=np.complex128)
     L = A @ F[:n, n:]
     R = F[n:, n:] - F[n:, :n] @ L
@@ -69,12 +80,15 @@ def condensed(held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor:
     )
 
 
-def _solved(held: HeldBase, S: Sparse, greatest: float, factor: Factor | None) -> Callable[[Array], ComplexArray]:
+def _solution(
+    held: HeldBase, S: Sparse, greatest: float, factor: Factor | None, factoriser: str | None
+) -> Callable[[Array], ComplexArray]:
     """Solution with K + i S."""
-    if factor is None or greatest > MODERATE or held.free.size <= FEW:
-        whole = factorise((held.stiffness + 1j * S).tocsc())
+    if greatest > MODERATE or held.free.size <= FEW:
+        whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
         return lambda B: np.asarray(whole.solve(B.astype(np.complex128)))
-    return lambda B: _series(S, factor, B)
+    real = factor or factorise(held.stiffness, definite=True, name=factoriser)
+    return lambda B: _series(S, real, B)
 
 
 def _series(S: Sparse, factor: Factor, B: Array) -> ComplexArray:

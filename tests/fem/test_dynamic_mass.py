@@ -14,8 +14,10 @@ from numpy.testing import assert_allclose
 from scipy.sparse import csr_array
 
 from fem import beam, dynamic_mass, reduction
+from fem import condensed as condensation
 from fem.damping import Damping
-from fem.modes import Modes, fixed_base
+from fem.held_base import hold
+from fem.modes import Modes, fixed_base, with_damping
 from fem.structure import Structure, rigid_motion
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
@@ -97,11 +99,28 @@ def test_condensation_of_uniform_damping_changes_nothing_but_the_residual() -> N
     structure = chain(np.ones(5), np.full((5, 6), 1e4))
     share = {"all": structure.stiffness}
     modes = fixed_base(replace(structure, part_stiffness=share), 12, damping=Damping(loss_factors={"all": 0.1}))
+    held = hold(structure)
+    solved = condensation.condensed(held, 0.1 * held.stiffness, 0.1, modes.shapes[held.free])
     assert modes.condensed is not None
+    for name in ("stiffness", "participation", "residual"):
+        scale = np.abs(getattr(solved, name)).max()
+        assert_allclose(getattr(modes.condensed, name), getattr(solved, name), rtol=0, atol=1e-9 * scale)
     squares = (2 * np.pi * modes.frequency) ** 2
     assert_allclose(modes.condensed.stiffness, np.diag(squares) * (1 + 0.1j), rtol=0, atol=1e-9 * squares[-1])
     assert_allclose(modes.condensed.participation, modes.participation, atol=1e-9)
     assert_allclose(modes.condensed.residual, modes.residual / (1 + 0.1j), atol=1e-12)
+
+
+def test_the_series_with_real_factors_is_the_complex_solution(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Large structures take the series; here it is forced on a small one."""
+    complex_solution = clumod_modes().condensed
+    monkeypatch.setattr(condensation, "FEW", 0)
+    series = with_damping(replace(clumod_modes(), condensed=None), clumod()).condensed
+    assert complex_solution is not None
+    assert series is not None
+    for name in ("stiffness", "participation", "residual"):
+        expected = getattr(complex_solution, name)
+        assert_allclose(getattr(series, name), expected, rtol=0, atol=1e-7 * np.abs(expected).max())
 
 
 def test_it_is_symmetric_and_takes_energy_out() -> None:
