@@ -1,9 +1,9 @@
 """`Condensed`: kept modes with the static answer of the truncated ones, where structural damping couples the two.
 
-A lossy layer (silicone, loss factor 0.2) pulls at kept and truncated modes alike, and the truncated ones give way. With all modes in
-hand the modal stiffness is A = Omega² + i S; taking the truncated ones as static leaves the Schur complement of A on the kept ones.
-It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static solution with the complex
-stiffness (Guyan's condensation, AIAA Journal 3, 1965, in modal coordinates):
+A lossy layer (silicone, loss factor 0.2) pulls at kept and truncated modes alike, and the truncated ones give way. With all
+modes in hand the modal stiffness is A = Omega² + i S; taking the truncated ones as static leaves the Schur complement of A on
+the kept ones. It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static solution
+with the complex stiffness (Guyan's condensation, AIAA Journal 3, 1965, in modal coordinates):
 
     F_kk = (M Phi)^T (K + i S)^-1 M Phi,   F_kb = (M Phi)^T (K + i S)^-1 P,   F_bb = P^T (K + i S)^-1 P
     A = F_kk^-1,   L^T = A F_kb,   R = F_bb - F_kb^T A F_kb.
@@ -49,7 +49,17 @@ class Condensed:
     residual: ComplexArray
 
 
-def condensed(held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor: Factor | None) -> Condensed:
+def alike(loss_factor: float, squares: Array, participation: Array, residual: Array) -> Condensed:
+    """Where all parts have one loss factor, K (1 + i eta) couples nothing; `squares` (n,) [rad²/s²] are Omega²."""
+    turn = 1 + 1j * loss_factor
+    return Condensed(
+        stiffness=np.diag(turn * squares), participation=participation.astype(np.complex128), residual=np.asarray(residual / turn)
+    )
+
+
+def condensed(
+    held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor: Factor | None = None, factoriser: str | None = None
+) -> Condensed:
     """The truncated modes of `held` condensed on `shapes` (f, n).
 
     Parameters
@@ -57,22 +67,28 @@ def condensed(held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor:
     S : (f, f) sparse structural damping, sum of eta_p K_p
     greatest : the greatest loss factor in it
     factor : of the stiffness, if there is one already
+    factoriser : name as in `fem.factorisers`
     """
     n = shapes.shape[1]
     loads = np.hstack([held.mass @ shapes, held.load])
-    F = loads.T @ _solved(held, S, greatest, factor)(loads)
-    A = np.linalg.inv(F[:n, :n])
+    F = loads.T @ _solution(held, S, greatest, factor, factoriser)(loads)
+    A = np.asarray(np.linalg.inv(F[:n, :n]), dtype=np.complex128)
     L = A @ F[:n, n:]
     R = F[n:, n:] - F[n:, :n] @ L
-    return Condensed(stiffness=(A + A.T) / 2, participation=np.ascontiguousarray(L.T), residual=(R + R.T) / 2)
+    return Condensed(
+        stiffness=np.asarray((A + A.T) / 2), participation=np.ascontiguousarray(L.T), residual=np.asarray((R + R.T) / 2)
+    )
 
 
-def _solved(held: HeldBase, S: Sparse, greatest: float, factor: Factor | None) -> Callable[[Array], ComplexArray]:
+def _solution(
+    held: HeldBase, S: Sparse, greatest: float, factor: Factor | None, factoriser: str | None
+) -> Callable[[Array], ComplexArray]:
     """Solution with K + i S."""
-    if factor is None or greatest > MODERATE or held.free.size <= FEW:
-        whole = factorise((held.stiffness + 1j * S).tocsc())
+    if greatest > MODERATE or held.free.size <= FEW:
+        whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
         return lambda B: np.asarray(whole.solve(B.astype(np.complex128)))
-    return lambda B: _series(S, factor, B)
+    real = factor or factorise(held.stiffness, definite=True, name=factoriser)
+    return lambda B: _series(S, real, B)
 
 
 def _series(S: Sparse, factor: Factor, B: Array) -> ComplexArray:

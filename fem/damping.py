@@ -107,6 +107,12 @@ def structural_matrix(damping: Damping, structure: Structure) -> Sparse:
     return sum(matrices[1:], start=matrices[0]) if matrices else None
 
 
+def uniform_loss_factor(damping: Damping, structure: Structure) -> float | None:
+    """The loss factor that all parts have in common, so that S = eta K; None when they differ."""
+    factors = {damping.loss_factors.get(part, 0.0) for part in structure.part_stiffness}
+    return factors.pop() if len(factors) == 1 else None
+
+
 def viscous_matrix(damping: Damping, structure: Structure) -> Sparse:
     """The viscous matrix (N, N) of the degrees of freedom, or None.
 

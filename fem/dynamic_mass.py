@@ -85,14 +85,19 @@ def _elastic(modes: Modes, omega: Array, residual: bool) -> ComplexArray:
     C, L, R = modes.viscous, modes.participation.astype(np.complex128), modes.residual.astype(np.complex128)
     if residual and modes.condensed is not None:
         A, L, R = modes.condensed.stiffness, modes.condensed.participation, modes.condensed.residual
-    static = R if residual else np.zeros((6, 6))
+    return _kept(A, C, L, omega) + (R if residual else np.zeros_like(R))
+
+
+def _kept(A: ComplexArray, C: Array, L: ComplexArray, omega: Array) -> ComplexArray:
+    """L (A + i omega C - omega²)^-1 L^T at every line, by the cheapest of three ways."""
+    w = omega[:, None]
     if _diagonal(A) and _diagonal(C):
-        return static + _summed(np.diag(A) + 1j * omega[:, None] * np.diag(C) - omega[:, None] ** 2, L, L.T)
+        return _summed(np.asarray(np.diag(A) + 1j * w * np.diag(C) - w**2), L, L.T)
     if not np.any(C):
         mu, V = np.linalg.eig(A)
         if np.linalg.cond(V) < WELL_CONDITIONED:
-            return static + _summed(mu - omega[:, None] ** 2, L @ V, np.linalg.solve(V, L.T))
-    return static + _solved(A, C, L, omega)
+            return _summed(np.asarray(mu - w**2), L @ V, np.asarray(np.linalg.solve(V, L.T)))
+    return _solved(A, C, L, omega)
 
 
 def _diagonal(matrix: Array | ComplexArray) -> bool:

@@ -1,8 +1,9 @@
 """The lowest eigenvalues of K x = lambda M x, by inverting about a shift.
 
 Both methods look for the largest theta = 1 / (lambda - sigma), where a discretised structure keeps its lowest modes well apart
-from a crowd that nobody wants (Ericsson & Ruhe, Math. Comp. 35, 1980). Small problems go to LAPACK, large ones to ARPACK's Lanczos
-iteration with a factorised K - sigma M. A mass matrix may be singular (joints without mass): such directions have theta = 0.
+from a crowd that nobody wants (Ericsson & Ruhe, Math. Comp. 35, 1980). Small problems go to LAPACK, large ones to ARPACK's
+Lanczos iteration with a factorised K - sigma M. A mass matrix may be singular (joints without mass): such directions have theta
+= 0.
 
 Lanczos can overlook one of several equal eigenvalues. So the rest of the space is searched once more from another start, and
 what turns up above the last mode kept means that one was missed.

@@ -9,12 +9,12 @@ Dynamics).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from fem import damping as damped
-from fem.condensed import Condensed, condensed
+from fem.condensed import Condensed, alike, condensed
 from fem.damping import Damping
 from fem.eigen import Eigenpairs, Progress, lowest
 from fem.factorisers import Factor, factorise
@@ -39,8 +39,8 @@ class Modes:
     shapes : (N, n) mass-normalised, all degrees of freedom, zero where held; (0, n) when they were not asked for
     viscous : (n, n) modal damping matrix C [rad/s], symmetric; its diagonal is 2 zeta omega
     structural : (n, n) modal structural damping S [rad²/s²], symmetric, as in K + i S; zero when there is none
-    condensed : what structural damping makes of squared frequencies, participation and residual when it couples kept and truncated
-        modes; None where it does not
+    condensed : what structural damping, which couples kept and truncated modes, makes of squared frequencies, participation
+        and residual; None where there is none
 
     `damping_ratio` repeats the equivalent of both on the diagonal: (C_rr + S_rr / omega_r) / (2 omega_r).
     """
@@ -110,29 +110,58 @@ def fixed_base(
     check_connected(structure)
     pairs = lowest(held.stiffness, held.mass, count, factoriser=factoriser, progress=progress)
     check_stiff(held, structure, pairs.values, pairs.vectors)
-    L = held.load.T @ pairs.vectors
-    omega, shapes = np.sqrt(pairs.values), held.expand(pairs.vectors)
-    damping = damping or damped.default(structure)
-    C, S = damped.modal_matrices(damping, structure, omega, shapes)
-    return Modes(
-        frequency=omega / (2 * np.pi),
-        damping_ratio=damped.equivalent_ratio(C, S, omega),
+    L, n = held.load.T @ pairs.vectors, pairs.values.size
+    undamped = Modes(
+        frequency=np.sqrt(pairs.values) / (2 * np.pi),
+        damping_ratio=np.zeros(n),
         participation=L,
         rigid_mass=structure.rigid_mass,
         residual=_residual(held, pairs, L, factoriser),
         reference_point=structure.reference_point,
-        shapes=shapes,
+        shapes=held.expand(pairs.vectors),
+        viscous=np.zeros((n, n)),
+    )
+    return _with_damping(undamped, structure, damping, held, pairs.factor, factoriser)
+
+
+def with_damping(modes: Modes, structure: Structure, damping: Damping | None = None, *, factoriser: str | None = None) -> Modes:
+    """`modes` of `structure`, shapes included, with other damping; what the frequencies cost is not paid again.
+
+    Where the parts' loss factors differ, one static solution with complex stiffness is.
+
+    Raises
+    ------
+    BadInput : damping that does not fit, matrices whose factors would not fit in memory.
+    """
+    return _with_damping(modes, structure, damping, hold(structure), None, factoriser)
+
+
+def _with_damping(
+    modes: Modes, structure: Structure, damping: Damping | None, held: HeldBase, factor: Factor | None, factoriser: str | None
+) -> Modes:
+    damping, omega = damping or damped.default(structure), 2 * np.pi * modes.frequency
+    C, S = damped.modal_matrices(damping, structure, omega, modes.shapes)
+    return replace(
+        modes,
+        damping_ratio=damped.equivalent_ratio(C, S, omega),
         viscous=C,
         structural=S,
-        condensed=_condensed(held, structure, damping, pairs),
+        condensed=_condensed(modes, structure, damping, held, factor, factoriser),
     )
 
 
-def _condensed(held: HeldBase, structure: Structure, damping: Damping, pairs: Eigenpairs) -> Condensed | None:
+def _condensed(
+    modes: Modes, structure: Structure, damping: Damping, held: HeldBase, factor: Factor | None, factoriser: str | None
+) -> Condensed | None:
     S = damped.structural_matrix(damping, structure)
     if S is None or not held.free.size:
         return None
-    return condensed(held, restricted(S, held.free), max(damping.loss_factors.values()), pairs.vectors, pairs.factor)
+    uniform = damped.uniform_loss_factor(damping, structure)
+    if uniform is not None:
+        squares = (2 * np.pi * modes.frequency) ** 2
+        return alike(uniform, squares, modes.participation, modes.residual)
+    greatest = max(damping.loss_factors.values())
+    return condensed(held, restricted(S, held.free), greatest, modes.shapes[held.free], factor, factoriser)
 
 
 def _residual(held: HeldBase, pairs: Eigenpairs, L: Array, factoriser: str | None) -> Array:

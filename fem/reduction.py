@@ -53,7 +53,8 @@ class Reduced:
 
     def expand(self, coordinates: Array | ComplexArray) -> Array | ComplexArray:
         """Displacement of all degrees of freedom (N, ...) from the reduced coordinates (k + n, ...)."""
-        return np.asarray(self.basis @ coordinates)
+        displacement: Array | ComplexArray = self.basis @ coordinates
+        return displacement
 
 
 def craig_bampton(

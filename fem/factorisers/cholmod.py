@@ -1,4 +1,4 @@
-"""CHOLMOD by kvxopt: supernodal Cholesky of a real positive definite matrix (Chen, Davis, Hager, Rajamanickam, ACM TOMS 35, 2008).
+"""CHOLMOD by kvxopt: supernodal Cholesky of a real positive definite matrix (Chen, Davis et al., ACM TOMS 35, 2008).
 
 It takes no pivots, so nothing indefinite: K - sigma M qualifies while sigma lies below the lowest eigenvalue.
 """

@@ -3,8 +3,8 @@
 Degrees of freedom with the same neighbours (the three of a node) are merged. The graph of what is left is dissected: a
 breadth-first search from one end falls into levels, the smallest level near the middle is the separator, both halves are
 dissected again (George, SIAM J. Numer. Anal. 10, 1973). A separator of s rows whose piece touches b rows of earlier separators
-fills s (s + 1) / 2 + s b entries of the Cholesky factor. The sum lies between 0.9 and 1.5 of what SuperLU fills on bars, plates and
-blocks; a test holds it there.
+fills s (s + 1) / 2 + s b entries of the Cholesky factor. The sum lies between 0.9 and 1.6 of what SuperLU fills on bars (the high
+ones), plates and blocks; a test holds it there.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def require_memory(matrix: Sparse, name: str, leaner: str | None = None) -> None
 
 
 def predicted_bytes(matrix: Sparse, name: str) -> float:
-    """Peak memory [B] that the factoriser `name` will take for `matrix`, to about a factor of 1.5."""
+    """Peak memory [B] that the factoriser `name` will take for `matrix`, to about a factor of 1.6."""
     return BYTES[name] * (COMPLEX if matrix.dtype.kind == "c" else 1.0) * predicted_entries(matrix)
 
 

@@ -5,11 +5,10 @@ Only what the matrices alone decide is kept. Damping is worked out afresh, so th
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from fem import damping as damped
 from fem import modes
 from fem.damping import Damping
 from fem.eigen import Progress
@@ -40,14 +39,8 @@ def fixed_base(
         solved = modes.fixed_base(structure, count, damping=Damping(ratio=0.0), factoriser=factoriser, progress=progress)
         cache.store(name, {field: getattr(solved, field) for field in _KEPT})
     else:
-        solved = Modes(**kept)
-    return _damped(solved, structure, damping or damped.default(structure))
-
-
-def _damped(solved: Modes, structure: Structure, damping: Damping) -> Modes:
-    omega = 2 * np.pi * solved.frequency
-    C, S = damped.modal_matrices(damping, structure, omega, solved.shapes)
-    return replace(solved, viscous=C, structural=S, damping_ratio=damped.equivalent_ratio(C, S, omega))
+        solved = Modes(**dict[str, Any](kept))
+    return modes.with_damping(solved, structure, damping, factoriser=factoriser)
 
 
 def _content(structure: Structure) -> dict[str, np.ndarray]:

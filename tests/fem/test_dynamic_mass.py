@@ -1,0 +1,212 @@
+"""The dynamic mass from modes against direct solution, against pyyeti, and against what every dynamic mass must be."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.sparse import csr_array
+
+from fem import beam, dynamic_mass, reduction
+from fem import condensed as condensation
+from fem.damping import Damping
+from fem.held_base import hold
+from fem.modes import Modes, fixed_base, with_damping
+from fem.structure import Structure, rigid_motion
+from geometry.arrays import Array
+from geometry.dynamic_mass import DynamicMass
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import rigid_transformation_6
+from geometry.inertia import Inertia
+
+BAND = np.linspace(4.0, 32.0, 15)
+
+
+@cache
+def clumod() -> Structure:
+    return beam.structure("clumod-4")
+
+
+@cache
+def clumod_modes() -> Modes:
+    return fixed_base(clumod(), 30)
+
+
+def error(found: DynamicMass, expected: DynamicMass, rigid: Array) -> Array:
+    """Largest deviation at every line, each entry in units of the rigid body's."""
+    scale = np.sqrt(np.outer(np.diag(rigid), np.diag(rigid)))
+    return np.asarray((np.abs(found.matrix - expected.matrix) / scale).max(axis=(1, 2)))
+
+
+def chain(masses: Array, springs: Array, spacing: float = 0.1) -> Structure:
+    """Rigid cubes on the base and on each other, six springs from each to the next at its own place: springs (n, 6)."""
+    n = len(masses)
+    points = np.column_stack([np.zeros((n + 1, 2)), spacing * np.arange(n + 1)])
+    K, M = np.zeros((2, 6 * n + 6, 6 * n + 6))
+    for k in range(n):
+        arm = rigid_transformation_6(points[k + 1] - points[k])  # the lower body carried to the upper one
+        stretch = np.hstack([-arm, np.eye(6)])
+        place = slice(6 * k, 6 * k + 12)
+        K[place, place] += stretch.T @ np.diag(springs[k]) @ stretch
+        body = slice(6 * k + 6, 6 * k + 12)
+        M[body, body] += np.diag([masses[k]] * 3 + [1e-3 * masses[k]] * 3)
+    return Structure(stiffness=csr_array(K), mass=csr_array(M), rigid=rigid_motion(points), held=np.arange(6))
+
+
+@pytest.mark.parametrize("article", ["clumod-4", "clumod-1", "disc+cuboid"])
+def test_at_zero_frequency_it_is_the_rigid_mass(article: str) -> None:
+    structure = beam.structure(article)
+    H = dynamic_mass.modal(fixed_base(structure, 10), [0.0]).matrix[0]
+    assert_allclose(H, structure.rigid_mass, rtol=0, atol=1e-9 * np.abs(structure.rigid_mass).max())
+    Inertia.from_mass_matrix(H.real)  # refuses what is no rigid body to 1e-9
+
+
+@pytest.mark.parametrize("per_part", [True, False])
+def test_thirty_modes_with_residual_are_within_1e_4_of_a_direct_solution(per_part: bool) -> None:
+    damping = None if per_part else Damping(ratio=0.003)
+    modes = fixed_base(clumod(), 30, damping=damping)
+    exact = dynamic_mass.direct(clumod(), BAND, damping, modes=modes)
+    assert clumod().mass.shape[0] > 10 * 30
+    assert error(dynamic_mass.modal(modes, BAND), exact, modes.rigid_mass).max() < 1e-4
+
+
+@pytest.mark.parametrize(("residual", "power"), [(False, 2), (True, 4)])
+def test_the_truncation_error_grows_with_its_power_of_frequency(residual: bool, power: int) -> None:
+    lines = np.array([17.0, 20.0, 24.0, 28.0, 32.0])  # above the cluster, where rounding of its poles drowns the small error
+    damping = Damping(ratio=0.003)
+    modes = fixed_base(clumod(), 30, damping=damping)
+    exact = dynamic_mass.direct(clumod(), lines, damping, modes=modes)
+    found = error(dynamic_mass.modal(modes, lines, residual=residual), exact, modes.rigid_mass)
+    slope = np.polyfit(np.log(lines), np.log(found), 1)[0]
+    assert slope == pytest.approx(power, abs=0.25)  # the next modes, at 76 Hz and above, steepen it a little
+
+
+def test_a_lossy_layer_needs_the_truncated_modes_condensed_with_it() -> None:
+    """Without it the truncated modes do not give way to the silicone: the error at the cluster is fifty times larger."""
+    lines = np.array([12.0, 14.0, 16.0])
+    modes, exact = clumod_modes(), dynamic_mass.direct(clumod(), np.array([12.0, 14.0, 16.0]))
+    with_it, without = (dynamic_mass.modal(m, lines) for m in (modes, replace(modes, condensed=None)))
+    assert error(without, exact, modes.rigid_mass).max() > 50 * error(with_it, exact, modes.rigid_mass).max()
+
+
+def test_condensation_of_uniform_damping_changes_nothing_but_the_residual() -> None:
+    structure = chain(np.ones(5), np.full((5, 6), 1e4))
+    share = {"all": structure.stiffness}
+    modes = fixed_base(replace(structure, part_stiffness=share), 12, damping=Damping(loss_factors={"all": 0.1}))
+    held = hold(structure)
+    solved = condensation.condensed(held, 0.1 * held.stiffness, 0.1, modes.shapes[held.free])
+    assert modes.condensed is not None
+    for name in ("stiffness", "participation", "residual"):
+        scale = np.abs(getattr(solved, name)).max()
+        assert_allclose(getattr(modes.condensed, name), getattr(solved, name), rtol=0, atol=1e-9 * scale)
+    squares = (2 * np.pi * modes.frequency) ** 2
+    assert_allclose(modes.condensed.stiffness, np.diag(squares) * (1 + 0.1j), rtol=0, atol=1e-9 * squares[-1])
+    assert_allclose(modes.condensed.participation, modes.participation, atol=1e-9)
+    assert_allclose(modes.condensed.residual, modes.residual / (1 + 0.1j), atol=1e-12)
+
+
+def test_the_series_with_real_factors_is_the_complex_solution(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Large structures take the series; here it is forced on a small one."""
+    complex_solution = clumod_modes().condensed
+    monkeypatch.setattr(condensation, "FEW", 0)
+    series = with_damping(replace(clumod_modes(), condensed=None), clumod()).condensed
+    assert complex_solution is not None
+    assert series is not None
+    for name in ("stiffness", "participation", "residual"):
+        expected = getattr(complex_solution, name)
+        assert_allclose(getattr(series, name), expected, rtol=0, atol=1e-7 * np.abs(expected).max())
+
+
+def test_it_is_symmetric_and_takes_energy_out() -> None:
+    """Reciprocity: H = H^T. Power into the article is never negative: the imaginary part of -H is positive semi-definite."""
+    H = dynamic_mass.modal(clumod_modes()).matrix
+    assert_allclose(H, H.transpose(0, 2, 1), rtol=0, atol=1e-9 * np.abs(H).max())
+    loss = np.linalg.eigvalsh(-H.imag)
+    assert loss.min() > -1e-9 * np.abs(loss).max()
+
+
+def test_a_rigid_block_answers_with_plus_its_mass() -> None:
+    """f = +M a: the load is that of the table on the article."""
+    block = Inertia.from_cog(12.0, [0.01, -0.02, 0.2], np.diag([0.2, 0.18, 0.05]))
+    empty = csr_array((6, 6))
+    structure = Structure(stiffness=empty, mass=csr_array(block.mass_matrix), rigid=np.eye(6), held=np.arange(6))
+    modes = fixed_base(structure, 30)
+    assert modes.frequency.size == 0
+    expected = np.broadcast_to(block.mass_matrix, (561, 6, 6))
+    assert_allclose(dynamic_mass.modal(modes).matrix, expected, rtol=1e-12, atol=1e-12)
+
+
+def test_moving_the_reference_point_equals_computing_about_it() -> None:
+    point = np.array([0.05, -0.1, 0.3])
+    carried = clumod().rigid @ rigid_transformation_6(-point)
+    moved = dynamic_mass.modal(fixed_base(replace(clumod(), rigid=carried, reference_point=point), 30), BAND)
+    expected = dynamic_mass.modal(clumod_modes(), BAND).about(point)
+    assert_allclose(moved.reference_point, expected.reference_point)
+    assert_allclose(moved.matrix, expected.matrix, rtol=0, atol=1e-7 * np.abs(expected.matrix).max())
+
+
+def test_pyyeti_drives_the_same_base() -> None:
+    """An independent peer: pyyeti's base-driven solution of our Craig-Bampton matrices, damping per part and off-diagonal."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        from pyyeti import cb
+    r = reduction.craig_bampton(clumod(), 30)
+    found = dynamic_mass.modal(clumod_modes(), BAND, residual=False).matrix
+    K = r.stiffness + 1j * r.structural
+    peer = np.array([cb.cbtf(r.mass, r.viscous, K, row, BAND, np.arange(6)).frc for row in np.eye(6)])  # axis, load, line
+    assert_allclose(found, peer.transpose(2, 1, 0), rtol=0, atol=1e-9 * np.abs(found).max())
+
+
+def test_one_mass_on_a_spring_is_the_textbook_formula() -> None:
+    m, k, zeta = 2.0, 2.0 * (2 * np.pi * 10) ** 2, 0.02
+    structure = chain(np.array([m]), np.full((1, 6), k))
+    lines = np.array([3.0, 9.5, 10.0, 10.5, 40.0])
+    H = dynamic_mass.modal(fixed_base(structure, 6, damping=Damping(ratio=zeta)), lines).matrix[
+        :, 2, 2
+    ]  # along z nothing couples
+    r = lines / 10.0
+    assert_allclose(H, m * (1 + 2j * zeta * r) / (1 - r**2 + 2j * zeta * r), rtol=1e-9)
+
+
+@settings(max_examples=15)
+@given(
+    masses=st.lists(st.floats(0.5, 5.0), min_size=2, max_size=4),
+    stiffness=st.floats(1e3, 1e5),
+    ratio=st.floats(0.001, 0.2),
+    seed=st.integers(0, 2**16),
+)
+def test_all_modes_of_any_chain_equal_its_direct_solution(masses: list[float], stiffness: float, ratio: float, seed: int) -> None:
+    """All modes are kept, so nothing is truncated, with ratios, a full modal matrix and a dashpot to the neighbour together."""
+    rng, n = np.random.default_rng(seed), len(masses)
+    structure = chain(np.array(masses), stiffness * rng.uniform(0.5, 2.0, (n, 6)) * np.array([1, 1, 1, 0.01, 0.01, 0.01]))
+    root = rng.standard_normal((6 * n, 6 * n))
+    damping = Damping(ratio=ratio, modal=0.1 * root @ root.T, viscous=1e-4 * structure.stiffness)
+    modes = fixed_base(structure, 6 * n, damping=damping)
+    lines = np.linspace(1.0, 60.0, 7)
+    found, exact = dynamic_mass.modal(modes, lines), dynamic_mass.direct(structure, lines, damping, modes=modes)
+    assert_allclose(found.matrix, exact.matrix, rtol=0, atol=1e-8 * np.abs(exact.matrix).max())
+    assert_allclose(modes.residual, 0, atol=1e-9 * modes.rigid_mass.max() / (2 * np.pi * modes.frequency[0]) ** 2)
+    assert np.linalg.eigvalsh(-found.matrix.imag).min() > -1e-9 * np.abs(found.matrix).max()
+
+
+def test_a_line_on_an_undamped_mode_is_refused() -> None:
+    structure = chain(np.array([1.0]), np.full((1, 6), 1e4))
+    modes = fixed_base(structure, 6, damping=Damping(ratio=0.0))
+    with pytest.raises(CheckFailed, match="undamped mode"):
+        dynamic_mass.modal(modes, [modes.frequency[-1]])
+
+
+def test_direct_solution_with_ratios_asks_for_the_modes() -> None:
+    with pytest.raises(ValueError, match="`modes` are needed"):
+        dynamic_mass.direct(chain(np.ones(1), np.full((1, 6), 1e4)), [5.0], Damping(ratio=0.01))
+
+
+def test_damping_that_the_structure_does_not_know_is_refused() -> None:
+    with pytest.raises(BadInput, match="Did you mean mast"):
+        fixed_base(clumod(), 5, damping=Damping(loss_factors={"masd": 0.1}))
