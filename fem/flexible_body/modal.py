@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.condensed import Condensed
 from fem.flexible_body.linearised import Linearised
 from fem.modes import Modes
+from fem.structure import Integers
 from geometry.arrays import Array
 
 ALIKE = 0.8
@@ -57,19 +59,39 @@ def _modes(system: Linearised, found: _Dynamics, lossy: Array, reference_point: 
     rising = np.argsort(found.squares)
     squares, L, phi = found.squares[rising], found.participation[:, rising], system.shapes[:, rising]
     omega = np.sqrt(squares)
-    scale = omega / (2 * np.pi * system.frequency[rising])
-    S = np.outer(scale, scale) * (phi.T @ lossy @ phi)
+    moved = omega / (2 * np.pi * system.frequency[rising])
+    S = np.outer(moved, moved) * (phi.T @ lossy @ phi)
+    residual = _symmetric(found.static - (L / squares) @ L.T)
     return Modes(
         frequency=omega / (2 * np.pi),
         damping_ratio=np.diag(S) / (2 * squares),
         participation=L,
         rigid_mass=_symmetric(system.rigid_mass),
-        residual=_symmetric(found.static - (L / squares) @ L.T),
+        residual=residual,
         reference_point=reference_point,
         shapes=np.zeros((0, len(squares))),
         viscous=np.zeros((len(squares), len(squares))),
         structural=_symmetric(S),
+        condensed=_condensed(system, lossy, rising, moved, L, residual),
     )
+
+
+def _condensed(system: Linearised, lossy: Array, rising: Integers, moved: Array, L: Array, residual: Array) -> Condensed | None:
+    """What the loss makes of stiffness, participation and residual: as `fem.condensed`, of `system` and carried along with it.
+
+    The couplings are those of `system`; its squared frequencies are scaled by `moved` on both sides, and its participation
+    and residual shifted, to where extrapolation has put the undamped ones.
+    """
+    if not lossy.any() or not rising.size:
+        return None
+    n, phi, P = rising.size, system.shapes[:, rising], system.mass @ system.rigid
+    F = system.answer(np.hstack([system.mass @ phi, P]), lossy)
+    A = np.linalg.inv(F[:n, :n])
+    X = A @ F[:n, n:]
+    own, Omega2 = P.T @ phi, (2 * np.pi * system.frequency[rising]) ** 2
+    R = F[n:, n:] - F[n:, :n] @ X + residual - (system.compliance() - (own / Omega2) @ own.T)
+    stiffness = np.outer(moved, moved) * A
+    return Condensed(stiffness=(stiffness + stiffness.T) / 2, participation=X.T + (L - own), residual=(R + R.T) / 2)
 
 
 def _partners(coarse: Linearised, fine: Linearised, count: int) -> tuple[Array, Array]:
