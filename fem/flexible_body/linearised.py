@@ -74,7 +74,7 @@ class Linearised:
 
         It is P^T K^-1 P with P = M T: the sum of L L^T / omega² over all modes.
         """
-        return self.answer(self.mass @ self.rigid, np.zeros((1, 1)))
+        return np.asarray(self.answer(self.mass @ self.rigid, np.zeros((1, 1))), dtype=np.float64)
 
     def answer(self, loads: Array, lossy: Array) -> Any:
         """F^T (K + i S)^-1 F (m, m) for loads F (n, m) with the base held and the joints closed; real without `lossy` S."""
