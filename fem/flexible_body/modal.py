@@ -24,7 +24,7 @@ from geometry.arrays import Array
 ALIKE = 0.8
 """Least share of a mode of the fine mesh that coarse modes near its frequency must hold for it to be extrapolated."""
 
-WINDOW = 0.15
+WINDOW = 0.3
 """How far in frequency, relative, coarse modes may lie to be taken for a fine one."""
 
 
