@@ -23,6 +23,7 @@ from fem import frame
 from fem.frame import Body, Member, Plan, Ports
 from fem.sandwich import Sandwich, sandwich
 from fem.section import Section, rectangle, tube
+from fem.structure import rigid_motion
 from geometry.arrays import Array, frozen
 from geometry.article import Article, Part
 from geometry.articles import clumod
@@ -40,6 +41,9 @@ ELEMENTS = 6
 MAST = "mast"
 X, Y, Z = np.eye(3)
 AXES = {"x": X, "y": Y}
+
+RIGID_ROUNDING = 1e-6
+"""Share of a joint's stiffness that a rigid motion of all its ports may meet, which is what condensation loses to rounding."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,20 +82,20 @@ class Joint:
         size = 6 * len(self.ports)
         for name in ("stiffness",) if self.mass is None else ("stiffness", "mass"):
             matrix = frozen(getattr(self, name), (size, size), name)
-            if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
+            if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max(initial=0)):
                 raise BadInput(
                     source="joint of Clumod", field=name, problem="must be symmetric", remedy="Check the order of ports"
                 )
             object.__setattr__(self, name, matrix)
 
 
-def reach(radius: float, width: float) -> float:
-    """Distance [m] from the mast's axis at which a half-blade of `width` leaves collars of `radius` and begins to bend.
+def reach(radius: float, thickness: float) -> float:
+    """Distance [m] from the mast's axis at which a half-blade of `thickness` between collars of `radius` begins to bend.
 
-    The mean over the width of the collar's edge, sqrt(radius² - y²), nothing where the blade is wider than the collar.
+    The collars end at their radius; a plate is not held rigidly at the edge of what clamps it but yields over a length of the
+    order of its thickness, of which a third is taken. The solid model stands beside the beam to say what this rule is worth.
     """
-    y = min(radius, width / 2)
-    return float((y * np.sqrt(radius**2 - y**2) + radius**2 * np.arcsin(y / radius)) / width)
+    return radius - thickness / 3
 
 
 def plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Plan:
@@ -164,7 +168,7 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
 
 
 def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
-    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top)), d["mast"]["top"]]
+    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top))]
     for lower, upper in pairwise(edges):
         if upper < lower:
             raise BadInput(
@@ -187,7 +191,8 @@ def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int,
 
 def _mast_heights(d: Dimensions, pieces: list[_Rigid], asked: list[float], elements: int) -> list[float]:
     """Heights of the nodes: the flange, the ends of rigid pieces, those asked for, the top, and enough between."""
-    ends = [end for piece in pieces for end in (piece.bottom, piece.top)]
+    # a collar may stand out beyond the mast's top
+    ends = [min(end, d["mast"]["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
     fixed = sorted({d["flange"]["height"], d["mast"]["top"], *ends, *asked})
     return _between(fixed, (fixed[-1] - fixed[0]) / elements)
 
@@ -206,7 +211,7 @@ def _half_blade(
 
 def _ends(blade: Dimensions, d: Dimensions) -> tuple[float, float]:
     """Distances [m] from the mast's axis at which a half-blade begins and ends."""
-    return reach(d["hubs"]["outer_diameter"] / 2, blade["width"]), blade["length"] / 2
+    return reach(d["hubs"]["outer_diameter"] / 2, blade["thickness"]), blade["length"] / 2
 
 
 def _between(fixed: list[float], step: float) -> list[float]:
@@ -254,9 +259,16 @@ def _elastic(article: Article) -> Iterable[Part]:
 
 
 def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
-    size = 6 * len(joint.ports)
-    mass = np.zeros((size, size)) if joint.mass is None else joint.mass
+    mass = np.zeros_like(joint.stiffness) if joint.mass is None else joint.mass
     chosen = tuple(_nearest(_place(port, d), nodes) for port in joint.ports)
+    carried = np.abs(joint.stiffness @ rigid_motion(nodes[list(chosen)])).max(initial=0)
+    if carried > RIGID_ROUNDING * np.abs(joint.stiffness).max(initial=0):
+        raise BadInput(
+            source="joint of Clumod",
+            field="stiffness",
+            problem=f"must let its ports move together rigidly, found a force or moment of {carried:.3g} for a unit motion",
+            remedy="Check that the ports lie where the local model has them, in Clumod's axes",
+        )
     return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
 
 

@@ -20,8 +20,19 @@ from fem.structure import Integers, Structure
 from geometry.arrays import Array
 from geometry.errors import BadInput
 
+LARGEST = 100_000
+"""Degrees of freedom beyond which exudyn's factorisations, three by SuperLU, take hours and the memory of a large machine."""
+
 REDUNDANT = 1e-8
 """Share of an added mode that may lie outside the modes already there, below which it is left out."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Flight:
+    """How a free body sets off: `velocity` (3,) [m/s] of its frame and `angular_velocity` (3,) [rad/s], undeformed."""
+
+    velocity: Array
+    angular_velocity: Array
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,8 +43,8 @@ class FloatingFrame:
     ----------
     container : owns `system`, which dies with it
     system : exudyn's `MainSystem`, assembled: the body alone, free
-    node : number of its frame's node; its six coordinates come first, then those of the modes
-    body : number of the object
+    node : number of its frame's node; its coordinates come first, then those of the modes
+    frame_coordinates : six with angles, which are good for small motions; seven with Euler parameters, which turn anywhere
     modes : (3 p, m) what the modes do to the points, x, y, z of one after the other
     eigenvalues : (k,) [(rad/s)²] that exudyn found for the full matrices
     """
@@ -41,25 +52,25 @@ class FloatingFrame:
     container: Any
     system: Any
     node: int
-    body: int
+    frame_coordinates: int
     modes: Array
     eigenvalues: Array
 
 
-def floating_frame(
-    structure: Structure, count: int, *, velocity: Array | None = None, angular_velocity: Array | None = None
-) -> FloatingFrame:
+def floating_frame(structure: Structure, count: int, *, flight: Flight | None = None) -> FloatingFrame:
     """`structure` as exudyn's flexible body with `count` modes of its held base and the static answers of the others.
 
-    Its frame is the base, at the structure's reference point, and starts with `velocity` (3,) [m/s] and `angular_velocity` (3,)
-    [rad/s].
+    Its frame is the base, at the structure's reference point. Without a `flight` it is at rest and ready to be linearised: angles
+    about x, y, z, that about y short of a right angle. With one it sets off, turns by Euler parameters and as far as it likes.
 
     Raises
     ------
-    BadInput : a structure with rotations or with a base that does not hold whole nodes; exudyn's body is made of solids.
+    BadInput : a structure with rotations, with a base that does not hold whole nodes (exudyn's body is made of solids), or with
+        more than `LARGEST` degrees of freedom.
     CheckFailed : exudyn failed.
     """
     held = _held_nodes(structure)
+    _require_small(structure)
     with running("make a flexible body of the solid") as exudyn:
         from exudyn import FEM
 
@@ -73,21 +84,24 @@ def floating_frame(
         solid.modeBasis["matrix"] = modes
         container = exudyn.SystemContainer()
         system = container.AddSystem()
-        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=exudyn.NodeType.RotationRxyz)
-        made = body.AddObjectFFRFreducedOrder(
-            system,
-            initialVelocity=[0.0] * 3 if velocity is None else velocity.tolist(),
-            initialAngularVelocity=[0.0] * 3 if angular_velocity is None else angular_velocity.tolist(),
-        )
+        nodes = exudyn.NodeType
+        kind = nodes.RotationRxyz if flight is None else nodes.RotationEulerParameters
+        velocities = {} if flight is None else _setting_off(flight)
+        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=kind)
+        made = body.AddObjectFFRFreducedOrder(system, **velocities)
         system.Assemble()
     return FloatingFrame(
         container=container,
         system=system,
         node=int(made["nRigidBody"]),
-        body=int(made["oFFRFreducedOrder"]),
+        frame_coordinates=6 if flight is None else 7,
         modes=modes,
         eigenvalues=solid.eigenValues[ascending],
     )
+
+
+def _setting_off(flight: Flight) -> dict[str, list[float]]:
+    return {"initialVelocity": flight.velocity.tolist(), "initialAngularVelocity": flight.angular_velocity.tolist()}
 
 
 def _matrices(fem: Any, structure: Structure) -> Any:
@@ -130,6 +144,17 @@ def _held_nodes(structure: Structure) -> Integers:
     if np.any(held.any(axis=1) != held.all(axis=1)):
         raise _no_solid("a point that is held in some directions only")
     return np.flatnonzero(held.all(axis=1))
+
+
+def _require_small(structure: Structure) -> None:
+    n = structure.mass.shape[0]
+    if n > LARGEST:
+        raise BadInput(
+            source="exudyn's flexible body",
+            field="mass",
+            problem=f"exudyn factorises full matrices up to {LARGEST} degrees of freedom here, found {n}",
+            remedy="Use a coarser mesh, or exudyn's native beams",
+        )
 
 
 def _no_solid(found: str) -> BadInput:

@@ -4,8 +4,8 @@ What there is comes from a `fem.frame.Plan` - places, sections, rigid bodies, wh
 beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock in
 shear but bends too stiffly by the square of the element length, so two meshes say where they go
 (`fem.flexible_body.modal`). Every node is given without rotation and every section turned into the frame's axes; exudyn
-takes the strain of the reference state off, so that a straight beam may point anywhere and its coordinates stay small motions in
-the frame.
+takes the strain of the reference state off, so that a straight beam may run along x, y or z and the coordinates of its nodes stay
+small motions in the frame. Askew it may not: exudyn takes no stiffness between different strains.
 
 A sandwich is what it is in the workshop: two beams as faces and, between them, springs for the layer that only shears. Its
 torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their
@@ -156,7 +156,10 @@ class _Builder:
         stiffness = np.diag([s.axial, s.shear_y, s.shear_z, s.torsion, s.bending_y, s.bending_z])
         data.massPerLength = s.mass
         data.inertia = axes @ np.diag([s.rotary_y + s.rotary_z, s.rotary_y, s.rotary_z]) @ axes.T
-        data.stiffnessMatrix = twice @ stiffness @ twice.T
+        turned = twice @ stiffness @ twice.T
+        if np.any(turned - np.diag(np.diag(turned))):
+            raise ValueError("exudyn's beam takes a diagonal stiffness, so members must run along x, y or z, found another one")
+        data.stiffnessMatrix = turned
         return data
 
     def _sandwich(self, member: Member, sandwich: Sandwich) -> None:
@@ -176,10 +179,15 @@ class _Builder:
                 self._layer(member, number, share, bottom, top, sandwich)
 
     def _ports(self, ports: Ports) -> None:
-        """Matrices on nodes, as they are: exudyn has no item that would know them."""
-        nodes = [self._node(k) for k in ports.nodes]
-        item = self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=ports.mass, stiffnessMatrix=ports.stiffness)
-        self.system.AddObject(item)
+        """Matrices on nodes, as they are: exudyn has no item that would know them. A sandwich moves as the mean of its faces."""
+        for number in ports.nodes:
+            self._node(number)
+        owners = [self.nodes[number] for number in ports.nodes]
+        rows = np.repeat(np.arange(len(owners)), [len(own) for own in owners])
+        mean = np.kron(np.array([(rows == k) / len(own) for k, own in enumerate(owners)]), np.eye(6))
+        K, M = (mean.T @ matrix @ mean for matrix in (ports.stiffness, ports.mass))
+        nodes = [node for own in owners for node in own]
+        self.system.AddObject(self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=M, stiffnessMatrix=K))
 
     def _layer(self, member: Member, number: int, length: float, bottom: Node, top: Node, sandwich: Sandwich) -> None:
         """Springs between both faces at the layer's middle, to which massless arms reach; nothing there is stressed at rest."""
