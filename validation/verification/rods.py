@@ -12,7 +12,6 @@ import numpy as np
 from fem.modes import Modes, fixed_base
 from fem.section import cowper_tube
 from fem.solid.model import structure
-from fem.solid.sizing import Sizing
 from fem.structure import Structure
 from geometry.article import Article, Part
 from geometry.materials import Material
@@ -41,7 +40,7 @@ def article() -> Article:
 
 @once
 def _rod(mesh: Mesh) -> Structure:
-    return structure(article(), Sizing(fineness=FINENESS[mesh]))
+    return structure(article(), fineness=FINENESS[mesh], cached=False)
 
 
 @once
