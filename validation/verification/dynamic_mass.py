@@ -52,8 +52,8 @@ ARTICLE_LINES = np.linspace(4.0, 32.0, 57)
 """[Hz]"""
 
 FEW = 4
-GROWTH = np.array([2.0, 3.0, 4.0, 6.0])
-"""Modes kept of the bar and frequencies [Hz] below all of them, to see how the error of truncation grows."""
+GROWTH = np.array([6.0, 12.0, 24.0])
+"""Modes kept of the bar and frequencies [Hz] well below all others, to see how the error of truncation grows."""
 
 # --- rigid ----------------------------------------------------------------------------------------------------------------
 
@@ -62,7 +62,7 @@ GROWTH = np.array([2.0, 3.0, 4.0, 6.0])
 def _cube() -> tuple[ComplexArray, Array]:
     """H of the steel cube at `LOW` (6, 6), about a corner of its foot, and its rigid mass in closed form."""
     grid = block((CUBE, CUBE, CUBE), (2, 2, 2))
-    modes = fixed_base(of_mesh(grid, {PART: steel(0.3)}), 20)
+    modes = fixed_base(of_mesh(grid, {PART: steel(0.3)}, cached=False), 20)
     mass = steel(0.3).density * CUBE**3
     tensor = mass * CUBE**2 / 6 * np.eye(3)
     return modal(modes, [LOW]).matrix[0], Inertia.from_cog(mass, np.full(3, CUBE / 2), tensor).mass_matrix

@@ -2,7 +2,8 @@
 
 FV12 is a free square plate, 10 x 10 x 0.05 m, that bends. Its published values for modes 4 to 6 agree with Ritz's method to the
 last digit; those for modes 7 to 9 (4.233, 4.233 and 7.416 Hz) do not. Ritz's method approaches a thin plate from above and has
-4.190 and 7.356 Hz, so a thin plate cannot have the published ones. Those rows are held against Ritz.
+4.190 and 7.356 Hz, so a thin plate cannot have the published ones. Those rows are held against Ritz. A solid plate is softer at
+its free edges than a thin one, by a share of the order of thickness over side: up to 0.1 % here.
 
 FV52 is a thick plate, 10 x 10 x 1 m, whose lower edges are held along z. Its bending depends on the mesh: a line is too thin to
 hold a solid by, and the finer the elements, the softer the support. Its motion in the plane hardly does. Modes 8 to 10 are
@@ -146,7 +147,7 @@ CHECKS: tuple[Check, ...] = (
         )
         for k in FV12_CONFIRMED
     ),
-    *(_row(f"FV12 mode {k}: hexahedra, two meshes extrapolated", _thin_source(k), 1e-3, partial(_thin_mode, k)) for k in FV12),
+    *(_row(f"FV12 mode {k}: hexahedra, two meshes extrapolated", _thin_source(k), 2e-3, partial(_thin_mode, k)) for k in FV12),
     *(
         _row(f"FV52 mode {k} in the plane: Ritz's method, degree {DEGREE}", "NAFEMS FV52", 1e-4, partial(_published_thick, k))
         for k in FV52

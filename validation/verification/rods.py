@@ -12,7 +12,6 @@ import numpy as np
 from fem.modes import Modes, fixed_base
 from fem.section import cowper_tube
 from fem.solid.model import structure
-from fem.solid.sizing import Sizing
 from fem.structure import Structure
 from geometry.article import Article, Part
 from geometry.materials import Material
@@ -33,11 +32,15 @@ MOVES = 0.01
 X, GAMMA = 0, 5
 
 
+def article() -> Article:
+    """The rod, upright."""
+    shape = Shape(solids=(upright(Cylinder(diameter=DIAMETER, height=LENGTH), bottom=0.0),))
+    return Article(name="rod", parts=(Part(name="rod", material=STEEL, shape=shape),))
+
+
 @once
 def _rod(mesh: Mesh) -> Structure:
-    shape = Shape(solids=(upright(Cylinder(diameter=DIAMETER, height=LENGTH), bottom=0.0),))
-    article = Article(name="rod", parts=(Part(name="rod", material=STEEL, shape=shape),))
-    return structure(article, Sizing(fineness=FINENESS[mesh]))
+    return structure(article(), fineness=FINENESS[mesh], cached=False)
 
 
 @once

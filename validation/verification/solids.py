@@ -56,7 +56,7 @@ def steel(nu: float) -> Material:
 @once
 def _bar(nodes: int, nu: float, mesh: Mesh) -> Modes:
     """Modes of the bar clamped at its foot."""
-    return fixed_base(of_mesh(block(BAR, BAR_CELLS[mesh], nodes), {PART: steel(nu)}), 10)
+    return fixed_base(of_mesh(block(BAR, BAR_CELLS[mesh], nodes), {PART: steel(nu)}, cached=False), 10)
 
 
 @once
