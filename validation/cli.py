@@ -21,6 +21,8 @@ COMMANDS = {
     "weigh": "Reduce a weighing to a mass.",
     "cog": "Reduce a crane-and-balance test to a CoG height.",
     "pendulum": "Reduce pendulum periods to moments of inertia.",
+    "modes": "Eigenfrequencies, mode shapes and effective masses.",
+    "dynamic-mass": "The base-excited 6 x 6 dynamic mass over frequency.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 
