@@ -13,7 +13,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem import damping as damped
+from fem.damping import Damping
+from fem.eigen import Eigenpairs, Progress, lowest
+from fem.factorisers import Factor, factorise
+from fem.held_base import HeldBase, check_connected, check_stiff, hold
+from fem.structure import Structure
 from geometry.arrays import Array, frozen
+from geometry.errors import BadInput
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -70,3 +77,55 @@ class Modes:
         Summed over all modes of a structure they reach the diagonal of `rigid_mass`, less what the base itself carries.
         """
         return np.asarray(self.participation.T**2)
+
+
+def fixed_base(
+    structure: Structure,
+    count: int = 30,
+    *,
+    damping: Damping | None = None,
+    factoriser: str | None = None,
+    progress: Progress | None = None,
+) -> Modes:
+    """The lowest `count` modes of `structure` with its base held, or all there are when they are fewer.
+
+    Parameters
+    ----------
+    damping : by default the loss factors that the structure's parts bring, else one ratio for all (`fem.damping.default`)
+    factoriser : name as in `fem.factorisers`; chosen by itself when None
+    progress : hook of the eigenvalue iteration, see `fem.eigen.Progress`
+
+    Raises
+    ------
+    BadInput : `count` below 1, damping that does not fit, matrices whose factors would not fit in memory.
+    CheckFailed : part of the structure is not held or swings freely, or a mode was missed.
+    """
+    if count < 1:
+        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
+    held = hold(structure)
+    check_connected(structure)
+    pairs = lowest(held.stiffness, held.mass, count, factoriser=factoriser, progress=progress)
+    check_stiff(held, structure, pairs.values, pairs.vectors)
+    L = held.load.T @ pairs.vectors
+    omega, shapes = np.sqrt(pairs.values), held.expand(pairs.vectors)
+    C, S = damped.modal_matrices(damping or damped.default(structure), structure, omega, shapes)
+    return Modes(
+        frequency=omega / (2 * np.pi),
+        damping_ratio=damped.equivalent_ratio(C, S, omega),
+        participation=L,
+        rigid_mass=structure.rigid_mass,
+        residual=_residual(held, pairs, L, factoriser),
+        reference_point=structure.reference_point,
+        shapes=shapes,
+        viscous=C,
+        structural=S,
+    )
+
+
+def _residual(held: HeldBase, pairs: Eigenpairs, L: Array, factoriser: str | None) -> Array:
+    """R = P^T K^-1 P - L Omega^-2 L^T, from one static solution with the base accelerated."""
+    if not held.free.size:
+        return np.zeros((6, 6))
+    factor: Factor = pairs.factor or factorise(held.stiffness, definite=True, name=factoriser)
+    R = held.load.T @ factor.solve(held.load) - (L / pairs.values) @ L.T
+    return np.asarray((R + R.T) / 2)

@@ -1,0 +1,215 @@
+"""`Damping`: what takes energy out of a structure, in the forms in which engineers know it. They add.
+
+    viscous     C = diag(2 zeta_r omega_r) + modal + Phi^T C_u Phi     forces follow the velocity
+    structural  S = sum over parts of eta_p Phi^T K_p Phi              forces follow the displacement: K (1 + i eta)
+
+In the modal equations -omega² + i (omega C + S) + Omega² the off-diagonal entries of both stay: in a cluster of frequencies they are
+as large as the distance of the modes (Craig & Kurdila, Fundamentals of Structural Dynamics; Nashif, Vibration Damping).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fem.structure import Sparse, Structure
+from geometry.arrays import Array
+from geometry.errors import BadInput
+from geometry.keys import nearest
+
+DEFAULT_RATIO = 0.003
+"""Damping ratio of every mode of a structure that brings no loss factors: an assumed bolted steel assembly."""
+
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Damping:
+    """Damping of a structure; all that is given acts together.
+
+    Attributes
+    ----------
+    ratio : damping ratio [1] of every mode, or (n,) of each; at least 0 and below 1
+    loss_factors : structural loss factor [1] by part of the structure; at least 0 and below 2 (a ratio of 1)
+    modal : (n, n) viscous damping matrix [rad/s] of mass-normalised modes, symmetric, positive semi-definite
+    viscous : (N, N) sparse viscous damping matrix of the structure's degrees of freedom [N s/m ...], symmetric
+
+    Raises
+    ------
+    BadInput : a value out of its bounds, a matrix that is unsymmetric or would drive the structure.
+    """
+
+    ratio: npt.ArrayLike | None = None
+    loss_factors: Mapping[str, float] = field(default_factory=dict)
+    modal: npt.ArrayLike | None = None
+    viscous: Sparse = None
+
+    def __post_init__(self) -> None:
+        if self.ratio is not None:
+            _check_ratio(np.asarray(self.ratio, dtype=np.float64))
+        for part, eta in self.loss_factors.items():
+            _check_loss_factor(part, eta)
+        if self.modal is not None:
+            _check_matrix(np.asarray(self.modal, dtype=np.float64), "modal")
+        if self.viscous is not None:
+            _check_sparse(self.viscous)
+
+
+def default(structure: Structure) -> Damping:
+    """The loss factors that `structure` brings, else `DEFAULT_RATIO` for every mode."""
+    known = structure.loss_factors and structure.part_stiffness
+    return Damping(loss_factors=structure.loss_factors) if known else Damping(ratio=DEFAULT_RATIO)
+
+
+def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes: Array) -> tuple[Array, Array]:
+    """Viscous C (n, n) [rad/s] and structural S (n, n) [rad²/s²] of mass-normalised modes.
+
+    Parameters
+    ----------
+    omega : (n,) [rad/s]
+    shapes : (N, n) on all degrees of freedom of `structure`
+
+    Raises
+    ------
+    BadInput : a ratio or modal matrix of another number of modes, a matrix of another size, a part that the structure has not.
+    """
+    C = per_mode(damping, omega)
+    if damping.viscous is not None:
+        C = C + _symmetric(shapes.T @ (viscous_matrix(damping, structure) @ shapes))
+    S = np.zeros_like(C)
+    for K in _lossy(damping, structure):
+        S = S + _symmetric(shapes.T @ (K @ shapes))
+    return C, S
+
+
+def per_mode(damping: Damping, omega: Array) -> Array:
+    """The part of C (n, n) [rad/s] that is given per mode: diag(2 zeta omega) and `modal`; omega (n,) [rad/s].
+
+    Raises
+    ------
+    BadInput : a ratio or modal matrix of another number of modes.
+    """
+    return np.diag(2 * _ratios(damping, len(omega)) * omega) + _modal(damping, len(omega))
+
+
+def structural_matrix(damping: Damping, structure: Structure) -> Sparse:
+    """sum over parts of eta_p K_p (N, N) sparse, or None when no part has a loss factor.
+
+    Raises
+    ------
+    BadInput : a part that the structure has not.
+    """
+    matrices = _lossy(damping, structure)
+    return sum(matrices[1:], start=matrices[0]) if matrices else None
+
+
+def viscous_matrix(damping: Damping, structure: Structure) -> Sparse:
+    """The viscous matrix (N, N) of the degrees of freedom, or None.
+
+    Raises
+    ------
+    BadInput : it has another size than `structure`.
+    """
+    if damping.viscous is not None and damping.viscous.shape != structure.mass.shape:
+        raise _bad(
+            "viscous",
+            f"it must be as large as the structure's matrices {structure.mass.shape}, found {damping.viscous.shape}",
+            "Give it on all degrees of freedom of the structure, the held ones too",
+        )
+    return damping.viscous
+
+
+def equivalent_ratio(viscous: Array, structural: Array, omega: Array) -> Array:
+    """Damping ratio (n,) [1] that each mode would have alone: (C_rr + S_rr / omega_r) / (2 omega_r)."""
+    return np.asarray((np.diag(viscous) + np.diag(structural) / omega) / (2 * omega))
+
+
+def _lossy(damping: Damping, structure: Structure) -> list[Sparse]:
+    """eta_p K_p of every part with a loss factor above zero."""
+    for part in damping.loss_factors:
+        if part not in structure.part_stiffness:
+            known = ", ".join(sorted(structure.part_stiffness)) or "none: the model does not keep its parts apart"
+            remedy = f"{nearest(part, structure.part_stiffness)}Its parts are {known}"
+            raise _bad("loss_factors", f"the structure has no part {part!r}", remedy)
+    return [eta * structure.part_stiffness[part] for part, eta in damping.loss_factors.items() if eta > 0]
+
+
+def _ratios(damping: Damping, count: int) -> Array:
+    ratio = np.asarray(0.0 if damping.ratio is None else damping.ratio, dtype=np.float64)
+    if ratio.ndim and ratio.shape != (count,):
+        raise _bad(
+            "ratio",
+            f"one value or one for each of the {count} modes is needed, found {ratio.size}",
+            "Give one ratio for all modes, or ask for as many modes as there are ratios",
+        )
+    return np.broadcast_to(ratio, (count,))
+
+
+def _modal(damping: Damping, count: int) -> Array:
+    matrix = np.zeros((count, count)) if damping.modal is None else np.asarray(damping.modal, dtype=np.float64)
+    if matrix.shape != (count, count):
+        raise _bad(
+            "modal",
+            f"it must have a row and a column for each of the {count} modes, found {matrix.shape}",
+            "Ask for as many modes as it has rows",
+        )
+    return matrix
+
+
+def _symmetric(matrix: Array) -> Array:
+    return np.asarray((matrix + matrix.T) / 2)
+
+
+def _check_ratio(ratio: Array) -> None:
+    if ratio.ndim > 1:
+        raise _bad(
+            "ratio", f"one value or a list of one per mode is needed, found shape {ratio.shape}", "Use `modal` for a matrix"
+        )
+    wrong = ~((ratio >= 0) & (ratio < 1))  # NaN is wrong too
+    if np.any(wrong):
+        found = np.atleast_1d(ratio)[np.atleast_1d(wrong)][0]
+        raise _bad(
+            "ratio", f"a damping ratio must be at least 0 and below 1, found {found:g}", "Give it as a fraction: 0.5 % is 0.005"
+        )
+
+
+def _check_loss_factor(part: str, eta: float) -> None:
+    if not 0 <= eta < 2:
+        raise _bad(
+            f"loss_factors.{part}",
+            f"a loss factor must be at least 0 and below 2, which is a damping ratio of 1, found {eta:g}",
+            "Give it as a fraction: steel about 0.001, silicone about 0.2",
+        )
+
+
+def _check_matrix(matrix: Array, name: str) -> None:
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.all(np.isfinite(matrix)):
+        raise _bad(name, f"a square matrix of finite numbers is needed, found shape {matrix.shape}", "Give one row per mode")
+    scale = np.abs(matrix).max(initial=0.0)
+    if np.abs(matrix - matrix.T).max(initial=0.0) > ROUNDING * scale:
+        raise _bad(
+            name, "it must be symmetric, found entries that differ from their mirror", "Symmetrise it, or leave gyroscopics out"
+        )
+    lowest = np.linalg.eigvalsh(matrix).min(initial=0.0)
+    if lowest < -ROUNDING * scale:
+        raise _bad(
+            name, f"it must not feed energy in, found a negative eigenvalue {lowest:g} rad/s", "Check the signs of its entries"
+        )
+
+
+def _check_sparse(matrix: Any) -> None:
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.all(np.isfinite(matrix.data)):
+        raise _bad("viscous", f"a square sparse matrix of finite numbers is needed, found shape {matrix.shape}", "Check the file")
+    scale = np.abs(matrix.data).max(initial=0.0)
+    if np.abs((matrix - matrix.T).data).max(initial=0.0) > ROUNDING * scale:
+        raise _bad("viscous", "it must be symmetric, found entries that differ from their mirror", "Leave gyroscopic terms out")
+    if np.any(matrix.diagonal() < 0):
+        raise _bad("viscous", f"it must not feed energy in, found {matrix.diagonal().min():g} on its diagonal", "Check the signs")
+
+
+def _bad(name: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source="damping", field=name, problem=problem, remedy=remedy)

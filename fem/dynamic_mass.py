@@ -1,0 +1,144 @@
+"""The base-excited dynamic mass of a structure: from its modes for daily use, by direct solution line by line as the oracle.
+
+With acceleration of the base u_b'' as the only load, Eq. 8 in matrix form is
+
+    H = M_rigid + omega² L (Omega² - omega² + i (omega C + S))^-1 L^T + omega² R.
+
+Without R the modes that are left out cost an error that grows as omega²; with it, as omega⁴. The base's own mass is in M_rigid.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem import damping as damped
+from fem.damping import Damping
+from fem.factorisers import Singular, factorise
+from fem.held_base import HeldBase, hold, restricted
+from fem.modes import Modes
+from fem.structure import Sparse, Structure
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.errors import CheckFailed
+
+LINES = np.linspace(4.0, 32.0, 561)
+"""Lines [Hz] of the usual band: 4 to 32 Hz, every 0.05 Hz."""
+
+
+def modal(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = True) -> DynamicMass:
+    """Dynamic mass from `modes` at `frequency` (n,) [Hz], about their reference point (Eq. 8 in matrix form).
+
+    Parameters
+    ----------
+    residual : with the static share of the modes that are not kept
+
+    Raises
+    ------
+    CheckFailed : a line lies on an undamped mode.
+    """
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    omega = 2 * np.pi * lines
+    elastic = _alone(modes, omega) if _uncoupled(modes) else _coupled(modes, omega)
+    static = modes.residual if residual else np.zeros((6, 6))
+    H = modes.rigid_mass + omega[:, None, None] ** 2 * (elastic + static)
+    return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=modes.reference_point)
+
+
+def direct(
+    structure: Structure,
+    frequency: npt.ArrayLike,
+    damping: Damping | None = None,
+    *,
+    modes: Modes | None = None,
+    factoriser: str | None = None,
+) -> DynamicMass:
+    """Dynamic mass of `structure` at `frequency` (n,) [Hz] by solving for every degree of freedom at every line.
+
+    Solves (K + i omega C + i S - omega² M)_ff X = P; H = T^T M T + omega² P^T X, about the structure's reference point.
+
+    Parameters
+    ----------
+    damping : as for `fem.modes.fixed_base`
+    modes : bring them when the damping is per mode: it is then C = M Phi C_modal Phi^T M, and the modes left out have none
+
+    Raises
+    ------
+    ValueError : damping per mode without `modes`.
+    CheckFailed : a line lies on an undamped mode.
+    """
+    damping = damping or damped.default(structure)
+    held, C, S = hold(structure), damped.viscous_matrix(damping, structure), damped.structural_matrix(damping, structure)
+    C, S = (None if matrix is None else restricted(matrix, structure.free) for matrix in (C, S))
+    per_mode = _per_mode(damping, held, modes)
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    elastic = [_line(held, omega, C, S, per_mode, factoriser) for omega in 2 * np.pi * lines]
+    H = structure.rigid_mass + np.array(elastic).reshape(-1, 6, 6)
+    return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=structure.reference_point)
+
+
+def _uncoupled(modes: Modes) -> bool:
+    both = np.abs(modes.viscous) + np.abs(modes.structural)
+    return not np.any(both - np.diag(np.diag(both)))
+
+
+def _alone(modes: Modes, omega: Array) -> ComplexArray:
+    """L D^-1 L^T at every line when D is diagonal: one product of all lines with all L_r L_r^T."""
+    Omega, w = 2 * np.pi * modes.frequency, omega[:, None]
+    D = Omega**2 - w**2 + 1j * (w * np.diag(modes.viscous) + np.diag(modes.structural))
+    each = np.einsum("ir,jr->rij", modes.participation, modes.participation).reshape(-1, 36)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((1 / D @ each).reshape(-1, 6, 6))
+
+
+def _coupled(modes: Modes, omega: Array) -> ComplexArray:
+    """L D^-1 L^T at every line, D full: its solution for all lines in one call."""
+    L, w = modes.participation, omega[:, None, None]
+    D = 1j * (w * modes.viscous + modes.structural) - w**2 * np.eye(modes.frequency.size)
+    D += np.diag((2 * np.pi * modes.frequency) ** 2)
+    try:
+        return np.asarray(L @ np.linalg.solve(D, L.T))
+    except np.linalg.LinAlgError:
+        raise _undamped() from None
+
+
+def _line(
+    held: HeldBase, omega: float, C: Sparse, S: Sparse, per_mode: tuple[Array, Array] | None, factoriser: str | None
+) -> ComplexArray:
+    """omega² P^T (K + i omega C + i S - omega² M)^-1 P; damping per mode enters by Woodbury's identity."""
+    A = (held.stiffness - omega**2 * held.mass).astype(np.complex128)
+    for matrix, factor in ((C, 1j * omega), (S, 1j)):
+        if matrix is not None:
+            A = A + factor * matrix
+    try:
+        solve = factorise(A, name=factoriser).solve
+    except Singular:
+        raise _undamped() from None
+    X = solve(held.load.astype(np.complex128))
+    if per_mode is not None:
+        B, modal_viscous = per_mode
+        Y = solve(B.astype(np.complex128))
+        core = 1j * omega * modal_viscous
+        X = X - Y @ np.linalg.solve(np.eye(len(core)) + core @ (B.T @ Y), core @ (B.T @ X))
+    return np.asarray(omega**2 * (held.load.T @ X))
+
+
+def _per_mode(damping: Damping, held: HeldBase, modes: Modes | None) -> tuple[Array, Array] | None:
+    """M Phi (f, n) and the modal viscous matrix of ratios and `modal`, where damping has them."""
+    if damping.ratio is None and damping.modal is None:
+        return None
+    if modes is None:
+        raise ValueError("`modes` are needed where damping is given per mode")
+    return held.mass @ modes.shapes[held.free], damped.per_mode(damping, 2 * np.pi * modes.frequency)
+
+
+def _finite(H: ComplexArray, lines: Array) -> ComplexArray:
+    good = np.isfinite(H).all(axis=(1, 2))
+    if not np.all(good):
+        raise _undamped(float(lines[~good][0]))
+    return H
+
+
+def _undamped(frequency: float | None = None) -> CheckFailed:
+    where = "A line" if frequency is None else f"The line {frequency:g} Hz"
+    return CheckFailed(f"{where} lies on an undamped mode, where the dynamic mass is infinite. Give damping or move the line.")
