@@ -105,11 +105,12 @@ def flexible_asked(
     ------
     BadInput : one of them is out of its range, or no length.
     """
+    from fem.damping import Damping
     from validation.flexible.model import Asked
 
     return Asked(
         count=count,
-        damping_ratio=damping_ratio,
+        damping=None if damping_ratio is None else Damping(ratio=damping_ratio),
         size=None if size is None else _length(size, "--size", ELEMENT_SIZES, '"20 mm"'),
         changes=changed.read(settings),
         unit=unit,

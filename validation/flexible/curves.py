@@ -87,7 +87,7 @@ def report(found: Curves, *, as_json: bool) -> None:
     first = found.models[0]
     if as_json:
         other = (found.models[1].model, found.apart[0]) if found.apart else None
-        print_json(table.as_json(first, found.masses[0], found.about, other))
+        print_json(table.as_json(first, found.masses[0], np.diag(found.rigid), found.about, other))
         return
     H, rigid = found.masses[0], np.diag(found.rigid)
     peaks = table.peaks_grid(table.peaks(H, rigid))

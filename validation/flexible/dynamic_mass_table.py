@@ -108,9 +108,8 @@ def _percent(share: float | None, frequency: float | None) -> str:
     return NONE if share is None else f"{100 * share:.3g} % at {frequency:.2f} Hz"
 
 
-def as_json(model: Flexible, H: DynamicMass, about: str, against: tuple[str, Sequence[Apart]] | None) -> dict[str, Any]:
-    """The object of the output contract."""
-    rigid = np.diag(model.modes.rigid_mass)
+def as_json(model: Flexible, H: DynamicMass, rigid: Array, about: str, against: tuple[str, Sequence[Apart]] | None) -> dict[str, Any]:
+    """The object of the output contract; `rigid` (6,) is the diagonal of the rigid body about the same point."""
     compared: dict[str, Any] = {}
     if against is not None:
         compared = {"against": against[0], "apart": [_apart_json(one) for one in against[1]]}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem.held_base import hold
 from fem.structure import Structure
 from geometry.arrays import Array
 
@@ -16,14 +17,11 @@ def movable(structure: Structure) -> Array:
 
     What is left of the rigid mass is carried by the held degrees of freedom themselves and shows in no mode.
     """
-    from scipy.sparse import csr_array, diags_array
+    from scipy.sparse import diags_array
     from scipy.sparse.linalg import cg
 
-    free = structure.free
-    if not len(free):
-        return np.zeros(6)
-    M = csr_array(structure.mass)[free][:, free]
-    P = (structure.mass @ structure.rigid)[free]
-    diagonal = M.diagonal()
+    held = hold(structure)
+    diagonal = held.mass.diagonal()
     jacobi = diags_array(1 / np.where(diagonal > 0, diagonal, 1.0))
-    return np.array([p @ cg(M, p, rtol=RESIDUAL, M=jacobi)[0] if p.any() else 0.0 for p in P.T])
+    carried = (p @ cg(held.mass, p, rtol=RESIDUAL, M=jacobi)[0] if p.any() else 0.0 for p in held.load.T)
+    return np.array(list(carried))

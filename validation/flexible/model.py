@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem.damping import Damping
 from fem.modes import Modes
 from geometry import keys
 from geometry.article import Article
@@ -36,14 +37,14 @@ class Asked:
     Attributes
     ----------
     count : how many modes to keep
-    damping_ratio : of every mode [1]; None for what the model itself says, by loss factors of its parts
+    damping : None for what the model itself says: the loss factors of its parts, else one ratio for every mode
     size : element size of the solid model [m]; None for its own
     material, unit : of the user's own CAD
     changes : the user's own dimensions of built-in articles, see `validation.changed`
     """
 
     count: int = 20
-    damping_ratio: float | None = None
+    damping: Damping | None = None
     size: float | None = None
     material: str | None = None
     unit: str | None = None
@@ -55,12 +56,6 @@ class Asked:
                 source="number of modes",
                 problem=f"must lie between 1 and {MOST_MODES}, found {self.count}",
                 remedy="What truncated modes contribute below the last one kept is in the residual mass",
-            )
-        if self.damping_ratio is not None and not 0 <= self.damping_ratio < 1:
-            raise BadInput(
-                source="--damping",
-                problem=f"a damping ratio lies from 0 to below 1, found {self.damping_ratio:g}",
-                remedy="Structures of metal have 0.001 to 0.02",
             )
 
 
@@ -145,7 +140,7 @@ def _solved(name: str, model: str, structure: Structure, drawn: Article | None, 
     return Flexible(
         article=name,
         model=model,
-        modes=fixed_base(structure, asked.count),
+        modes=fixed_base(structure, asked.count, damping=asked.damping),
         structure=structure,
         drawn=drawn,
     )

@@ -13,7 +13,7 @@ from validation.pictures.curves import Curve, diagonal, full
 def draw(found: Curves, folder: Path) -> tuple[Path, ...]:
     """Write the diagonal and the full 6x6 grid of `found` into `folder`, and say where they are."""
     drawn = [
-        Curve(name=f"{model.model} model", mass=mass, rigid=found.rigid, resonances=model.modes.frequency)
+        Curve(name=f"{model.model} model", mass=mass, rigid=found.rigid, modes=model.modes)
         for model, mass in zip(found.models, found.masses, strict=True)
     ]
     stem = file_name(f"dynamic-mass-{found.article}-{'-'.join(model.model for model in found.models)}")

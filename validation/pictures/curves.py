@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.modes import Modes
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from validation.pictures.files import require_format, save
@@ -25,8 +26,14 @@ CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
 
-NOTHING = 1e-9
-"""An entry smaller than this share of its block's largest is rounding: the symmetry of the article makes it zero."""
+NOTHING = 1e-6
+"""An entry smaller than this share of its block's largest is nothing: symmetry makes it zero, rounding or a mesh almost."""
+
+SHOWS = 1e-3
+"""Share of the rigid body that a mode must carry along an axis to be marked there."""
+
+ROOM_FOR_A_FIGURE = 0.05
+"""Of the width of a panel."""
 
 DASHES = ("-", "--", ":")
 
@@ -44,13 +51,13 @@ class Curve:
     name : of the model or the article
     mass : on the lines to be drawn
     rigid : (6, 6) mass matrix of the rigid body about the same point
-    resonances : (k,) [Hz], eigenfrequencies
+    modes : eigenfrequencies, and how much each shows on an axis
     """
 
     name: str
     mass: DynamicMass
     rigid: Array
-    resonances: Array
+    modes: Modes
 
 
 def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> None:
@@ -69,7 +76,7 @@ def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") ->
         lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
         _entry(upper, lower, curves, i, i)
         upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=4)
-        _mark_resonances(upper, curves)
+        _mark(upper, curves[0], (i,))
         upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
         lower.set_ylabel("phase [°]", fontsize=9.5)
         if i >= 3:
@@ -126,7 +133,7 @@ def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = 
                 _line(upper, lower, curve, i, i, colour, DASHES[0], LABELS[i])
                 upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
             _dress(upper, lower, curve.mass.frequency)
-            _ticks_at(upper, curve.resonances)
+            _mark(upper, curve, entries)
             if top == 0:
                 upper.set_title(curve.name, fontsize=13, weight="bold", color=INK, pad=14)
             if column == 0:
@@ -154,7 +161,7 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) ->
             axes.set(xticks=[], yticks=[])
             for side in axes.spines.values():
                 side.set_color("#d9dde3")
-        upper.text(0.5, 0.4, "0 by symmetry", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
+        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
         return
     for curve, colour, dash in zip(curves, CURVES, DASHES, strict=False):
         _line(upper, lower, curve, i, j, colour, dash, curve.name)
@@ -201,18 +208,15 @@ def _dress(upper: Axes, lower: Axes, f: Array) -> None:
     upper.set_axisbelow(True)
 
 
-def _mark_resonances(upper: Axes, curves: Sequence[Curve]) -> None:
-    """Ticks on the upper edge at the eigenfrequencies of the first curve, with figures where they have room."""
-    _ticks_at(upper, curves[0].resonances)
-
-
-def _ticks_at(upper: Axes, resonances: Array) -> None:
+def _mark(upper: Axes, curve: Curve, entries: Sequence[int]) -> None:
+    """Ticks on the upper edge at the eigenfrequencies that any of the diagonal `entries` shows, with figures where they have room."""
     low, high = upper.get_xlim()
-    there = np.sort(resonances[(resonances >= low) & (resonances <= high)])
+    whole = np.diag(curve.rigid)[list(entries)]
+    shows = np.any(curve.modes.effective_mass[:, list(entries)] > SHOWS * whole, axis=1)
     last = -np.inf
-    for f in there:
+    for f in curve.modes.frequency[shows & (curve.modes.frequency > low) & (curve.modes.frequency < high)]:
         upper.axvline(f, ymin=0.965, color=FAINT, linewidth=1.0)
-        if f - last > 0.07 * (high - low):
+        if f - last > ROOM_FOR_A_FIGURE * (high - low):
             upper.text(f, 1.012, f"{f:.1f}", transform=upper.get_xaxis_transform(), ha="center", fontsize=7.2, color=FAINT)
             last = f
 
