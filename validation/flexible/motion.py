@@ -82,7 +82,8 @@ def _on_axis(shapes: Array, translations: Integers, s: Array, place: Array, axis
     if len(s) == 1:
         return np.repeat(u, len(place), axis=0), np.repeat(turn, len(place), axis=0)
     stretch = np.gradient(np.einsum("pim,i->pm", u, axis), s, axis=0)
-    slopes = np.cross(turn, axis[:, None], axis=1) + stretch[:, None, :] * axis[:, None]
+    e = axis[None, :, None]
+    slopes = np.cross(turn, e, axis=1) + stretch[:, None, :] * e
     k = np.clip(np.searchsorted(s, place, side="right") - 1, 0, len(s) - 2)
     share = ((place - s[k]) / (s[k + 1] - s[k]))[:, None, None]
     return np.asarray(CubicHermiteSpline(s, u, slopes)(place)), (1 - share) * turn[k] + share * turn[k + 1]

@@ -65,7 +65,8 @@ def _described(
     for name in named[:3]:
         own = owner == names.index(name)
         twists = along[own].sum() < shares[name] / 2
-        moving.append(f"{name} {'twists' if twists else 'xyz'[int(np.argmax(along[own].sum(axis=0)))]} {100 * shares[name]:.0f} %")
+        how = "twists" if twists else "xyz"[int(np.argmax(along[own].sum(axis=0)))]
+        moving.append(f"{100 * shares[name]:.0f} % {name} {how}")
     first = owner == names.index(named[0])
     pattern = _pattern(structure.points[first], u[first])
     moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
@@ -75,7 +76,7 @@ def _described(
 
 def _bent(strained: dict[str, float]) -> list[str]:
     name = next(iter(strained), "")
-    return [f"strain in {name} {100 * strained[name]:.0f} %"] if name else []
+    return [f"{100 * strained[name]:.0f} % of the strain in {name}"] if name else []
 
 
 def _pattern(points: Array, u: Array) -> str:
