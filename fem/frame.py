@@ -1,153 +1,243 @@
-"""A spatial frame of Rayleigh beams: straight elements with axial, torsional and bending stiffness and rotary inertia.
+"""A spatial frame: beams between nodes, rigid bodies on nodes, rigid links between nodes, and matrices on ports.
 
-The element is the classical cubic one (Przemieniecki, Theory of Matrix Structural Analysis, chapters 5 and 11, without shear
-deformation). Its shape functions hold every rigid motion, so the assembled mass matrix carries the rigid-body inertia exactly.
+A node either moves on its own or rides on another one. Riding is kinematics, not stiffness: u_rider = T u_carrier with T of
+Eq. 3, put into every matrix before it is added, so a rigid link is exactly rigid and carries its mass exactly. `Plan` says what
+there is; `assemble` makes the matrices; plans can be joined, which is how articles are stacked.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
+from fem.element import Element, timoshenko
+from fem.sandwich import Sandwich, sandwich_element
+from fem.section import Section
 from geometry.arrays import Array, frozen
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Section:
-    """Stiffness and inertia of a beam per unit length, in the section's own axes y, z.
-
-    Attributes
-    ----------
-    axial : E A [N]
-    torsion : G J [N m²]
-    bending_y, bending_z : E I about the section's y and z axes [N m²]
-    mass : [kg/m]
-    rotary_y, rotary_z : rho I about the section's y and z axes [kg m]
-    """
-
-    axial: float
-    torsion: float
-    bending_y: float
-    bending_z: float
-    mass: float
-    rotary_y: float
-    rotary_z: float
+from geometry.frames import rigid_transformation_6
+from geometry.inertia import Inertia
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Member:
-    """A chain of equal elements along nodes, all with one section.
+    """A chain of elements along nodes, all with one section.
 
     Attributes
     ----------
     nodes : indices of the nodes in order
     section : what every element of it is made of
     z_axis : (3,) unit vector, the section's z axis in the frame; perpendicular to the member
+    part : whose stiffness it is (a sandwich names its own three)
+    bonded : nodes at which the layer of a sandwich cannot slip
     """
 
     nodes: tuple[int, ...]
-    section: Section
+    section: Section | Sandwich
     z_axis: Array
+    part: str = "beam"
+    bonded: frozenset[int] = frozenset()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "z_axis", frozen(self.z_axis, (3,), "z_axis"))
 
 
-def assemble(nodes: npt.ArrayLike, members: Iterable[Member]) -> tuple[Array, Array]:
-    """Stiffness and mass of the frame.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Body:
+    """A rigid body on a node; its inertia in the frame's axes about any point, negative where it takes material away."""
 
-    Parameters
+    node: int
+    inertia: Inertia
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ports:
+    """Stiffness and mass between nodes, in the frame's axes.
+
+    Attributes
+    ----------
+    nodes : k of them
+    stiffness, mass : (6 k, 6 k) symmetric, x, y, z, alpha, beta, gamma of the first node, then of the second ...
+    part : whose stiffness it is
+    """
+
+    nodes: tuple[int, ...]
+    stiffness: Array
+    mass: Array
+    part: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plan:
+    """What a frame is made of; node 0 is its foot, on which it stands.
+
+    Attributes
     ----------
     nodes : (n, 3) [m]
-    members : the beams between them
-
-    Returns
-    -------
-    K, M : (6 n, 6 n) [N/m, N, N m] and [kg, kg m, kg m²]; x, y, z, alpha, beta, gamma of node 0, then of node 1 ...
+    carriers : (n,) the node on which each one rides, itself when it moves on its own; a carrier rides on nobody
+    top : node on which the next plan may stand
+    loss_factors : of the parts that have one [1]
     """
-    points = np.asarray(nodes, dtype=np.float64)
-    K, M = np.zeros((2, 6 * len(points), 6 * len(points)))
-    for member in members:
-        for a, b in pairwise(member.nodes):
-            k, m = _element(points[a], points[b], member.section, member.z_axis)
-            dofs = np.ix_(_dofs(a, b), _dofs(a, b))
-            K[dofs] += k
-            M[dofs] += m
-    return K, M
+
+    nodes: Array
+    carriers: tuple[int, ...]
+    members: tuple[Member, ...] = ()
+    bodies: tuple[Body, ...] = ()
+    ports: tuple[Ports, ...] = ()
+    top: int = 0
+    loss_factors: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
-def add_lumped(M: Array, node: int, mass_matrix: Array) -> None:
-    """Add a rigid body's 6x6 mass matrix about `node` to the frame's `M`, in place."""
-    M[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] += mass_matrix
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frame:
+    """The assembled frame, free.
+
+    Attributes
+    ----------
+    plan : what it was made of
+    stiffness : by part, (n, n) each; six degrees of freedom x, y, z, alpha, beta, gamma a moving node, then slips
+    mass : (n, n)
+    rigid : (n, 6) what every degree of freedom does in the six unit motions of the frame's origin; zero for a slip
+    moving : (p,) nodes that move on their own; node ``moving[i]`` has the degrees of freedom 6 i to 6 i + 5
+    """
+
+    plan: Plan
+    stiffness: Mapping[str, Array]
+    mass: Array
+    rigid: Array
+    moving: tuple[int, ...]
 
 
-def _dofs(a: int, b: int) -> list[int]:
-    return [*range(6 * a, 6 * a + 6), *range(6 * b, 6 * b + 6)]
-
-
-def _element(start: Array, end: Array, section: Section, z_axis: Array) -> tuple[Array, Array]:
-    """Stiffness and mass (12, 12) of one element in the frame's axes."""
-    length = float(np.linalg.norm(end - start))
-    x_axis = (end - start) / length
-    R = np.kron(np.eye(4), np.vstack([x_axis, np.cross(z_axis, x_axis), z_axis]))
-    return R.T @ _stiffness(section, length) @ R, R.T @ _mass(section, length) @ R
-
-
-# Degrees of freedom of the element in its own axes: u v w rx ry rz at the start, then at the end.
-_AXIAL, _TORSION = [0, 6], [3, 9]
-_IN_XY = ([1, 5, 7, 11], 1.0)  # v and rz: bending about z
-_IN_XZ = ([2, 4, 8, 10], -1.0)  # w and ry: bending about y, where a positive slope is a negative rotation
-
-
-def _stiffness(s: Section, L: float) -> Array:
-    k = np.zeros((12, 12))
-    k[np.ix_(_AXIAL, _AXIAL)] = s.axial / L * _BAR_STIFFNESS
-    k[np.ix_(_TORSION, _TORSION)] = s.torsion / L * _BAR_STIFFNESS
-    for (dofs, sign), bending in ((_IN_XY, s.bending_z), (_IN_XZ, s.bending_y)):
-        k[np.ix_(dofs, dofs)] = bending / L**3 * _signed(_hermite_stiffness(L), sign)
-    return k
-
-
-def _mass(s: Section, L: float) -> Array:
-    m = np.zeros((12, 12))
-    m[np.ix_(_AXIAL, _AXIAL)] = s.mass * L / 6 * _BAR_MASS
-    m[np.ix_(_TORSION, _TORSION)] = (s.rotary_y + s.rotary_z) * L / 6 * _BAR_MASS
-    for (dofs, sign), rotary in ((_IN_XY, s.rotary_z), (_IN_XZ, s.rotary_y)):
-        m[np.ix_(dofs, dofs)] = _signed(s.mass * L / 420 * _hermite_mass(L) + rotary / (30 * L) * _hermite_slope(L), sign)
-    return m
-
-
-_BAR_STIFFNESS = np.array([[1.0, -1.0], [-1.0, 1.0]])
-_BAR_MASS = np.array([[2.0, 1.0], [1.0, 2.0]])
-
-
-def _hermite_stiffness(L: float) -> Array:
-    a, b = 6 * L, L * L
-    return np.array([[12, a, -12, a], [a, 4 * b, -a, 2 * b], [-12, -a, 12, -a], [a, 2 * b, -a, 4 * b]])
-
-
-def _hermite_mass(L: float) -> Array:
-    b = L * L
-    return np.array(
-        [
-            [156, 22 * L, 54, -13 * L],
-            [22 * L, 4 * b, 13 * L, -3 * b],
-            [54, 13 * L, 156, -22 * L],
-            [-13 * L, -3 * b, -22 * L, 4 * b],
-        ]
+def on_top(lower: Plan, upper: Plan) -> Plan:
+    """`upper` standing on the top of `lower`; both in the same axes and already in place."""
+    shift = len(lower.nodes)
+    foot = lower.carriers[lower.top]
+    carriers = tuple(foot if carrier == 0 else carrier + shift for carrier in upper.carriers)
+    members = [replace(m, nodes=_shifted(m.nodes, shift), bonded=frozenset(_shifted(m.bonded, shift))) for m in upper.members]
+    return Plan(
+        nodes=np.vstack([lower.nodes, upper.nodes]),
+        carriers=lower.carriers + carriers,
+        members=(*lower.members, *members),
+        bodies=lower.bodies + tuple(replace(body, node=body.node + shift) for body in upper.bodies),
+        ports=lower.ports + tuple(replace(p, nodes=_shifted(p.nodes, shift)) for p in upper.ports),
+        top=upper.top + shift,
+        loss_factors={**lower.loss_factors, **upper.loss_factors},
     )
 
 
-def _hermite_slope(L: float) -> Array:
-    a, b = 3 * L, L * L
-    return np.array([[36, a, -36, a], [a, 4 * b, -a, -b], [-36, -a, 36, -a], [a, -b, -a, 4 * b]])
+def assemble(plan: Plan) -> Frame:
+    """Stiffness and mass of the frame that `plan` describes."""
+    moving = tuple(n for n, carrier in enumerate(plan.carriers) if n == carrier)
+    first = {node: 6 * index for index, node in enumerate(moving)}
+    placed = list(_placed(plan, first))
+    size = 1 + max(dof for _, dofs, _ in placed for dof in dofs)
+    M = np.zeros((size, size))
+    stiffness: dict[str, Array] = {}
+    for element, dofs, T in placed:
+        at = np.ix_(dofs, dofs)
+        M[at] += _seen(element.mass, T)
+        for part, k in element.stiffness.items():
+            stiffness.setdefault(part, np.zeros((size, size)))[at] += _seen(k, T)
+    rigid = np.zeros((size, 6))
+    rigid[: 6 * len(moving)] = np.vstack([rigid_transformation_6(plan.nodes[node]) for node in moving])
+    return Frame(plan=plan, stiffness=stiffness, mass=M, rigid=rigid, moving=moving)
 
 
-def _signed(matrix: Array, sign: float) -> Array:
-    """`matrix` with the sign of both rotations changed where `sign` is -1."""
-    s = np.array([1.0, sign, 1.0, sign])
-    return matrix * np.outer(s, s)
+def inertia(member: Member, nodes: Array) -> Inertia:
+    """Inertia of `member` about the frame's origin: rods of its mass with its section's rotary inertia, in closed form."""
+    parts = [_rod(nodes[a], nodes[b], member) for a, b in pairwise(member.nodes)]
+    return Inertia(parameters=sum((part.about(np.zeros(3)).parameters for part in parts), np.zeros(10)))
+
+
+def _rod(start: Array, end: Array, member: Member) -> Inertia:
+    section, length = member.section, float(np.linalg.norm(end - start))
+    R, along = _axes(start, end, member.z_axis), section.mass * length**2 / 12
+    moments = length * np.array([section.rotary_y + section.rotary_z, section.rotary_y + along, section.rotary_z + along])
+    return Inertia.from_cog(section.mass * length, (start + end) / 2, R.T @ np.diag(moments) @ R)
+
+
+def _placed(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, list[int], Array]]:
+    """Every element, body and port matrix, with degrees of freedom (m,) of the frame and what it makes of them, (n, m)."""
+    following = 6 * len(first)
+    for member in plan.members:
+        made = {length: _element(member, length) for length in {_length(plan, a, b) for a, b in pairwise(member.nodes)}}
+        slips: dict[int, int] = {}
+        for a, b in pairwise(member.nodes):
+            element = made[_length(plan, a, b)]
+            dofs, T = _riding(plan, first, (a, b), _turned(plan.nodes[a], plan.nodes[b], member.z_axis))
+            extra: list[int | None] = []
+            for node in (a, b) * element.nodal:
+                if node not in slips and node not in member.bonded:
+                    slips[node], following = following, following + 1
+                extra.append(slips.get(node))
+            extra += range(following, following + element.inner)
+            following += element.inner
+            yield element, *_with_extra(dofs, T, extra)
+    for ports in plan.ports:
+        element = Element(stiffness={ports.part: ports.stiffness}, mass=ports.mass)
+        yield element, *_riding(plan, first, ports.nodes, np.eye(6 * len(ports.nodes)))
+    for body in plan.bodies:
+        element = Element(stiffness={}, mass=body.inertia.about(plan.nodes[body.node]).mass_matrix)
+        yield element, *_riding(plan, first, (body.node,), np.eye(6))
+
+
+def _element(member: Member, length: float) -> Element:
+    if isinstance(member.section, Sandwich):
+        return sandwich_element(member.section, length)
+    return timoshenko(member.section, length, member.part)
+
+
+def _riding(plan: Plan, first: Mapping[int, int], nodes: Sequence[int], turned: Array) -> tuple[list[int], Array]:
+    """Degrees of freedom of the carriers of `nodes` and ``turned @ T``, which makes the nodes' own from them."""
+    carriers = [plan.carriers[node] for node in nodes]
+    distinct = list(dict.fromkeys(carriers))
+    T = np.zeros((len(turned), 6 * len(distinct)))
+    for k, (node, carrier) in enumerate(zip(nodes, carriers, strict=True)):
+        column, own = 6 * distinct.index(carrier), turned[:, 6 * k : 6 * k + 6]
+        lever = plan.nodes[node] - plan.nodes[carrier]
+        T[:, column : column + 6] += own @ rigid_transformation_6(lever) if lever.any() else own
+    return [dof for carrier in distinct for dof in range(first[carrier], first[carrier] + 6)], T
+
+
+def _with_extra(dofs: list[int], T: Array, extra: Sequence[int | None]) -> tuple[list[int], Array]:
+    """Those of an element's degrees of freedom that no node has, added; None where there is none because it is held."""
+    if not extra:
+        return dofs, T
+    there = [k for k, dof in enumerate(extra) if dof is not None]
+    selected = np.eye(len(extra))[:, there]
+    T = np.block([[T, np.zeros((len(T), len(there)))], [np.zeros((len(extra), T.shape[1])), selected]])
+    return dofs + [dof for dof in extra if dof is not None], T
+
+
+def _turned(start: Array, end: Array, z_axis: Array) -> Array:
+    return np.asarray(np.kron(np.eye(4), _axes(start, end, z_axis)), dtype=np.float64)
+
+
+def _axes(start: Array, end: Array, z_axis: Array) -> Array:
+    """Rows: the element's axes x (start to end), y and z in the frame."""
+    x_axis = (end - start) / np.linalg.norm(end - start)
+    y_axis = np.array(
+        [
+            z_axis[1] * x_axis[2] - z_axis[2] * x_axis[1],
+            z_axis[2] * x_axis[0] - z_axis[0] * x_axis[2],
+            z_axis[0] * x_axis[1] - z_axis[1] * x_axis[0],
+        ]
+    )
+    return np.array([x_axis, y_axis, z_axis])
+
+
+def _seen(matrix: Array, T: Array) -> Array:
+    seen = T.T @ matrix @ T
+    return np.asarray((seen + seen.T) / 2)
+
+
+def _length(plan: Plan, a: int, b: int) -> float:
+    """Length [m] of an element, rounded so that equal elements are recognised."""
+    return round(float(np.linalg.norm(plan.nodes[b] - plan.nodes[a])), 14)
+
+
+def _shifted(nodes: Iterable[int], shift: int) -> tuple[int, ...]:
+    return tuple(node + shift for node in nodes)
