@@ -24,13 +24,14 @@ SI_UNITS = {
     "length": "m",
     "time": "s",
     "acceleration": "m/s^2",
+    "force": "N",
     "density": "kg/m^3",
     "moment of inertia": "kg m^2",
     "first moment": "kg m",
     "angle": "rad",
     "ratio": "1",
 }
-"""The dimensions that measurement files use, and the unit in which their values leave here."""
+"""The dimensions that users' files use, and the unit in which their values leave here."""
 
 FIRST_ORDER_LIMIT = 0.1
 """Relative tolerance above which first order is doubtful: the neglected terms are of the order of its square, 1 %."""
@@ -39,7 +40,7 @@ LARGEST = 1e15
 """In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
 the rounding that another program leaves of a zero, and is read as zero."""
 
-_NAMED = {**SI_UNITS, "force": "N", "frequency": "Hz", "area": "m^2", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
+_NAMED = {**SI_UNITS, "frequency": "Hz", "area": "m^2", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
     rf"\(?\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+()±,-][^+()±]*?)?\s*"

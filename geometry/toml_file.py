@@ -28,21 +28,30 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     BadInput : no name, no such file, a folder, a device, not UTF-8, not TOML or JSON (with the line), too deeply nested.
     OSError : the file cannot be read.
     """
-    text = _text(str(name), remedy)
-    form, parse = ("JSON", _json) if str(name).lower().endswith(".json") else ("TOML", tomllib.loads)
+    return parse(_text(str(name), remedy), str(name))
+
+
+def parse(text: str, name: str) -> dict[str, Any]:
+    """The table in `text`, JSON where `name` ends so, else TOML; `name` says where the text came from.
+
+    Raises
+    ------
+    BadInput : not TOML or JSON (with the line), too deeply nested.
+    """
+    form, parser = ("JSON", _json) if name.lower().endswith(".json") else ("TOML", tomllib.loads)
     try:
-        table = parse(text)
+        table = parser(text)
     except ValueError as error:  # also what Python says of a whole number of thousands of digits
         raise BadInput(
-            source=str(name),
+            source=name,
             problem=f"it is not {form}: {error}",
             remedy="Correct the place that it names; .json is read as JSON",
         ) from None
     except RecursionError:
-        raise _too_deep(str(name)) from None
+        raise _too_deep(name) from None
     if not isinstance(table, dict):
-        raise BadInput(source=str(name), problem="must hold one JSON object", remedy="Put the values into {...}")
-    _require_plain(table, str(name), DEEPEST)
+        raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
+    _require_plain(table, name, DEEPEST)
     return table
 
 
