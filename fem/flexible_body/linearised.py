@@ -1,0 +1,129 @@
+"""What exudyn says about small motions of an article: its linearised matrices on a free base, its eigen-solution on a held one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.flexible_body import native
+from fem.flexible_body.running import failed, finite, running
+from fem.frame import Plan
+from fem.structure import rigid_motion
+from geometry.arrays import Array, frozen
+
+SINGULAR = 1e-6
+"""How far the linearised stiffness may answer to a rigid motion, relative to its largest entry."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Linearised:
+    """Exudyn's linearised system of an article on a base that is free to move; the base has the first six coordinates.
+
+    Attributes
+    ----------
+    mass, stiffness : (n, n) SI
+    constraints : (n, c) columns of exudyn's constraint Jacobian: what rides on what
+    rigid : (n, 6) what every coordinate does in the six unit motions of the base
+    nodes : exudyn's nodes for every node of the plan
+    frequency : (m,) [Hz] by exudyn with the base held, ascending
+    shapes : (n, m) mass-normalised, zero at the base
+    """
+
+    mass: Array
+    stiffness: Array
+    constraints: Array
+    rigid: Array
+    nodes: tuple[tuple[int, ...], ...]
+    frequency: Array
+    shapes: Array
+
+    def __post_init__(self) -> None:
+        n, m = np.shape(self.shapes)
+        shapes = {
+            "mass": (n, n),
+            "stiffness": (n, n),
+            "constraints": (n, np.shape(self.constraints)[1]),
+            "rigid": (n, 6),
+            "frequency": (m,),
+            "shapes": (n, m),
+        }
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+    @property
+    def participation(self) -> Array:
+        """L (6, m) of the modes about the origin [kg^0.5, kg^0.5 m]."""
+        return np.asarray(self.rigid.T @ self.mass @ self.shapes)
+
+    @property
+    def rigid_mass(self) -> Array:
+        """(6, 6) of the whole about the origin."""
+        return np.asarray(self.rigid.T @ self.mass @ self.rigid)
+
+    def compliance(self) -> Array:
+        """Static answer (6, 6) [kg s² ...] to an accelerated base: P^T K^-1 P with P = M T, the sum of L L^T / omega² over all modes."""
+        n, c = self.constraints.shape
+        P = self.mass @ self.rigid
+        saddle = np.block([[self.stiffness, self.constraints], [self.constraints.T, np.zeros((c, c))]])
+        X = np.linalg.solve(saddle[6:, 6:], np.vstack([P[6:], np.zeros((c, 6))]))
+        return np.asarray(P[6:].T @ X[: n - 6])
+
+
+def linearise(plan: Plan, count: int) -> Linearised:
+    """Let exudyn linearise `plan` and find its lowest `count` modes.
+
+    Raises
+    ------
+    CheckFailed : exudyn failed, a result is not finite, or a rigid motion meets stiffness.
+    """
+    task = "linearise the frame"
+    with running(task) as exudyn:
+        free = native.build(exudyn, plan, held=False)
+        mass, stiffness, _damping, *rest = free.system.ComputeLinearizedSystem(returnConstraintJacobian=True)
+    n = 6 * len(free.points)
+    constraints = rest[0] if rest else np.zeros((n, 0))
+    frequency, shapes = _eigen(plan, count)
+    result = Linearised(
+        mass=finite(mass, task),
+        stiffness=finite(stiffness, task),
+        constraints=finite(constraints, task),
+        rigid=rigid_motion(free.points),
+        nodes=free.nodes,
+        frequency=frequency,
+        shapes=shapes,
+    )
+    _require_free(result, task)
+    return result
+
+
+def stiffness_of(plan: Plan) -> Array:
+    """The (n, n) stiffness of `plan` by exudyn.
+
+    Raises
+    ------
+    CheckFailed : exudyn failed, or the result is not finite.
+    """
+    task = "linearise the lossy frame"
+    with running(task) as exudyn:
+        return finite(native.build(exudyn, plan, held=False).system.ComputeLinearizedSystem()[1], task)
+
+
+def _eigen(plan: Plan, count: int) -> tuple[Array, Array]:
+    """Frequencies (m,) [Hz] and shapes (n, m) by exudyn, base held by a joint."""
+    task = "solve for the eigenfrequencies"
+    with running(task) as exudyn:
+        held = native.build(exudyn, plan, held=True)
+        # Absolute values would make a frequency of an unstable system; a negative square is refused below instead.
+        squares, shapes = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
+    squares = finite(squares, task)
+    if squares.min() <= 0:
+        raise failed(task, f"the lowest squared frequency is {squares.min():g} (rad/s)²; a part is not held or unstable")
+    return np.sqrt(squares) / (2 * np.pi), finite(shapes, task)
+
+
+def _require_free(system: Linearised, task: str) -> None:
+    for matrix, what in ((system.stiffness, "meets stiffness"), (system.constraints.T, "breaks a joint")):
+        answer = np.abs(matrix @ system.rigid).max(initial=0.0) / np.abs(matrix).max(initial=1.0)
+        if answer > SINGULAR:
+            raise failed(task, f"a rigid motion of the base {what}, {answer:.1e} of the largest entry")

@@ -1,0 +1,204 @@
+"""A frame made of exudyn's own items: geometrically exact beams, rigid bodies, joints and springs.
+
+What there is comes from a `fem.frame.Plan` - places, sections, rigid bodies, who rides on whom - and none of our matrices. The
+beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock in
+shear but bends too stiffly by the square of the element length, so two meshes say where they go
+(`fem.flexible_body.extrapolation`). Every node is given without rotation and every section turned into the frame's axes; exudyn
+takes the strain of the reference state off, so that a straight beam may point anywhere and its coordinates stay small motions in
+the frame.
+
+A sandwich is what it is in the workshop: two beams as faces and, between them, springs for the layer that only shears. Its
+torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their warping.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from fem.flexible_body.inertia import ORDER_OF_SIX
+from fem.frame import Member, Plan, Ports
+from fem.sandwich import Sandwich
+from fem.section import Section
+from geometry.arrays import Array, frozen
+from geometry.inertia import Inertia
+
+THICKNESS_OVER_SHEAR = 50.0
+"""Stiffness of a nearly incompressible layer across its thickness over that in shear, 2 (1 - nu) / (1 - 2 nu) at nu = 0.49."""
+
+Node = int
+"""A node of exudyn. Its coordinates are x, y, z, alpha, beta, gamma and begin at six times its number."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Native:
+    """A plan in exudyn.
+
+    Attributes
+    ----------
+    container : owns `system`, which dies with it
+    system : exudyn's `MainSystem`, assembled
+    points : (n, 3) [m] places of its nodes
+    nodes : for every node of the plan those of exudyn that stand for it: one, the two faces of a sandwich, or none
+    """
+
+    container: Any
+    system: Any
+    points: Array
+    nodes: tuple[tuple[Node, ...], ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points, np.shape(self.points), "points"))
+
+
+def build(exudyn: Any, plan: Plan, *, held: bool) -> Native:
+    """`plan` in exudyn, its foot joined to the ground when `held`, free otherwise."""
+    return _Builder(exudyn, plan).build(held)
+
+
+class _Builder:
+    def __init__(self, exudyn: Any, plan: Plan) -> None:
+        from exudyn import itemInterface
+
+        self.exudyn, self.items, self.plan = exudyn, itemInterface, plan
+        self.container = exudyn.SystemContainer()
+        self.system = self.container.AddSystem()
+        self.points: list[Array] = []
+        self.nodes: dict[int, tuple[Node, ...]] = {}
+        self.bodies: dict[int, Any] = {}
+
+    def build(self, held: bool) -> Native:
+        self._rigid_bodies()
+        for member in self.plan.members:
+            if isinstance(member.section, Sandwich):
+                self._sandwich(member, member.section)
+            else:
+                self._chain(member, member.section, [self._node(k) for k in member.nodes])
+        for ports in self.plan.ports:
+            self._ports(ports)
+        if held:
+            self._hold()
+        self.system.Assemble()
+        nodes = tuple(self.nodes.get(k, ()) for k in range(len(self.plan.nodes)))
+        return Native(container=self.container, system=self.system, points=np.array(self.points), nodes=nodes)
+
+    def _new_node(self, place: Array) -> Node:
+        self.points.append(np.asarray(place))
+        return int(self.system.AddNode(self.items.NodeRigidBodyRxyz(referenceCoordinates=[*map(float, place), 0.0, 0.0, 0.0])))
+
+    def _node(self, number: int) -> Node:
+        """Exudyn's node for that of the plan, made when it is asked for; joined to the body on which it rides."""
+        if number not in self.nodes:
+            self.nodes[number] = (self._new_node(self.plan.nodes[number]),)
+            self._join(number, self.nodes[number][0])
+        return self.nodes[number][0]
+
+    def _rigid_bodies(self) -> None:
+        """One body for every node that carries, its foot first so that the base has the first six coordinates."""
+        inertias: dict[int, Inertia] = defaultdict(lambda: Inertia(parameters=np.zeros(10)))
+        for body in self.plan.bodies:
+            inertias[self.plan.carriers[body.node]] += body.inertia
+        carriers = {carrier for node, carrier in enumerate(self.plan.carriers) if node != carrier}
+        for carrier in sorted({0, *carriers, *inertias}):
+            self.bodies[carrier] = self._body(self._node(carrier), inertias[carrier].about(self.plan.nodes[carrier]))
+
+    def _body(self, node: Node, inertia: Inertia) -> Any:
+        centre = inertia.first_moment / inertia.mass if inertia.mass else np.zeros(3)
+        item = self.items.ObjectRigidBody(
+            mass=inertia.mass, inertia=inertia.parameters[4:][ORDER_OF_SIX], centerOfMass=centre.tolist(), nodeNumber=node
+        )
+        return self.system.AddObject(item)
+
+    def _join(self, number: int, node: Node) -> None:
+        carrier = self.plan.carriers[number]
+        if carrier == number:
+            return
+        lever = np.asarray(self.points[node]) - self.plan.nodes[carrier]
+        there = self._marker(self.bodies[carrier], lever)
+        here = self.system.AddMarker(self.items.MarkerNodeRigid(nodeNumber=node))
+        self.system.AddObject(self.items.ObjectJointGeneric(markerNumbers=[there, here]))
+
+    def _hold(self) -> None:
+        ground = self.system.AddObject(self.items.ObjectGround(referencePosition=self.plan.nodes[0].tolist()))
+        markers = [self._marker(body, np.zeros(3)) for body in (ground, self.bodies[0])]
+        self.system.AddObject(self.items.ObjectJointGeneric(markerNumbers=markers))
+
+    def _marker(self, body: Any, place: Array) -> Any:
+        return self.system.AddMarker(self.items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist()))
+
+    def _chain(self, member: Member, section: Section, nodes: list[Node]) -> None:
+        for a, b in pairwise(nodes):
+            axis = self.points[b] - self.points[a]
+            length = float(np.linalg.norm(axis))
+            data = self._section(section, _axes(axis / length, member.z_axis))
+            self.system.AddObject(self.items.ObjectBeamGeometricallyExact(nodeNumbers=[a, b], length=length, sectionData=data))
+
+    def _section(self, s: Section, axes: Array) -> Any:
+        """`s` with its stiffness and inertia in the frame's axes; the columns of `axes` are the section's."""
+        if not np.isfinite([s.shear_y, s.shear_z]).all():
+            raise ValueError("exudyn's beam needs the shear stiffness of its section, found one without shear deformation")
+        data, twice = self.exudyn.BeamSection(), np.kron(np.eye(2), axes)
+        stiffness = np.diag([s.axial, s.shear_y, s.shear_z, s.torsion, s.bending_y, s.bending_z])
+        data.massPerLength = s.mass
+        data.inertia = axes @ np.diag([s.rotary_y + s.rotary_z, s.rotary_y, s.rotary_z]) @ axes.T
+        data.stiffnessMatrix = twice @ stiffness @ twice.T
+        return data
+
+    def _sandwich(self, member: Member, sandwich: Sandwich) -> None:
+        """Two faces apart, and at every node the springs of as much layer as belongs to it."""
+        offset = sandwich.distance / 2 * member.z_axis
+        faces = [[self._new_node(self.plan.nodes[k] + side * offset) for k in member.nodes] for side in (-1, 1)]
+        for nodes in faces:
+            self._chain(member, _face(sandwich), nodes)
+        lengths = [float(np.linalg.norm(self.plan.nodes[b] - self.plan.nodes[a])) for a, b in pairwise(member.nodes)]
+        shares = (np.array([0.0, *lengths]) + np.array([*lengths, 0.0])) / 2
+        for number, share, bottom, top in zip(member.nodes, shares, *faces, strict=True):
+            self.nodes[number] = (bottom, top)
+            if self.plan.carriers[number] != number:
+                self._join(number, bottom)
+                self._join(number, top)
+            else:
+                self._layer(member, number, share, bottom, top, sandwich)
+
+    def _ports(self, ports: Ports) -> None:
+        """Matrices on nodes, as they are: exudyn has no item that would know them."""
+        nodes = [self._node(k) for k in ports.nodes]
+        item = self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=ports.mass, stiffnessMatrix=ports.stiffness)
+        self.system.AddObject(item)
+
+    def _layer(self, member: Member, number: int, length: float, bottom: Node, top: Node, sandwich: Sandwich) -> None:
+        """Springs between both faces at the layer's middle, to which massless arms reach; nothing there is stressed at rest."""
+        middle, nothing = self.plan.nodes[number], Inertia(parameters=np.zeros(10))
+        markers = [self._marker(self._body(node, nothing), middle - self.points[node]) for node in (bottom, top)]
+        neighbours = [n for pair in pairwise(member.nodes) if number in pair for n in pair]
+        axis = self.plan.nodes[neighbours[-1]] - self.plan.nodes[neighbours[0]]
+        axes = np.kron(np.eye(2), _axes(axis / np.linalg.norm(axis), member.z_axis))
+        shear, normal = sandwich.slip * length, THICKNESS_OVER_SHEAR * sandwich.slip * length
+        across = sandwich.faces.rotary_z / sandwich.faces.mass
+        springs = axes @ np.diag([shear, shear, normal, normal * across, 0.0, shear * across]) @ axes.T
+        self.system.AddObject(self.items.ObjectConnectorRigidBodySpringDamper(markerNumbers=markers, stiffness=springs))
+
+
+def _face(s: Sandwich) -> Section:
+    """One face, with half of the layer's mass."""
+    whole, shift = s.faces, s.distance / 2
+    return Section(
+        axial=s.stretching,
+        torsion=whole.torsion / 2,
+        bending_y=whole.bending_y / 2,
+        bending_z=whole.bending_z / 2,
+        shear_y=whole.shear_y / 2,
+        shear_z=whole.shear_y / 2,
+        mass=whole.mass / 2,
+        rotary_y=whole.rotary_y / 2 - whole.mass / 2 * shift**2,
+        rotary_z=whole.rotary_z / 2,
+    )
+
+
+def _axes(along: Array, z_axis: Array) -> Array:
+    """Columns: the section's axes x, y and z in the frame."""
+    return np.column_stack([along, np.cross(z_axis, along), z_axis])
