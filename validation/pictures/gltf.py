@@ -46,11 +46,10 @@ def glb(title: str, mode: DrawnMode) -> bytes:
     buffer = _Buffer()
     scale = scale_of(mode.bodies)
     colours = colours_of(mode.bodies)
-    primitives = [
-        primitive
-        for body, colour in zip(mode.bodies, colours, strict=True)
-        for primitive in _primitives(buffer, body, colour, scale)
+    meshes = [
+        mesh for body, colour in zip(mode.bodies, colours, strict=True) for mesh in _meshes(buffer, body, colour, scale)
     ]
+    children = list(range(1, 1 + len(meshes)))
     time = np.linspace(0, CYCLE, KEYFRAMES)
     sampler = {
         "input": buffer.add(time[:, None], "SCALAR", bounds=True),
@@ -65,14 +64,17 @@ def glb(title: str, mode: DrawnMode) -> bytes:
         },
         "scene": 0,
         "scenes": [{"name": title, "nodes": [0]}],
-        "nodes": [{"name": f"{title}, mode {mode.number}, {mode.frequency:.2f} Hz", "mesh": 0, "rotation": _UPRIGHT}],
-        "meshes": [{"name": f"mode {mode.number}", "primitives": primitives, "weights": [0.0]}],
+        "nodes": [
+            {"name": f"{title}, mode {mode.number}, {mode.frequency:.2f} Hz", "children": children, "rotation": _UPRIGHT},
+            *({"name": mesh["name"], "mesh": index} for index, mesh in enumerate(meshes)),
+        ],
+        "meshes": meshes,
         "materials": _MATERIALS,
         "animations": [
             {
                 "name": f"mode {mode.number}",
                 "samplers": [sampler],
-                "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+                "channels": [{"sampler": 0, "target": {"node": node, "path": "weights"}} for node in children],
             }
         ],
         **buffer.tables,
@@ -121,26 +123,24 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def _primitives(buffer: _Buffer, body: MovingBody, colour: npt.NDArray[np.uint8], scale: float) -> list[dict[str, Any]]:
+def _meshes(buffer: _Buffer, body: MovingBody, colour: npt.NDArray[np.uint8], scale: float) -> list[dict[str, Any]]:
     """Surface and sharp edges of `body`, on the same vertices."""
     position = buffer.add(body.vertices, "VEC3", target=ARRAY_BUFFER, bounds=True)
     moved = buffer.add(scale * body.displacement, "VEC3", target=ARRAY_BUFFER, bounds=True)
     shade = buffer.add(_linear(colour), "VEC4", target=ARRAY_BUFFER, of=UNSIGNED_BYTE)
-    attributes, targets = {"POSITION": position}, [{"POSITION": moved}]
 
-    def drawn(indices: npt.NDArray[np.int64], mode: int, material: int, more: dict[str, int]) -> dict[str, Any]:
-        index = buffer.add(np.reshape(indices, (-1, 1)), "SCALAR", target=ELEMENT_ARRAY_BUFFER, of=UNSIGNED_INT)
-        return {
-            "attributes": attributes | more,
-            "targets": targets,
-            "indices": index,
+    def drawn(name: str, indices: npt.NDArray[np.int64], mode: int, material: int, **more: int) -> dict[str, Any]:
+        primitive = {
+            "attributes": {"POSITION": position, **more},
+            "targets": [{"POSITION": moved}],
+            "indices": buffer.add(np.reshape(indices, (-1, 1)), "SCALAR", target=ELEMENT_ARRAY_BUFFER, of=UNSIGNED_INT),
             "mode": mode,
             "material": material,
-            "extras": {"name": body.name},
         }
+        return {"name": name, "primitives": [primitive], "weights": [0.0]}
 
-    surface = drawn(body.faces, TRIANGLES, 0, {"COLOR_0": shade})
-    return [surface, drawn(body.edges, LINES, 1, {})] if len(body.edges) else [surface]
+    surface = drawn(body.name, body.faces, TRIANGLES, 0, COLOR_0=shade)
+    return [surface, drawn(f"{body.name}, edges", body.edges, LINES, 1)] if len(body.edges) else [surface]
 
 
 def _linear(colour: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
