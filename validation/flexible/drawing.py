@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from fem.structure import Structure
+from geometry.arrays import Array
+from geometry.article import Article
 from geometry.errors import BadInput
 from validation.flexible.model import Flexible
 from validation.flexible.motion import displacement
@@ -13,6 +18,9 @@ from validation.flexible.modes_table import words
 from validation.pictures.bodies import DrawnBody, drawn_bodies
 from validation.pictures.mode_sheet import DrawnMode
 from validation.pictures.moving import MovingBody, bendable, sharp_edges
+
+_Moved = tuple[DrawnBody, npt.NDArray[np.int64], Array]
+"""A body, its sharp edges, and the displacement (n, 3, m) of its vertices."""
 
 CHORD = 5e-4
 """Chord error [m] of the drawn surface: these pictures are small."""
@@ -46,7 +54,7 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
     chosen = np.array(numbers, dtype=np.intp) - 1
     shapes = model.modes.shapes[:, chosen]
     said = words(model)
-    bodies = [_moved(model, number, body, shapes) for number, body in enumerate(_surfaces(model))]
+    bodies = [_moved(model.structure, model.article_of_primitives, number, body, shapes) for number, body in enumerate(_surfaces(model))]
     return tuple(
         DrawnMode(
             number=number,
@@ -63,11 +71,19 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
 
 def _surfaces(model: Flexible) -> tuple[DrawnBody, ...]:
     """The surface of every counted part, fine enough to bend."""
-    drawn = [body for body in drawn_bodies(model.drawn, CHORD) if body.counted] if model.drawn else []
-    longest = float(np.linalg.norm(np.ptp(np.concatenate([body.vertices for body in drawn]), axis=0))) / PIECES
-    return tuple(bendable(body, longest) for body in drawn)
+    drawn = _users(model.drawn) if model.article_of_primitives is None else drawn_bodies(model.article_of_primitives, CHORD)
+    counted = [body for body in drawn if body.counted]
+    longest = float(np.linalg.norm(np.ptp(np.concatenate([body.vertices for body in counted]), axis=0))) / PIECES
+    return tuple(bendable(body, longest) for body in counted)
 
 
-def _moved(model: Flexible, part: int, body: DrawnBody, shapes: np.ndarray) -> tuple[DrawnBody, np.ndarray, np.ndarray]:
+def _users(article: Any) -> tuple[DrawnBody, ...]:
+    return tuple(
+        DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
+        for part in article.parts
+    )
+
+
+def _moved(structure: Structure, article: Article | None, part: int, body: DrawnBody, shapes: Array) -> _Moved:
     owner = np.full(len(body.vertices), part, dtype=np.intp)
-    return body, sharp_edges(body), displacement(model.structure, shapes, model.drawn, body.vertices, owner)
+    return body, sharp_edges(body), displacement(structure, shapes, article, body.vertices, owner)

@@ -138,8 +138,9 @@ def _on_common_points(first: Flexible, second: Flexible) -> tuple[Array, Array, 
 
 def _seen_on(model: Flexible, other: Structure) -> Array:
     """The shapes of `model` on the degrees of freedom of `other`, which are translations of its points."""
-    parts = nearest_part(model.drawn, other.points) if model.drawn is not None else np.zeros(len(other.points), dtype=np.intp)
-    moved = displacement(model.structure, model.modes.shapes, model.drawn, other.points, parts)
+    article = model.article_of_primitives
+    parts = np.zeros(len(other.points), dtype=np.intp) if article is None else nearest_part(article, other.points)
+    moved = displacement(model.structure, model.modes.shapes, article, other.points, parts)
     shapes = np.zeros((other.mass.shape[0], moved.shape[2]))
     shapes[other.translations] = moved
     return shapes

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
-from fem.damping import Damping
+from fem.damping import DEFAULT_RATIO, Damping
 from fem.modes import Modes
+from fem.users_model.reading import is_model, load
 from geometry import keys
 from geometry.article import Article
 from geometry.articles import built_in, changes_of
@@ -17,14 +17,12 @@ from validation.article_reference import is_file
 
 if TYPE_CHECKING:
     from fem.structure import Structure
+    from geometry.user_article import UserArticle
 
 MODELS = ("beam", "solid", "exudyn")
 
-USERS_MODEL = "own"
-"""What the model of a user's own file is called."""
-
-USERS_ENDINGS = (".h5", ".hdf5", ".npz", ".op4", ".pch", ".f06")
-"""Files that hold a user's own model, upper or lower case."""
+OWN = "own"
+"""What the model in a user's own file is called."""
 
 MOST_MODES = 500
 """More are no help: what they leave behind is in the residual."""
@@ -66,10 +64,10 @@ class Flexible:
     Attributes
     ----------
     article : its name
-    model : one of `MODELS`, or `USERS_MODEL`
+    model : one of `MODELS`, or `OWN`
     modes : fixed-base modes about the article's origin
-    structure : what they were computed from; None where only modal data were given
-    drawn : the article that the model is of; None for a user's own file
+    structure : what they were computed from; None where only modal data are known
+    drawn : what the model is of, with its surface; None for a user's own model
     notes : what must be known to read the figures, each a sentence
     """
 
@@ -77,46 +75,46 @@ class Flexible:
     model: str
     modes: Modes
     structure: Structure | None = None
-    drawn: Article | None = None
+    drawn: Article | UserArticle | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def article_of_primitives(self) -> Article | None:
+        """What is drawn, if it is made of primitives: a built-in article or a stack of them."""
+        return self.drawn if isinstance(self.drawn, Article) else None
 
 
 def require_model(name: str, model: str, option: str = "--model") -> str:
-    """`model`, which must be one of `MODELS` and able to describe the article `name`.
+    """Name of the `model` asked for, which must be one of `MODELS`, or a file with one, and able to describe the article `name`.
 
     Raises
     ------
     BadInput : it is not.
     """
+    if is_model(name) or is_model(model):
+        return OWN
     keys.one_of(model, MODELS, source=f"article {name}", where=option)
-    if is_users_model(name):
-        return USERS_MODEL
-    if is_file(name) and model != "solid":
+    if not is_file(name):
+        built_in(name)
+    elif model != "solid":
         raise BadInput(
             source=name,
             field=option,
             problem=f"a {model} model is made of the dimensions of built-in articles, and a CAD file has none",
-            remedy="Use --model solid, which meshes any STEP, or give your own model's modes or matrices (.h5, .npz, .op4)",
+            remedy="Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)",
         )
-    if not is_file(name):
-        built_in(name)
     return model
 
 
-def is_users_model(name: str) -> bool:
-    """Whether `name` is a file with a user's own model."""
-    return Path(name).suffix.lower() in USERS_ENDINGS
-
-
 def flexible(name: str, model: str, asked: Asked) -> Flexible:
-    """The `model` of the article `name` with the modes asked for.
+    """The `model` of the article `name` with the modes asked for; either may be a file with a model of the user's own.
 
     Raises
     ------
     BadInput : no such article or model, or one that this model cannot describe.
     """
-    require_model(name, model)
-    return _MAKERS[USERS_MODEL if is_users_model(name) else model](name, asked)
+    known = require_model(name, model)
+    return _MAKERS[known](model if is_model(model) else name, asked)
 
 
 def _beam(name: str, asked: Asked) -> Flexible:
@@ -128,22 +126,43 @@ def _beam(name: str, asked: Asked) -> Flexible:
 
 def _solid(name: str, asked: Asked) -> Flexible:
     from fem.solid import model
+    from fem.solid.sizing import Sizing
 
-    options: dict[str, Any] = {} if asked.size is None else {"size": asked.size}
-    article = built_in(name, changes_of(name, asked.changes))
-    return _solved(name, "solid", model.structure(article, **options), article, asked)
+    article = _users_article(name, asked) if is_file(name) else built_in(name, changes_of(name, asked.changes))
+    structure = model.structure(article, Sizing(size=asked.size))
+    found = _solved(article.name if is_file(name) else name, "solid", structure, article, asked)
+    return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
 
 
-def _solved(name: str, model: str, structure: Structure, drawn: Article | None, asked: Asked) -> Flexible:
+def _users_article(name: str, asked: Asked) -> UserArticle:
+    from geometry import user_article
+
+    return user_article.load(name, unit=asked.unit, material=asked.material)
+
+
+def _own(path: str, asked: Asked) -> Flexible:
+    found = load(path)
+    if isinstance(found.model, Modes):
+        return Flexible(article=found.name, model=OWN, modes=found.model, notes=("Modal data as they were given.",))
+    return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
+
+
+def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: Asked) -> Flexible:
     from fem.modes import fixed_base
 
+    modes = fixed_base(structure, asked.count, damping=asked.damping)
     return Flexible(
-        article=name,
-        model=model,
-        modes=fixed_base(structure, asked.count, damping=asked.damping),
-        structure=structure,
-        drawn=drawn,
+        article=name, model=model, modes=modes, structure=structure, drawn=drawn, notes=_damping_notes(structure, modes, asked)
     )
 
 
-_MAKERS = {"beam": _beam, "solid": _solid}
+def _damping_notes(structure: Structure, modes: Modes, asked: Asked) -> tuple[str, ...]:
+    if asked.damping is not None:
+        return ()
+    if structure.loss_factors and structure.part_stiffness:
+        listed = ", ".join(f"{name} {eta:g}" for name, eta in structure.loss_factors.items())
+        return (f"Damping from the loss factors of the parts: {listed}.",)
+    return (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
+
+
+_MAKERS: Mapping[str, Callable[[str, Asked], Flexible]] = {"beam": _beam, "solid": _solid, OWN: _own}

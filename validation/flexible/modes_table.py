@@ -42,7 +42,7 @@ def words(model: Flexible) -> tuple[Described, ...]:
     """Every mode of `model` in words; empty ones for modal data without a structure."""
     if model.structure is None:
         return tuple(Described(moving={}, strained={}, text="") for _ in model.modes.frequency)
-    return described(model.structure, model.modes, model.drawn)
+    return described(model.structure, model.modes, model.article_of_primitives)
 
 
 def _sums(model: Flexible, rigid: Array) -> list[tuple[str, ...]]:

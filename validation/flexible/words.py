@@ -100,13 +100,15 @@ def _pattern(points: Array, u: Array) -> str:
 
 
 def _owners(structure: Structure, article: Article | None) -> tuple[list[str], Integers]:
-    """Names of the parts and for each point the index of its own."""
-    if article is None:
+    """Names of the parts, and for each point the index of its own: by the drawing, else by whose stiffness holds the point."""
+    if article is not None:
+        families = [family(part.name) for part in article.counted_parts]
+        names = list(dict.fromkeys(families))
+        return names, np.array([names.index(name) for name in families])[nearest_part(article, structure.points)]
+    if not structure.part_stiffness:
         return ["article"], np.zeros(len(structure.points), dtype=np.intp)
-    families = [family(part.name) for part in article.counted_parts]
-    names = list(dict.fromkeys(families))
-    number = np.array([names.index(name) for name in families])
-    return names, number[nearest_part(article, structure.points)]
+    held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
+    return list(structure.part_stiffness), np.argmax(held, axis=0)
 
 
 def _point_energy(structure: Structure, energy: Array) -> Array:
