@@ -12,8 +12,10 @@ from a local solid model of the crossing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import reduce
 from itertools import pairwise
+from operator import sub
 
 import numpy as np
 
@@ -21,7 +23,7 @@ from fem import frame
 from fem.frame import Body, Member, Plan, Ports
 from fem.sandwich import Sandwich, sandwich
 from fem.section import Section, rectangle, tube
-from geometry.arrays import Array
+from geometry.arrays import Array, frozen
 from geometry.article import Article, Part
 from geometry.articles import clumod
 from geometry.articles.dimensions import Dimensions
@@ -37,6 +39,7 @@ ELEMENTS = 6
 
 MAST = "mast"
 X, Y, Z = np.eye(3)
+AXES = {"x": X, "y": Y}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,15 +74,15 @@ class Joint:
     mass: Array | None = None
     part: str = MAST
 
-
-@dataclass(frozen=True, eq=False)
-class _Rigid:
-    """A rigid piece of the mast from `bottom` to `top`, riding on a node at `middle` [m]."""
-
-    bottom: float
-    middle: float
-    top: float
-    number: int = field(default=0)
+    def __post_init__(self) -> None:
+        size = 6 * len(self.ports)
+        for name in ("stiffness",) if self.mass is None else ("stiffness", "mass"):
+            matrix = frozen(getattr(self, name), (size, size), name)
+            if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
+                raise BadInput(
+                    source="joint of Clumod", field=name, problem="must be symmetric", remedy="Check the order of ports"
+                )
+            object.__setattr__(self, name, matrix)
 
 
 def reach(radius: float, width: float) -> float:
@@ -98,36 +101,53 @@ def plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint] = (), 
     ------
     BadInput : hubs that overlap, a joint on a port that does not exist, a section that is none.
     """
-    article = clumod.build(tuple(blades), d)
-    pieces = _rigid_pieces(blades, d)
-    ports = [port for joint in joints for port in joint.ports]
-    nodes, carriers = [np.zeros(3)], [0]
+    article, pieces = clumod.build(tuple(blades), d), _rigid_pieces(blades, d)
+    asked = [_checked(port, blades, d) for joint in joints for port in joint.ports]
+    nodes = _Nodes()
+    nodes.put(np.zeros(3), carrier=0)
     for piece in pieces:
-        carriers.append(len(nodes))
-        nodes.append(piece.middle * Z)
-    heights = _mast_heights(d, pieces, [port.at for port in ports if port.member == MAST], 2 * elements)
-    mast = tuple(range(len(nodes), len(nodes) + len(heights)))
-    for height in heights:
-        carriers.append(_carrier(height, d, pieces, len(nodes)))
-        nodes.append(height * Z)
-    section = tube(d["mast"]["outer_diameter"], d["mast"]["inner_diameter"], material(d["mast"]["material"]))
-    members = [Member(nodes=mast, section=section, z_axis=X, part=MAST)]
-    for number, blade in enumerate(d["blade"]):
+        nodes.put(piece.middle * Z)
+    members = [_mast(d, pieces, asked, elements, nodes)]
+    for station, piece in enumerate(pieces, start=1):
+        blade = d["blade"][piece.number]
         if blade["name"] in blades:
-            station = 1 + next(index for index, piece in enumerate(pieces) if piece.number == number)
-            asked = [port.at for port in ports if port.member == blade["name"]]
-            members += _half_blades(blade, d, station, nodes, carriers, asked, elements)
-    points = np.array(nodes)
+            members += [_half_blade(blade, d, side, station, asked, elements, nodes) for side in (1, -1)]
+    points = np.array(nodes.points)
     return Plan(
         nodes=points,
-        carriers=tuple(carriers),
+        carriers=tuple(nodes.carriers),
         members=tuple(members),
         bodies=tuple(_bodies(article, d, pieces, members, points)),
-        ports=tuple(_ports(joint, blades, d, points) for joint in joints),
+        ports=tuple(_ports(joint, d, points) for joint in joints),
         loss_factors={
-            part.name: part.material.loss_factor for part in article.parts if part.material.loss_factor and _elastic(part)
+            part.name: part.material.loss_factor for part in _elastic(article) if part.material.loss_factor is not None
         },
     )
+
+
+class _Nodes:
+    """The nodes of a plan while it grows."""
+
+    def __init__(self) -> None:
+        self.points: list[Array] = []
+        self.carriers: list[int] = []
+
+    def put(self, point: Array, carrier: int | None = None) -> int:
+        """Add a node at `point` that rides on `carrier`, or moves on its own; its index."""
+        index = len(self.points)
+        self.points.append(point)
+        self.carriers.append(index if carrier is None else carrier)
+        return index
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Rigid:
+    """A piece of the mast that is rigid from `bottom` to `top`, riding on a node at `middle` [m]; `number` of its blade."""
+
+    bottom: float
+    middle: float
+    top: float
+    number: int
 
 
 def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
@@ -136,10 +156,8 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
     for number, blade in enumerate(d["blade"]):
         z, t = blade["z"], blade["thickness"] / 2
         h = t + blade["hub_height"] / 2
-        if blade["name"] in blades:
-            pieces.append(_Rigid(z - h, z, z + h, number))
-        else:
-            pieces += [_Rigid(z - h, z - (h + t) / 2, z - t, number), _Rigid(z + t, z + (h + t) / 2, z + h, number)]
+        ends = [(-h, h)] if blade["name"] in blades else [(-h, -t), (t, h)]
+        pieces += [_Rigid(bottom=z + a, middle=z + (a + b) / 2, top=z + b, number=number) for a, b in ends]
     pieces.sort(key=lambda piece: piece.bottom)
     _require_apart(pieces, d)
     return pieces
@@ -157,45 +175,44 @@ def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
             )
 
 
+def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int, nodes: _Nodes) -> Member:
+    """The mast from the flange to its top; what lies within a rigid piece rides on it."""
+    mast, chain = d["mast"], []
+    for height in _mast_heights(d, pieces, [port.at for port in asked if port.member == MAST], 2 * elements):
+        carrier = next((1 + index for index, piece in enumerate(pieces) if piece.bottom <= height <= piece.top), None)
+        chain.append(nodes.put(height * Z, 0 if height == d["flange"]["height"] else carrier))
+    section = tube(mast["outer_diameter"], mast["inner_diameter"], material(mast["material"]))
+    return Member(nodes=tuple(chain), section=section, z_axis=X, part=MAST)
+
+
 def _mast_heights(d: Dimensions, pieces: list[_Rigid], asked: list[float], elements: int) -> list[float]:
-    """Heights of the nodes from flange to top: the ends of rigid pieces, those asked for, and enough between."""
+    """Heights of the nodes: the flange, the ends of rigid pieces, those asked for, the top, and enough between."""
     ends = [end for piece in pieces for end in (piece.bottom, piece.top)]
     fixed = sorted({d["flange"]["height"], d["mast"]["top"], *ends, *asked})
-    inside = {(piece.bottom, piece.top) for piece in pieces}
-    step = (fixed[-1] - fixed[0]) / elements
-    heights = [fixed[0]]
-    for a, b in pairwise(fixed):
-        count = 1 if (a, b) in inside else max(1, int(np.ceil((b - a) / step - 1e-9)))
-        heights += np.linspace(a, b, count + 1)[1:].tolist()
-    return heights
+    return _between(fixed, (fixed[-1] - fixed[0]) / elements)
 
 
-def _carrier(height: float, d: Dimensions, pieces: list[_Rigid], own: int) -> int:
-    if height == d["flange"]["height"]:
-        return 0
-    return next((1 + index for index, piece in enumerate(pieces) if piece.bottom <= height <= piece.top), own)
+def _half_blade(
+    blade: Dimensions, d: Dimensions, side: int, station: int, asked: list[Port], elements: int, nodes: _Nodes
+) -> Member:
+    """One half of a blade, on the positive or the negative `side` of its axis, from its root to its tip."""
+    root, tip = _ends(blade, d)
+    own = [side * port.at for port in asked if port.member == blade["name"] and side * port.at > 0]
+    distances = _between(sorted({root, tip, *own}), (tip - root) / elements)
+    places = [blade["z"] * Z + side * distance * AXES[blade["axis"]] for distance in distances]
+    chain = [nodes.put(places[0], station), *(nodes.put(place) for place in places[1:])]
+    return Member(nodes=tuple(chain), section=_blade_section(blade, d), z_axis=Z, part=blade["name"], bonded=frozenset(chain[:1]))
 
 
-def _half_blades(
-    blade: Dimensions, d: Dimensions, station: int, nodes: list[Array], carriers: list[int], asked: list[float], elements: int
-) -> list[Member]:
-    """Two members from `reach` to the tips, their nodes appended to `nodes` and `carriers`."""
-    root, tip = reach(d["hubs"]["outer_diameter"] / 2, blade["width"]), blade["length"] / 2
-    outwards = {"x": X, "y": Y}[blade["axis"]]
-    section, members = _blade_section(blade, d), []
-    for side in (1, -1):
-        first, own = len(nodes), [side * at for at in asked if side * at > 0]
-        fixed = sorted({root, tip, *(at for at in own if root < at < tip)})
-        counts = [max(1, round(elements * (b - a) / (tip - root))) for a, b in pairwise(fixed)]
-        distances = [root]
-        for (a, b), count in zip(pairwise(fixed), counts, strict=True):
-            distances += np.linspace(a, b, count + 1)[1:].tolist()
-        for distance in distances:
-            carriers.append(station if distance == root else len(nodes))
-            nodes.append(nodes[station] + side * distance * outwards)
-        chain = tuple(range(first, len(nodes)))
-        members.append(Member(nodes=chain, section=section, z_axis=Z, part=blade["name"], bonded=frozenset({first})))
-    return members
+def _ends(blade: Dimensions, d: Dimensions) -> tuple[float, float]:
+    """Distances [m] from the mast's axis at which a half-blade begins and ends."""
+    return reach(d["hubs"]["outer_diameter"] / 2, blade["width"]), blade["length"] / 2
+
+
+def _between(fixed: list[float], step: float) -> list[float]:
+    """`fixed`, ascending, and what divides the gaps evenly into pieces not much longer than `step`."""
+    gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False).tolist() for a, b in pairwise(fixed)]
+    return [*(value for gap in gaps for value in gap), fixed[-1]]
 
 
 def _blade_section(blade: Dimensions, d: Dimensions) -> Section | Sandwich:
@@ -208,60 +225,64 @@ def _blade_section(blade: Dimensions, d: Dimensions) -> Section | Sandwich:
 
 def _bodies(article: Article, d: Dimensions, pieces: list[_Rigid], members: list[Member], nodes: Array) -> list[Body]:
     """What the beams lack: the flange, and on every rigid piece its collars and the blade as drawn less the blade's beams."""
-    bodies = [Body(node=0, inertia=_drawn(part for part in article.parts if part.name == "flange"))]
+    drawn = {part.name: part for part in article.parts}
+    bodies = [Body(node=0, inertia=_drawn([drawn["flange"]]))]
     for station, piece in enumerate(pieces, start=1):
-        blade = d["blade"][piece.number]["name"]
-        hub = next(part for part in article.parts if part.name == f"hub-{piece.number + 1}")
-        own = [part for part in article.parts if part.name == blade or part.name.startswith(f"{blade}-")]
-        lacking = _drawn([_between(hub, piece), *own])
-        for member in members:
-            lacking = lacking - frame.inertia(member, nodes) if own and member.part == blade else lacking
-        bodies.append(Body(node=station, inertia=lacking))
+        blade, hub = d["blade"][piece.number]["name"], drawn[f"hub-{piece.number + 1}"]
+        own = [part for name, part in drawn.items() if name == blade or name.startswith(f"{blade}-")]
+        beams = [frame.inertia(member, nodes) for member in members if member.part == blade]
+        bodies.append(Body(node=station, inertia=reduce(sub, beams, _drawn([_collars(hub, piece), *own]))))
     return bodies
 
 
-def _between(part: Part, piece: _Rigid) -> Part:
+def _collars(hub: Part, piece: _Rigid) -> Part:
     """The collars of a hub that belong to a rigid piece of the mast."""
 
     def there(placed: Placed) -> bool:
         return bool(piece.bottom <= placed.pose.position[2] <= piece.top)
 
-    shape = Shape(solids=tuple(filter(there, part.shape.solids)), voids=tuple(filter(there, part.shape.voids)))
-    return replace(part, shape=shape)
+    shape = Shape(solids=tuple(filter(there, hub.shape.solids)), voids=tuple(filter(there, hub.shape.voids)))
+    return replace(hub, shape=shape)
 
 
 def _drawn(parts: Iterable[Part]) -> Inertia:
     return drawn_inertia(Article(name="rigid", parts=tuple(parts)))
 
 
-def _elastic(part: Part) -> bool:
-    return part.name != "flange" and not part.name.startswith("hub-")
+def _elastic(article: Article) -> Iterable[Part]:
+    return (part for part in article.parts if part.name != "flange" and not part.name.startswith("hub-"))
 
 
-def _ports(joint: Joint, blades: Sequence[str], d: Dimensions, nodes: Array) -> Ports:
+def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
     size = 6 * len(joint.ports)
     mass = np.zeros((size, size)) if joint.mass is None else joint.mass
-    return Ports(
-        nodes=tuple(_node(port, blades, d, nodes) for port in joint.ports), stiffness=joint.stiffness, mass=mass, part=joint.part
-    )
+    chosen = tuple(_nearest(_place(port, d), nodes) for port in joint.ports)
+    return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
 
 
-def _node(port: Port, blades: Sequence[str], d: Dimensions, nodes: Array) -> int:
-    known = [MAST, *blades]
-    if port.member not in known:
-        raise _refused(f"there is no {port.member!r}", f"{nearest(port.member, known)}Known are {', '.join(known)}")
-    blade = next((blade for blade in d["blade"] if blade["name"] == port.member), None)
-    if blade is None:
-        place, ends = port.at * Z, (d["flange"]["height"], d["mast"]["top"])
-    else:
-        place = blade["z"] * Z + port.at * {"x": X, "y": Y}[blade["axis"]]
-        ends = (reach(d["hubs"]["outer_diameter"] / 2, blade["width"]), blade["length"] / 2)
-    if not ends[0] <= abs(port.at) <= ends[1]:
+def _nearest(place: Array, nodes: Array) -> int:
+    return int(np.argmin(np.linalg.norm(nodes - place, axis=1)))
+
+
+def _place(port: Port, d: Dimensions) -> Array:
+    if port.member == MAST:
+        return port.at * Z
+    blade = next(blade for blade in d["blade"] if blade["name"] == port.member)
+    return np.asarray(blade["z"] * Z + port.at * AXES[blade["axis"]])
+
+
+def _checked(port: Port, blades: Sequence[str], d: Dimensions) -> Port:
+    """`port`, which must lie on a beam that is there."""
+    ends = {MAST: (d["flange"]["height"], d["mast"]["top"])}
+    ends |= {blade["name"]: _ends(blade, d) for blade in d["blade"] if blade["name"] in blades}
+    if port.member not in ends:
+        raise _refused(f"there is no {port.member!r}", f"{nearest(port.member, ends)}Known are {', '.join(ends)}")
+    first, last = ends[port.member]
+    if not first <= (port.at if port.member == MAST else abs(port.at)) <= last:
         raise _refused(
-            f"{port.member} has no node at {1e3 * port.at:g} mm",
-            f"Its beam goes from {1e3 * ends[0]:.1f} to {1e3 * ends[1]:.1f} mm",
+            f"{port.member} is no beam at {1e3 * port.at:g} mm", f"Its beam goes from {1e3 * first:.1f} to {1e3 * last:.1f} mm"
         )
-    return len(nodes) - 1 - int(np.argmin(np.linalg.norm(nodes[::-1] - place, axis=1)))
+    return port
 
 
 def _refused(problem: str, remedy: str) -> BadInput:

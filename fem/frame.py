@@ -128,15 +128,34 @@ def on_top(lower: Plan, upper: Plan) -> Plan:
     )
 
 
+def placed(plan: Plan, displacement: Array, prefix: str = "") -> Plan:
+    """`plan` carried by `displacement` (3,) [m], the names of its parts with `prefix` before them."""
+    return replace(
+        plan,
+        nodes=plan.nodes + displacement,
+        members=tuple(replace(m, part=prefix + m.part, section=_renamed(m.section, prefix)) for m in plan.members),
+        bodies=tuple(replace(body, inertia=body.inertia.moved(displacement)) for body in plan.bodies),
+        ports=tuple(replace(ports, part=prefix + ports.part) for ports in plan.ports),
+        loss_factors={prefix + part: factor for part, factor in plan.loss_factors.items()},
+    )
+
+
+def _renamed(section: Section | Sandwich, prefix: str) -> Section | Sandwich:
+    if isinstance(section, Section):
+        return section
+    bottom, layer, top = section.parts
+    return replace(section, parts=(prefix + bottom, prefix + layer, prefix + top))
+
+
 def assemble(plan: Plan) -> Frame:
     """Stiffness and mass of the frame that `plan` describes."""
     moving = tuple(n for n, carrier in enumerate(plan.carriers) if n == carrier)
     first = {node: 6 * index for index, node in enumerate(moving)}
-    placed = list(_placed(plan, first))
-    size = 1 + max(dof for _, dofs, _ in placed for dof in dofs)
+    pieces = list(_pieces(plan, first))
+    size = 1 + max(dof for _, dofs, _ in pieces for dof in dofs)
     M = np.zeros((size, size))
     stiffness: dict[str, Array] = {}
-    for element, dofs, T in placed:
+    for element, dofs, T in pieces:
         at = np.ix_(dofs, dofs)
         M[at] += _seen(element.mass, T)
         for part, k in element.stiffness.items():
@@ -159,7 +178,7 @@ def _rod(start: Array, end: Array, member: Member) -> Inertia:
     return Inertia.from_cog(section.mass * length, (start + end) / 2, R.T @ np.diag(moments) @ R)
 
 
-def _placed(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, list[int], Array]]:
+def _pieces(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, list[int], Array]]:
     """Every element, body and port matrix, with degrees of freedom (m,) of the frame and what it makes of them, (n, m)."""
     following = 6 * len(first)
     for member in plan.members:
@@ -167,6 +186,8 @@ def _placed(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, lis
         slips: dict[int, int] = {}
         for a, b in pairwise(member.nodes):
             element = made[_length(plan, a, b)]
+            if plan.carriers[a] == plan.carriers[b]:
+                element = replace(element, stiffness={})  # rigid: what it would store is rounding
             dofs, T = _riding(plan, first, (a, b), _turned(plan.nodes[a], plan.nodes[b], member.z_axis))
             extra: list[int | None] = []
             for node in (a, b) * element.nodal:

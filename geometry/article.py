@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -79,7 +80,7 @@ def stacked(*articles: Article) -> Article:
         return articles[0]
     pose: Pose | None = Pose()
     parts: list[Part] = []
-    for article, prefix in zip(articles, _prefixes(articles), strict=True):
+    for article, prefix in zip(articles, prefixes([article.name for article in articles]), strict=True):
         if pose is None:
             raise ValueError(f"`articles`: nothing can be mounted on {parts[-1].name.split('/')[0]}, found {article.name}")
         there = placed(article, pose)
@@ -93,9 +94,8 @@ def stacked(*articles: Article) -> Article:
     )
 
 
-def _prefixes(articles: tuple[Article, ...]) -> list[str]:
-    """Names of `articles`, numbered from the second of a kind on."""
-    names = [article.name for article in articles]
+def prefixes(names: Sequence[str]) -> list[str]:
+    """What the parts of a stack of `names` are prefixed with, bottom to top: the names, numbered from the second of a kind on."""
     before = [names[:index].count(name) for index, name in enumerate(names)]
     return [f"{name}-{count + 1}" if count else name for name, count in zip(names, before, strict=True)]
 
