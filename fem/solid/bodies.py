@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.solid.elasticity import lame
 from geometry.article import Article, Part
 from geometry.errors import BadInput
 from geometry.materials import Material
@@ -47,7 +48,7 @@ def bodies(article: AnyArticle) -> tuple[Body, ...]:
 
     Raises
     ------
-    BadInput : nothing counts; a part is a mesh without a solid; a material has no modulus or Poisson's ratio.
+    BadInput : nothing counts; a part is a mesh without a solid; a material is not elastic.
     """
     found = (
         tuple(_drawn(part) for part in article.counted_parts)
@@ -57,7 +58,7 @@ def bodies(article: AnyArticle) -> tuple[Body, ...]:
     if not found:
         raise BadInput(source=f"article {article.name}", problem="no part of it counts", remedy="Name an article with mass")
     for body in found:
-        _require_stiffness(body, article.name)
+        lame(body.material, body.name)
     return found
 
 
@@ -103,22 +104,3 @@ def _size(placed: Placed) -> list[str]:
 
 def _numbers(pose: Any) -> list[str]:
     return [float(number).hex() for number in np.append(pose.position, pose.rotation)]
-
-
-def _require_stiffness(body: Body, article: str) -> None:
-    missing = [
-        words
-        for words, value in (
-            ("Young's modulus", body.material.youngs_modulus),
-            ("Poisson's ratio", body.material.poisson_ratio),
-        )
-        if value is None
-    ]
-    if missing:
-        raise BadInput(
-            source=f"article {article}",
-            field=body.name,
-            problem=f"its material {body.material.name!r} has no {' and no '.join(missing)}, without which no body is elastic",
-            remedy="Give it a material that has them: steel, aluminium or silicone, or your own in an article.toml "
-            '([material."..."] with density, youngs_modulus and poisson_ratio)',
-        )

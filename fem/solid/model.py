@@ -1,45 +1,107 @@
-"""The solid model of any article: mesh, matrices and base in one `Structure`."""
+"""The solid model of any article: mesh, matrices and base in one `Structure`, remembered from one run to the next."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from fem.solid.bodies import AnyArticle, bodies
-from fem.solid.elasticity import assemble
+from fem.solid import cache, packed, soundness
+from fem.solid.bodies import AnyArticle, Body, bodies
+from fem.solid.elasticity import Matrices, assemble
 from fem.solid.mesh import Integers, SolidMesh
-from fem.solid.sizing import Sizing
+from fem.solid.sizing import LARGEST, Sizing
 from fem.solid.tetrahedra import tetrahedra
 from fem.structure import Structure
-from geometry.arrays import Array
 from geometry.frames import rigid_transformation
 from geometry.materials import Material
 
 
-def structure(article: AnyArticle, sizing: Sizing | None = None) -> Structure:
-    """`article` as curved tetrahedra."""
+def structure(
+    article: AnyArticle,
+    *,
+    size: float | None = None,
+    fineness: float = 1.0,
+    refinement: float = 1.0,
+    largest: int = LARGEST,
+    cached: bool = True,
+) -> Structure:
+    """`article` as curved ten-node tetrahedra on its mounting face, the plane z = min of its counted parts, about its origin.
+
+    Parameters
+    ----------
+    article : a built-in article or stack, or a user's own from STEP files (`geometry.user_article.load`)
+    size : largest edge of an element [m]; by default what thickness asks for, see `fem.solid.sizing`
+    fineness : all sizes, given or not, are divided by it
+    refinement : size at re-entrant edges relative to what it is beside them, at most 1
+    largest : degrees of freedom that are refused when exceeded
+    cached : whether mesh and matrices may come from disk and are kept there
+
+    Raises
+    ------
+    BadInput : a material that is not elastic, a body without a solid, bodies that overlap or are not joined to the base, no face
+        to be held at, too many degrees of freedom, a size that is none.
+    CheckFailed : no valid mesh.
+    """
+    sizing = Sizing(size=size, fineness=fineness, refinement=refinement, largest=largest)
     found = bodies(article)
-    mesh = tetrahedra(found, sizing)
-    return of_mesh(mesh, {body.name: body.material for body in found})
+    made = mesh(found, sizing, cached=cached)
+    return of_mesh(made, {body.name: body.material for body in found}, cached=cached)
 
 
-def of_mesh(mesh: SolidMesh, materials: dict[str, Material]) -> Structure:
-    matrices = assemble(mesh, materials)
+def mesh(found: tuple[Body, ...], sizing: Sizing, *, cached: bool = True) -> SolidMesh:
+    """Tetrahedra of the bodies `found`, from disk when they are there.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `fem.solid.tetrahedra.tetrahedra`.
+    """
+    name = cache.key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
+    if cached and (kept := cache.load(name)) is not None:
+        return packed.unpack_mesh(kept)
+    made = tetrahedra(found, sizing)
+    if cached:
+        cache.store(name, packed.pack_mesh(made))
+    return made
+
+
+def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool = True) -> Structure:
+    """`mesh`, of tetrahedra or hexahedra, with the `materials` of its parts, held where it touches its lowest plane.
+
+    Raises
+    ------
+    BadInput : a material that is not elastic, bodies not joined to the base, no face to be held at.
+    CheckFailed : inverted elements.
+    """
+    held = soundness.base(mesh)
+    soundness.require_connected(mesh)
+    soundness.require_upright(mesh)
+    matrices = _matrices(mesh, materials, cached)
     return Structure(
         stiffness=matrices.stiffness,
         mass=matrices.mass,
         rigid=np.vstack([rigid_transformation(point) for point in mesh.points]),
-        held=np.sort(_dofs(base(mesh)).ravel()),
+        held=_dofs(held).ravel(),
         points=mesh.points,
         translations=_dofs(np.arange(len(mesh.points))),
         part_stiffness=matrices.part_stiffness,
-        loss_factors={name: m.loss_factor for name, m in materials.items() if m.loss_factor is not None},
+        loss_factors={name: made.loss_factor for name, made in materials.items() if made.loss_factor is not None},
     )
 
 
-def base(mesh: SolidMesh) -> Integers:
-    z = mesh.points[:, 2]
-    return np.flatnonzero(z < z.min() + 1e-6 * np.ptp(z))
+def _matrices(mesh: SolidMesh, materials: Mapping[str, Material], cached: bool) -> Matrices:
+    """From disk or assembled; the same to the last bit either way."""
+    if not cached:
+        return packed.unpack_matrices(packed.pack_matrices(assemble(mesh, materials)), mesh.parts)
+    moduli = [[materials[name].youngs_modulus, materials[name].poisson_ratio, materials[name].density] for name in mesh.parts]
+    name = cache.key("matrices", {"mesh": cache.digest(packed.pack_mesh(mesh)), "materials": moduli})
+    kept = cache.load(name)
+    if kept is None:
+        kept = packed.pack_matrices(assemble(mesh, materials))
+        cache.store(name, kept)
+    return packed.unpack_matrices(kept, mesh.parts)
 
 
 def _dofs(nodes: Integers) -> Integers:
+    """Degrees of freedom (n, 3) of `nodes` along x, y, z."""
     return np.asarray(3 * nodes[:, None] + np.arange(3), dtype=np.intp)

@@ -30,6 +30,10 @@ SOLID = 0.5
 """... but never less than this share of its thickness."""
 
 
+LARGEST = 300_000
+"""Degrees of freedom that SciPy's own factoriser serves in reasonable time and memory."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Sizing:
     """What decides about the size of the elements.
@@ -45,7 +49,12 @@ class Sizing:
     size: float | None = None
     fineness: float = 1.0
     refinement: float = 1.0
-    largest: int = 300_000
+    largest: int = LARGEST
+
+    @property
+    def described(self) -> list[float | None]:
+        """What the mesh depends on: another limit makes no other mesh."""
+        return [self.size, self.fineness, self.refinement]
 
     def __post_init__(self) -> None:
         _require("size", self.size is None or 0 < self.size < np.inf, self.size, "must be a positive length in metres")
