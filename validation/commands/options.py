@@ -82,7 +82,11 @@ def flexible(command: Command) -> Command:
         SET,
         click.option("--size", metavar="LENGTH", help='Element size of the solid model, for example "20 mm".'),
         click.option(
-            "--damping", "damping_ratio", type=float, metavar="RATIO", help="Damping ratio of every mode, instead of the model's own."
+            "--damping",
+            "damping_ratio",
+            type=float,
+            metavar="RATIO",
+            help="Damping ratio of every mode, instead of the model's own.",
         ),
         MODEL,
     ):

@@ -24,8 +24,8 @@ def notes(found: Comparison) -> tuple[str, ...]:
     """Where the models part, and what must be known to read the tables."""
     return (
         where_they_part(found),
-        "MAC: share of a mode's kinetic energy that moves as the other model says; of a cluster of close frequencies, whose shapes mix "
-        "at will, that of the least common direction of the two spaces (space).",
+        "MAC: share of a mode's kinetic energy that moves as the other model says. In a cluster of close frequencies shapes mix at "
+        "will; there `space` is the same for the direction that the two clusters have least in common.",
     )
 
 

@@ -55,7 +55,9 @@ def curves(question: Question, *, quiet: bool = False) -> Curves:
     """
     from validation.progress import shown
 
-    names = [require_model(question.article, m, option) for m, option in zip(question.models, ("--model", "--against"), strict=False)]
+    names = [
+        require_model(question.article, m, option) for m, option in zip(question.models, ("--model", "--against"), strict=False)
+    ]
     frequency = lines(question.band, question.step)
     about, point = reference_point(question.about, question.article)
     models, masses = [], []
@@ -65,7 +67,9 @@ def curves(question: Question, *, quiet: bool = False) -> Curves:
             masses.append(dynamic_mass(models[-1], frequency, point, question.asked))
     resonances = np.concatenate([m.modes.frequency for m in models])
     rigid = DynamicMass(
-        frequency=np.zeros(1), matrix=models[0].modes.rigid_mass[None].astype(complex), reference_point=models[0].modes.reference_point
+        frequency=np.zeros(1),
+        matrix=models[0].modes.rigid_mass[None].astype(complex),
+        reference_point=models[0].modes.reference_point,
     )
     said = [beyond_the_modes(m, question.band[1], question.asked) for m in models]
     return Curves(
@@ -104,7 +108,7 @@ def _notes(found: Curves) -> tuple[str, ...]:
     kept = f"{len(first.modes.frequency)} modes and the residual mass of the others"
     return (
         f"Blocked: all six base motions are prescribed. About {name}, ({point}) mm in the article's frame; {kept}.",
-        f"{len(H.frequency)} lines from {H.frequency[0]:g} to {H.frequency[-1]:g} Hz; a peak between two lines is higher than shown.",
+        f"{len(H.frequency)} lines, {H.frequency[0]:g} to {H.frequency[-1]:g} Hz; a peak between two lines is higher than shown.",
         *compared,
         *first.notes,
     )

@@ -47,7 +47,9 @@ def comma_separated(H: DynamicMass, article: str) -> str:
     text.write(f"# dynamic mass of {article} about ({about}) mm, blocked, loads of the table on the article\n")
     text.write("# units: kg between translations, kg m mixed, kg m2 between rotations\n")
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(["frequency_hz", *(f"{part}_{row}_{column}" for row in MOTIONS for column in MOTIONS for part in ("re", "im"))])
+    table.writerow(
+        ["frequency_hz", *(f"{part}_{row}_{column}" for row in MOTIONS for column in MOTIONS for part in ("re", "im"))]
+    )
     for f, matrix in zip(H.frequency, H.matrix, strict=True):
         flat = matrix.ravel()
         table.writerow([repr(float(f)), *(repr(float(v)) for v in np.column_stack([flat.real, flat.imag]).ravel())])

@@ -13,8 +13,8 @@ from geometry.arrays import Array
 from geometry.article import Article
 from geometry.errors import BadInput
 from validation.flexible.model import Flexible
-from validation.flexible.motion import displacement
 from validation.flexible.modes_table import words
+from validation.flexible.motion import displacement
 from validation.pictures.bodies import DrawnBody, drawn_bodies
 from validation.pictures.mode_sheet import DrawnMode
 from validation.pictures.moving import MovingBody, bendable, sharp_edges
@@ -54,7 +54,9 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
     chosen = np.array(numbers, dtype=np.intp) - 1
     shapes = model.modes.shapes[:, chosen]
     said = words(model)
-    bodies = [_moved(model.structure, model.article_of_primitives, number, body, shapes) for number, body in enumerate(_surfaces(model))]
+    bodies = [
+        _moved(model.structure, model.article_of_primitives, number, body, shapes) for number, body in enumerate(_surfaces(model))
+    ]
     return tuple(
         DrawnMode(
             number=number,

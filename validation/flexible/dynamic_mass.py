@@ -1,14 +1,15 @@
-"""The dynamic mass that `massline dynamic-mass` shows: of a flexible model, over a band, about a point; and two of them compared."""
+"""The dynamic mass that `massline dynamic-mass` shows, over a band and about a point; and how far two of them are apart."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.articles import NAMES, built_in
-from geometry.dynamic_mass import DynamicMass
+from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from validation.flexible.model import Asked, Flexible
@@ -19,13 +20,15 @@ STEP = 0.05
 
 MOST_LINES = 50_000
 
+Mask = npt.NDArray[np.bool_]
+
 FORCE, COUPLING, MOMENT = (slice(0, 3), slice(0, 3)), (slice(0, 3), slice(3, 6)), (slice(3, 6), slice(3, 6))
 BLOCKS = {"forces from translations [kg]": FORCE, "coupling [kg m]": COUPLING, "moments from rotations [kg m²]": MOMENT}
 """Parts of H that have one unit each."""
 
 NEAR = 0.03
-"""A line closer to an eigenfrequency than this share of it is at resonance: two models with eigenfrequencies 1 % apart differ there
-by as much as the peak is high."""
+"""A line closer to an eigenfrequency than this share of it is at resonance: there two models with eigenfrequencies 1 % apart
+differ by as much as the peak is high."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +38,7 @@ class Apart:
     Attributes
     ----------
     block : its name and unit
-    off_resonance, off_frequency : greatest difference [1] away from any resonance of either, and where [Hz]; None without such a line
+    off_resonance, off_frequency : greatest difference [1] away from any resonance of either, and where [Hz]; None without a line
     at_resonance, at_frequency : the same near one
     """
 
@@ -110,21 +113,21 @@ def beyond_the_modes(model: Flexible, high: float, asked: Asked) -> str:
 
 
 def apart(first: DynamicMass, second: DynamicMass, resonances: Array) -> tuple[Apart, ...]:
-    """How far `first` and `second`, on the same lines about the same point, are apart; `resonances` (k,) [Hz] are those of both."""
+    """How far `first` and `second` are apart, on the same lines about the same point; `resonances` (k,) [Hz] are of both."""
     f = first.frequency
     near = np.any(np.abs(f[:, None] - resonances) < NEAR * resonances, axis=1) if len(resonances) else np.zeros(len(f), bool)
     return tuple(_apart(name, f, near, _relative(first.matrix, second.matrix, block)) for name, block in BLOCKS.items())
 
 
-def _relative(first: Array, second: Array, block: tuple[slice, slice]) -> Array:
+def _relative(first: ComplexArray, second: ComplexArray, block: tuple[slice, slice]) -> Array:
     """Largest difference (n,) in `block` over its largest entry, line by line."""
     a, b = (H[:, block[0], block[1]].reshape(len(H), -1) for H in (first, second))
     scale = np.maximum(np.abs(a).max(axis=1), np.finfo(np.float64).tiny)
     return np.asarray(np.abs(a - b).max(axis=1) / scale)
 
 
-def _apart(name: str, f: Array, near: Array, difference: Array) -> Apart:
-    def worst(mask: Array) -> tuple[float | None, float | None]:
+def _apart(name: str, f: Array, near: Mask, difference: Array) -> Apart:
+    def worst(mask: Mask) -> tuple[float | None, float | None]:
         where = np.flatnonzero(mask)
         if not len(where):
             return None, None

@@ -64,9 +64,7 @@ def lines_grid(H: DynamicMass, rigid: Array) -> Grid:
     """Magnitude of the diagonal at a few lines, and of the rigid body."""
     shown = np.unique(np.round(np.linspace(0, len(H.frequency) - 1, SHOWN_LINES)).astype(int))
     lines = [("rigid", *(number(m, DECIMALS) for m in rigid))]
-    lines += [
-        (f"{H.frequency[k]:.2f} Hz", *(number(abs(H.matrix[k, i, i]), DECIMALS) for i in range(6))) for k in shown.tolist()
-    ]
+    lines += [(f"{H.frequency[k]:.2f} Hz", *(number(abs(H.matrix[k, i, i]), DECIMALS) for i in range(6))) for k in shown.tolist()]
     columns = list(zip(*lines, strict=True))
     header = ("|H|", *(f"{axis} [{unit}]" for axis, unit in zip(AXES, UNITS, strict=True)))
     return Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
@@ -108,7 +106,9 @@ def _percent(share: float | None, frequency: float | None) -> str:
     return NONE if share is None else f"{100 * share:.3g} % at {frequency:.2f} Hz"
 
 
-def as_json(model: Flexible, H: DynamicMass, rigid: Array, about: str, against: tuple[str, Sequence[Apart]] | None) -> dict[str, Any]:
+def as_json(
+    model: Flexible, H: DynamicMass, rigid: Array, about: str, against: tuple[str, Sequence[Apart]] | None
+) -> dict[str, Any]:
     """The object of the output contract; `rigid` (6,) is the diagonal of the rigid body about the same point."""
     compared: dict[str, Any] = {}
     if against is not None:
@@ -136,11 +136,14 @@ def as_json(model: Flexible, H: DynamicMass, rigid: Array, about: str, against: 
 
 
 def _apart_json(one: Apart) -> dict[str, Any]:
-    share = lambda value: None if value is None else 100 * value  # noqa: E731
     return {
         "block": one.block,
-        "off_resonance_percent": share(one.off_resonance),
+        "off_resonance_percent": _times_100(one.off_resonance),
         "off_resonance_hz": one.off_frequency,
-        "at_resonance_percent": share(one.at_resonance),
+        "at_resonance_percent": _times_100(one.at_resonance),
         "at_resonance_hz": one.at_frequency,
     }
+
+
+def _times_100(share: float | None) -> float | None:
+    return None if share is None else 100 * share

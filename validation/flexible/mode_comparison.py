@@ -1,12 +1,12 @@
 """The modes of two models of one article, told apart by their shapes.
 
-The modal assurance criterion is weighted with the mass of the model that has nodes all through the material, so that it is the share
-of one mode's kinetic energy that moves as the other says:
+The modal assurance criterion is weighted with the mass of the model that has nodes all through the material, so that it is the
+share of one mode's kinetic energy that moves as the other says:
 
     MAC_ij = (phi_i^T M psi_j)² / ((phi_i^T M phi_i) (psi_j^T M psi_j))
 
-(Allemang 2003, with mass). Modes are matched by it, not by their order. In a cluster of close frequencies any mixture of the shapes
-is a shape too; there the spaces that the shapes span are compared, by the smallest of their squared principal cosines.
+(Allemang 2003, with mass). Modes are matched by it, not by their order. In a cluster of close frequencies any mixture of the
+shapes is a shape too; there the spaces that the shapes span are compared, by the smallest of their squared principal cosines.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.structure import Structure
+from fem.structure import Sparse, Structure
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from validation.flexible.model import Flexible
@@ -99,7 +99,7 @@ def _matched(mac: Array) -> Integers:
     return partner
 
 
-def _spaces(phi: Array, psi: Array, M: Structure, partner: Integers, cluster: Integers) -> Array:
+def _spaces(phi: Array, psi: Array, M: Sparse, partner: Integers, cluster: Integers) -> Array:
     space = np.zeros(len(partner))
     for number in np.unique(cluster):
         own = np.flatnonzero((cluster == number) & (partner >= 0))
@@ -109,38 +109,41 @@ def _spaces(phi: Array, psi: Array, M: Structure, partner: Integers, cluster: In
     return space
 
 
-def _normalised(shapes: Array, M: Structure) -> Array:
+def _normalised(shapes: Array, M: Sparse) -> Array:
     return np.asarray(shapes / np.sqrt(np.einsum("nm,nm->m", shapes, M @ shapes)))
 
 
-def _orthonormal(shapes: Array, M: Structure) -> Array:
+def _orthonormal(shapes: Array, M: Sparse) -> Array:
     """Columns that span the same space and are orthonormal in `M`, by Cholesky of their Gram matrix."""
     return np.asarray(np.linalg.solve(np.linalg.cholesky(shapes.T @ (M @ shapes)), shapes.T).T)
 
 
-def _on_common_points(first: Flexible, second: Flexible) -> tuple[Array, Array, Structure]:
+def _on_common_points(first: Flexible, second: Flexible) -> tuple[Array, Array, Sparse]:
     """Shapes of both on the degrees of freedom of the one that has nodes all through the material, and its mass."""
-    for model in (first, second):
-        if model.structure is None or not len(model.modes.shapes):
-            raise BadInput(
-                source=model.article,
-                field="--against",
-                problem=f"the {model.model} model has no shapes to be told by",
-                remedy="Compare models of which K and M are known",
-            )
-    a, b = first.structure, second.structure
+    a, b = _with_shapes(first), _with_shapes(second)
     if a.mass.shape == b.mass.shape and np.array_equal(a.translations, b.translations) and np.allclose(a.points, b.points):
         return first.modes.shapes, second.modes.shapes, a.mass
     if has_rotations(a) or not has_rotations(b):
-        return _seen_on(first, b), second.modes.shapes, b.mass
-    return first.modes.shapes, _seen_on(second, a), a.mass
+        return _seen_on(first, a, b), second.modes.shapes, b.mass
+    return first.modes.shapes, _seen_on(second, b, a), a.mass
 
 
-def _seen_on(model: Flexible, other: Structure) -> Array:
+def _with_shapes(model: Flexible) -> Structure:
+    if model.structure is None or not len(model.modes.shapes):
+        raise BadInput(
+            source=model.article,
+            field="--against",
+            problem=f"the {model.model} model has no shapes to be told by",
+            remedy="Compare models of which K and M are known",
+        )
+    return model.structure
+
+
+def _seen_on(model: Flexible, own: Structure, other: Structure) -> Array:
     """The shapes of `model` on the degrees of freedom of `other`, which are translations of its points."""
     article = model.article_of_primitives
     parts = np.zeros(len(other.points), dtype=np.intp) if article is None else nearest_part(article, other.points)
-    moved = displacement(model.structure, model.modes.shapes, article, other.points, parts)
+    moved = displacement(own, model.modes.shapes, article, other.points, parts)
     shapes = np.zeros((other.mass.shape[0], moved.shape[2]))
     shapes[other.translations] = moved
     return shapes

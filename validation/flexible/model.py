@@ -1,4 +1,4 @@
-"""From a name on the command line to a flexible model of it: by the beam, the solid or the exudyn route, or the user's own file."""
+"""From a name on the command line to a flexible model of it: beam, solid or exudyn, or what a user's own file holds."""
 
 from __future__ import annotations
 
@@ -126,10 +126,9 @@ def _beam(name: str, asked: Asked) -> Flexible:
 
 def _solid(name: str, asked: Asked) -> Flexible:
     from fem.solid import model
-    from fem.solid.sizing import Sizing
 
     article = _users_article(name, asked) if is_file(name) else built_in(name, changes_of(name, asked.changes))
-    structure = model.structure(article, Sizing(size=asked.size))
+    structure = model.structure(article, size=asked.size)
     found = _solved(article.name if is_file(name) else name, "solid", structure, article, asked)
     return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
 

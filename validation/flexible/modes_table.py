@@ -1,4 +1,4 @@
-"""The table of `massline modes`: frequencies, damping, what moves, effective masses and their sum against the rigid mass; and its JSON."""
+"""The table of `massline modes`: frequencies, damping, what moves, effective masses and their sum; and its JSON."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """How any point of an article moves in the modes of its model: on beams with their section, in solids with the nodes around it.
 
-A beam's section stays plane and rigid, so a point moves as its foot on the axis does, plus the rotation there crossed with its arm;
-between nodes the axis follows the beam's own cubic, whose slopes are the rotations (Przemieniecki, chapter 5).
+A beam's section stays plane and rigid, so a point moves as its foot on the axis does, plus the rotation there crossed with its
+arm; between nodes the axis follows a cubic whose slopes are the rotations, as in the elements (Przemieniecki, chapter 5).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ON_THE_AXIS = 5e-3
 
 
 def displacement(structure: Structure, shapes: Array, article: Article | None, points: Array, parts: Integers) -> Array:
-    """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) says which counted part of `article` each is of."""
+    """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) are those of `article`, by counted number."""
     if article is None or not has_rotations(structure):
         return _among_nodes(structure, shapes, points)
     moved = np.empty((len(points), 3, shapes.shape[1]))

@@ -1,4 +1,4 @@
-"""Which part a point of a model belongs to: beams' nodes lie on axes, not in material, so primitives are asked without their voids."""
+"""Which part a point of a model belongs to. Beams' nodes lie on axes, not in material: primitives are asked without voids."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def nearest_part(article: Article, points: Array) -> Integers:
     by_size = sorted(range(len(parts)), key=lambda k: sum(placed.primitive.volume for placed in parts[k].shape.solids))
     # Rounded, so that the surfaces of two parts in contact are equally near and the smaller part comes first.
     distances = np.array([np.round(distance(parts[k], points), 7) for k in by_size])
-    return np.asarray(by_size, dtype=np.intp)[np.argmin(distances, axis=0)]
+    order: Integers = np.array(by_size, dtype=np.intp)
+    return order[np.argmin(distances, axis=0)]
 
 
 def _outside(placed: Placed, points: Array) -> Array:

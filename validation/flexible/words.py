@@ -15,11 +15,14 @@ from fem.modes import Modes
 from fem.structure import Structure
 from geometry.arrays import Array
 from geometry.article import Article
-from validation.flexible.motion import node_displacement
+from validation.flexible.motion import has_rotations, node_displacement
 from validation.flexible.places import Integers, family, nearest_part
 
 WORTH_NAMING = 0.15
 """Share of the energy below which a second part is not mentioned."""
+
+SLICES = 12
+"""Across a part of a solid, to see whether it twists."""
 
 STILL = 0.15
 """An end that moves less than this share of the farthest moving point stands still."""
@@ -64,19 +67,41 @@ def _described(
     moving = []
     for name in named[:3]:
         own = owner == names.index(name)
-        twists = along[own].sum() < shares[name] / 2
-        how = "twists" if twists else "xyz"[int(np.argmax(along[own].sum(axis=0)))]
+        how = (
+            "twists"
+            if _twists(structure, own, u, along[own].sum() / shares[name])
+            else "xyz"[int(np.argmax(along[own].sum(axis=0)))]
+        )
         moving.append(f"{100 * shares[name]:.0f} % {name} {how}")
     first = owner == names.index(named[0])
     pattern = _pattern(structure.points[first], u[first])
     moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
     strained = _sorted(strain)
-    return Described(moving=shares, strained=strained, text="; ".join([*moving, *_bent(strained)]))
+    return Described(moving=shares, strained=strained, text="; ".join([*moving, *_bent(strained, named[0])]))
 
 
-def _bent(strained: dict[str, float]) -> list[str]:
-    name = next(iter(strained), "")
-    return [f"{100 * strained[name]:.0f} % of the strain in {name}"] if name else []
+def _twists(structure: Structure, own: Array, u: Array, translating: float) -> bool:
+    """Whether a part turns about its own length more than it moves; `translating` is the share of its energy in translations.
+
+    Beams have rotations of their own. In a solid the points of a slice across the part go round, and their mean stands still.
+    """
+    if has_rotations(structure):
+        return translating < 0.5
+    points, moved = structure.points[own], u[own]
+    if len(points) < 2 * SLICES:
+        return False
+    arms = points - points.mean(axis=0)
+    along = arms @ np.linalg.svd(arms, full_matrices=False)[2][0]
+    slices = np.minimum((SLICES * (along - along.min()) / max(np.ptp(along), 1e-12)).astype(int), SLICES - 1)
+    counts = np.bincount(slices, minlength=SLICES)
+    sums = np.stack([np.bincount(slices, weights=moved[:, i], minlength=SLICES) for i in range(3)])
+    return float((sums**2 / np.maximum(counts, 1)).sum()) < 0.5 * float((moved**2).sum())
+
+
+def _bent(strained: dict[str, float], moving: str) -> list[str]:
+    """Which part is strained most, if that is another than the one that moves most."""
+    name = next(iter(strained), moving)
+    return [f"strain: {100 * strained[name]:.0f} % {name}"] if name != moving else []
 
 
 def _pattern(points: Array, u: Array) -> str:

@@ -1,8 +1,9 @@
 """A moving mode as binary glTF 2.0: the surface at rest, one morph target (the mode), and an animation of its weight.
 
-Written here because no library at hand writes morph targets: trimesh and VTK export meshes as they stand. The layout is that of the
-Khronos glTF 2.0 specification: a header, a JSON chunk that names slices of a binary chunk, and that chunk. Lengths are metres;
-glTF has y upwards, so the root turns the article's z there.
+Written here because no library at hand writes morph targets: trimesh and VTK export meshes as they stand. The layout is that of
+the Khronos glTF 2.0 specification: a header, a JSON chunk that names slices of a binary chunk, and that chunk. Every body is a
+mesh and a node of its own, which is what readers expect of a morph. Lengths are metres; glTF has y upwards, so the root turns the
+article's z there.
 """
 
 from __future__ import annotations
@@ -46,9 +47,7 @@ def glb(title: str, mode: DrawnMode) -> bytes:
     buffer = _Buffer()
     scale = scale_of(mode.bodies)
     colours = colours_of(mode.bodies)
-    meshes = [
-        mesh for body, colour in zip(mode.bodies, colours, strict=True) for mesh in _meshes(buffer, body, colour, scale)
-    ]
+    meshes = [mesh for body, colour in zip(mode.bodies, colours, strict=True) for mesh in _meshes(buffer, body, colour, scale)]
     children = list(range(1, 1 + len(meshes)))
     time = np.linspace(0, CYCLE, KEYFRAMES)
     sampler = {

@@ -55,7 +55,9 @@ def view_of(modes: Sequence[Sequence[MovingBody]], size: tuple[int, int], margin
 
 def rendered(view: View, bodies: Sequence[MovingBody], share: float) -> Image:
     """`bodies` at `share` (-1 to 1) of their swing. To be called inside of `off_screen`."""
-    return np.round(averaged(shot(view, lambda plotter: _all(plotter, bodies, share), peels=0).astype(np.float64))).astype(np.uint8)
+    return np.round(averaged(shot(view, lambda plotter: _all(plotter, bodies, share), peels=0).astype(np.float64))).astype(
+        np.uint8
+    )
 
 
 def _all(plotter: Plotter, bodies: Sequence[MovingBody], share: float) -> None:
