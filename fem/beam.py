@@ -53,12 +53,28 @@ def structure(
     ------
     BadInput : an article, a dimension, a port or a material that cannot be used; the message says why.
     """
+    return _structure(assemble(plan(article_name, changes, elements=elements, cells=cells, joints=joints)))
+
+
+def plan(
+    article_name: str,
+    changes: Mapping[str, float] = NO_CHANGES,
+    *,
+    elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
+) -> Plan:
+    """What the frame of `structure` is made of, from the same arguments; other programs make their own elements of it.
+
+    Raises
+    ------
+    BadInput : as `structure`.
+    """
     built_in(article_name, changes)  # checks names, order and changes of the whole stack
     names = article_name.split("+")
     _require_usable(article_name, names, elements, cells, joints)
     plans = [_plan(name, changes, elements, cells, joints) for name in names]
-    frame = assemble(reduce(on_top, _in_place(names, plans, changes)))
-    return _structure(frame)
+    return reduce(on_top, _in_place(names, plans, changes))
 
 
 def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.flexible_body import native
 from fem.flexible_body.running import failed, finite, running
@@ -25,18 +26,18 @@ class Linearised:
     mass, stiffness : (n, n) SI
     constraints : (n, c) columns of exudyn's constraint Jacobian: what rides on what
     rigid : (n, 6) what every coordinate does in the six unit motions of the base
-    nodes : exudyn's nodes for every node of the plan
     frequency : (m,) [Hz] by exudyn with the base held, ascending
     shapes : (n, m) mass-normalised, zero at the base
+    nodes : exudyn's nodes for every node of the plan; empty where there is none
     """
 
     mass: Array
     stiffness: Array
     constraints: Array
     rigid: Array
-    nodes: tuple[tuple[int, ...], ...]
     frequency: Array
     shapes: Array
+    nodes: tuple[tuple[int, ...], ...] = ()
 
     def __post_init__(self) -> None:
         n, m = np.shape(self.shapes)
@@ -83,7 +84,8 @@ def linearise(plan: Plan, count: int) -> Linearised:
         mass, stiffness, _damping, *rest = free.system.ComputeLinearizedSystem(returnConstraintJacobian=True)
     n = 6 * len(free.points)
     constraints = rest[0] if rest else np.zeros((n, 0))
-    frequency, shapes = _eigen(plan, count)
+    # A body without beams or springs has nothing that swings, and exudyn would be left without an equation.
+    frequency, shapes = _eigen(plan, count) if plan.members or plan.ports else (np.zeros(0), np.zeros((n, 0)))
     result = Linearised(
         mass=finite(mass, task),
         stiffness=finite(stiffness, task),
@@ -116,10 +118,20 @@ def _eigen(plan: Plan, count: int) -> tuple[Array, Array]:
         held = native.build(exudyn, plan, held=True)
         # Absolute values would make a frequency of an unstable system; a negative square is refused below instead.
         squares, shapes = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
-    squares = finite(squares, task)
-    if squares.min() <= 0:
-        raise failed(task, f"the lowest squared frequency is {squares.min():g} (rad/s)²; a part is not held or unstable")
-    return np.sqrt(squares) / (2 * np.pi), finite(shapes, task)
+    return frequencies(squares, task), finite(shapes, task)
+
+
+def frequencies(squares: npt.ArrayLike, task: str) -> Array:
+    """Frequencies [Hz] from exudyn's eigenvalues [(rad/s)²].
+
+    Raises
+    ------
+    CheckFailed : one is NaN, zero or negative.
+    """
+    found = finite(squares, task)
+    if found.size and found.min() <= 0:
+        raise failed(task, f"the lowest squared frequency is {found.min():g} (rad/s)²; a part is not held or is unstable")
+    return np.sqrt(found) / (2 * np.pi)
 
 
 def _require_free(system: Linearised, task: str) -> None:

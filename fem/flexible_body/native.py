@@ -3,7 +3,7 @@
 What there is comes from a `fem.frame.Plan` - places, sections, rigid bodies, who rides on whom - and none of our matrices. The
 beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock in
 shear but bends too stiffly by the square of the element length, so two meshes say where they go
-(`fem.flexible_body.extrapolation`). Every node is given without rotation and every section turned into the frame's axes; exudyn
+(`fem.flexible_body.modal`). Every node is given without rotation and every section turned into the frame's axes; exudyn
 takes the strain of the reference state off, so that a straight beam may point anywhere and its coordinates stay small motions in
 the frame.
 
@@ -25,6 +25,7 @@ from fem.frame import Member, Plan, Ports
 from fem.sandwich import Sandwich
 from fem.section import Section
 from geometry.arrays import Array, frozen
+from geometry.consistency import judge
 from geometry.inertia import Inertia
 
 THICKNESS_OVER_SHEAR = 50.0
@@ -104,7 +105,15 @@ class _Builder:
             inertias[self.plan.carriers[body.node]] += body.inertia
         carriers = {carrier for node, carrier in enumerate(self.plan.carriers) if node != carrier}
         for carrier in sorted({0, *carriers, *inertias}):
-            self.bodies[carrier] = self._body(self._node(carrier), inertias[carrier].about(self.plan.nodes[carrier]))
+            self.bodies[carrier] = self._rigid(self._node(carrier), inertias[carrier].about(self.plan.nodes[carrier]))
+
+    def _rigid(self, node: Node, inertia: Inertia) -> Any:
+        """A rigid body on `node`. Material taken away is no body: its matrix is subtracted and a massless one marks the place."""
+        if inertia.parameters.any() and not judge(inertia).physical:
+            taken = self.items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=inertia.mass_matrix)
+            self.system.AddObject(taken)
+            inertia = Inertia(parameters=np.zeros(10))
+        return self._body(node, inertia)
 
     def _body(self, node: Node, inertia: Inertia) -> Any:
         centre = inertia.first_moment / inertia.mass if inertia.mass else np.zeros(3)

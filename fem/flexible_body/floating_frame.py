@@ -1,0 +1,162 @@
+"""A solid as exudyn's flexible body: floating frame of reference, modes by Hurty, Craig and Bampton.
+
+Full sparse stiffness and mass go into exudyn's `FEMinterface`; the modes are found there with all held nodes as one rigid
+interface, which is the body's frame. `ObjectFFRFreducedOrder` then moves it through any motion however large, and exudyn's
+linearisation of that body on its frame gives frequencies and dynamic mass. The few modes kept would leave the static share of the
+others out; the static answers to six accelerations of the base are therefore put beside them as modes (attachment modes of Craig
+and Chang; mode acceleration), so that the reduced body answers as the full one does up to the square of the frequency.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.factorisers import factorise
+from fem.flexible_body.linearised import Linearised, frequencies
+from fem.flexible_body.running import finite, running
+from fem.structure import Integers, Structure
+from geometry.arrays import Array
+from geometry.errors import BadInput
+
+REDUNDANT = 1e-8
+"""Share of an added mode that may lie outside the modes already there, below which it is left out."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FloatingFrame:
+    """A flexible body in exudyn.
+
+    Attributes
+    ----------
+    container : owns `system`, which dies with it
+    system : exudyn's `MainSystem`, assembled: the body alone, free
+    node : number of its frame's node; its six coordinates come first, then those of the modes
+    body : number of the object
+    modes : (3 p, m) what the modes do to the points, x, y, z of one after the other
+    eigenvalues : (k,) [(rad/s)²] that exudyn found for the full matrices
+    """
+
+    container: Any
+    system: Any
+    node: int
+    body: int
+    modes: Array
+    eigenvalues: Array
+
+
+def floating_frame(
+    structure: Structure, count: int, *, velocity: Array | None = None, angular_velocity: Array | None = None
+) -> FloatingFrame:
+    """`structure` as exudyn's flexible body with `count` modes of its held base and the static answers of the others.
+
+    Its frame is the base, at the structure's reference point, and starts with `velocity` (3,) [m/s] and `angular_velocity` (3,)
+    [rad/s].
+
+    Raises
+    ------
+    BadInput : a structure with rotations or with a base that does not hold whole nodes; exudyn's body is made of solids.
+    CheckFailed : exudyn failed.
+    """
+    held = _held_nodes(structure)
+    with running("make a flexible body of the solid") as exudyn:
+        from exudyn import FEM
+
+        solid = _matrices(FEM, structure)
+        solid.ComputeHurtyCraigBamptonModes([held.tolist()], nEigenModes=count, computationMode=FEM.HCBstaticModeSelection.RBE2)
+        ascending = np.argsort(solid.eigenValues)
+        modes = finite(solid.modeBasis["matrix"][:, ascending], "find the modes of the solid")
+        modes = _with_static(structure, solid, modes)
+        solid.modeBasis["matrix"] = modes
+        container = exudyn.SystemContainer()
+        system = container.AddSystem()
+        body = FEM.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=exudyn.NodeType.RotationRxyz)
+        made = body.AddObjectFFRFreducedOrder(
+            system,
+            initialVelocity=[0.0] * 3 if velocity is None else velocity.tolist(),
+            initialAngularVelocity=[0.0] * 3 if angular_velocity is None else angular_velocity.tolist(),
+        )
+        system.Assemble()
+    return FloatingFrame(
+        container=container,
+        system=system,
+        node=int(made["nRigidBody"]),
+        body=int(made["oFFRFreducedOrder"]),
+        modes=modes,
+        eigenvalues=solid.eigenValues[ascending],
+    )
+
+
+def linearised(body: FloatingFrame, count: int) -> Linearised:
+    """Small motions of `body` by exudyn: matrices on its free frame, the lowest `count` frequencies with the frame held.
+
+    Raises
+    ------
+    CheckFailed : exudyn failed.
+    """
+    task = "linearise the flexible body"
+    with running(task):
+        mass, stiffness, _damping = body.system.ComputeLinearizedSystem()
+        squares, shapes = body.system.ComputeODE2Eigenvalues(
+            constrainedCoordinates=list(range(6)), numberOfEigenvalues=count, useAbsoluteValues=False
+        )
+    n = len(mass)
+    return Linearised(
+        mass=finite(mass, task),
+        stiffness=finite(stiffness, task),
+        constraints=np.zeros((n, 0)),
+        rigid=np.eye(n, 6),
+        frequency=frequencies(squares, task),
+        shapes=finite(shapes, task),
+    )
+
+
+def _matrices(fem: Any, structure: Structure) -> Any:
+    """Exudyn's `FEMinterface` with the structure's points and matrices, ordered point by point, from the reference point."""
+    order = structure.translations.ravel()
+    solid = fem.FEMinterface()
+    solid.nodes = {"Position": structure.points - structure.reference_point}
+    solid.massMatrix, solid.stiffnessMatrix = (matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness))
+    return solid
+
+
+def _with_static(structure: Structure, solid: Any, modes: Array) -> Array:
+    """`modes` and beside them what the free part does statically when the base is accelerated, mass-orthogonal to them."""
+    order = structure.translations.ravel()
+    free = np.flatnonzero(np.isin(order, structure.free))
+    M, K = solid.massMatrix, solid.stiffnessMatrix
+    static = np.zeros((len(order), 6))
+    static[free] = factorise(K[free][:, free], definite=True).solve((M @ structure.rigid[order])[free])
+    static /= np.sqrt(np.einsum("ir,ir->r", static, M @ static))
+    left = static - modes @ (modes.T @ (M @ static))
+    left -= modes @ (modes.T @ (M @ left))
+    size, directions = np.linalg.eigh(left.T @ (M @ left))
+    kept = size > REDUNDANT**2
+    return np.hstack([modes, left @ directions[:, kept] / np.sqrt(size[kept])])
+
+
+def _held_nodes(structure: Structure) -> Integers:
+    """Points that the base holds.
+
+    Raises
+    ------
+    BadInput : degrees of freedom that are no translation of a point, or a point held in some directions only.
+    """
+    n = structure.mass.shape[0]
+    if structure.translations.size != n or np.unique(structure.translations).size != n:
+        raise _no_solid(f"{n} degrees of freedom, of which {np.unique(structure.translations).size} move points")
+    held = np.isin(structure.translations, structure.held)
+    if np.any(held.any(axis=1) != held.all(axis=1)):
+        raise _no_solid("a point that is held in some directions only")
+    return np.flatnonzero(held.all(axis=1))
+
+
+def _no_solid(found: str) -> BadInput:
+    return BadInput(
+        source="exudyn's flexible body",
+        field="translations",
+        problem=f"every degree of freedom must move a point along x, y or z, and held points must be held wholly; found {found}",
+        remedy="Use a solid model, or exudyn's native beams",
+    )
