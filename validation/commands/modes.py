@@ -35,7 +35,7 @@ def command(
     """Eigenfrequencies of ARTICLE with its base held, damping, effective masses about its origin, and what moves in each mode.
 
     ARTICLE is a built-in part or a stack of them (clumod-4, fmd+clumod-1), a STEP file or article.toml of your own (solid
-    model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may also stand beside a built-in article: --against FILE.
+    model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
     from validation.flexible.model import flexible, require_model
     from validation.flexible.shapes import require_mode

@@ -17,15 +17,17 @@ SHOWN = 12
 
 def grids(found: Comparison) -> tuple[Grid, ...]:
     """Frequencies with MAC, the MAC matrix, and the effective masses."""
-    return _frequencies(found), _matrix(found), _masses(found)
+    return _frequencies(found), *([_matrix(found)] if found.mac.size else []), _masses(found)
 
 
 def notes(found: Comparison) -> tuple[str, ...]:
     """Where the models part, and what must be known to read the tables."""
+    if not found.mac.size:
+        return where_they_part(found), "Matched in ascending order: a model without shapes on this article's points has no MAC."
     return (
         where_they_part(found),
-        "MAC: share of a mode's kinetic energy that moves as the other model says. In a cluster of close frequencies shapes mix at "
-        "will; there `space` is the same for the direction that the two clusters have least in common.",
+        "MAC: share of a mode's kinetic energy that moves as the other model says. In a cluster of close frequencies shapes mix "
+        "at will; there `space` is the same for the direction that the two clusters have least in common.",
     )
 
 
@@ -37,10 +39,11 @@ def where_they_part(found: Comparison) -> str:
         worst = int(np.nanargmax(np.abs(found.difference)))
         return (
             f"{names} agree in all {len(found.partner)} modes: frequencies within {100 * APART:g} % "
-            f"(mode {worst + 1} differs most, by {_percent(found.difference[worst])}), shapes alike (MAC at least {ALIKE:g})."
+            f"(mode {worst + 1} differs most, by {_percent(found.difference[worst])})"
+            + (f", shapes alike (MAC at least {ALIKE:g})." if found.mac.size else ".")
         )
     said = words(found.first)
-    listed = "; ".join(f"mode {k + 1}{_how(found, int(k))} ({said[k].text})" for k in parted[:5])
+    listed = "; ".join(f"mode {k + 1}{_how(found, int(k))}" + (f" ({said[k].text})" if said[k].text else "") for k in parted[:5])
     more = f"; and {len(parted) - 5} more" if len(parted) > 5 else ""
     return f"{names} part in {len(parted)} of {len(found.partner)} modes: {listed}{more}."
 
@@ -62,9 +65,12 @@ def _frequencies(found: Comparison) -> Grid:
     lines = []
     for k, other in enumerate(found.partner):
         alone = np.sum(found.cluster == found.cluster[k]) == 1
-        theirs = (str(other + 1), f"{g[other]:.3f}", _percent(found.difference[k]), f"{found.mac[k, other]:.3f}")
+        mac = f"{found.mac[k, other]:.3f}" if found.mac.size else NONE
+        theirs = (str(other + 1), f"{g[other]:.3f}", _percent(found.difference[k]), mac)
         told = theirs if other >= 0 else 4 * (NONE,)
-        lines.append((str(k + 1), f"{f[k]:.3f}", *told, NONE if alone or other < 0 else f"{found.space[k]:.3f}"))
+        lines.append(
+            (str(k + 1), f"{f[k]:.3f}", *told, NONE if alone or other < 0 or not found.mac.size else f"{found.space[k]:.3f}")
+        )
     columns = list(zip(*lines, strict=True))
     first, second = found.first.model, found.second.model
     header = (f"{first} mode", "f [Hz]", f"{second} mode", "f [Hz]", "difference", "MAC", "space")
@@ -103,6 +109,6 @@ def as_json(found: Comparison) -> dict[str, Any]:
         "difference_percent": [None if np.isnan(d) else 100 * float(d) for d in found.difference],
         "mac": found.mac.tolist(),
         "cluster": found.cluster.tolist(),
-        "mac_of_space": found.space.tolist(),
+        "mac_of_space": found.space.tolist() if found.mac.size else None,
         "text": where_they_part(found),
     }

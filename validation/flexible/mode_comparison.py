@@ -17,7 +17,6 @@ import numpy as np
 
 from fem.structure import Sparse, Structure
 from geometry.arrays import Array
-from geometry.errors import BadInput
 from validation.flexible.model import Flexible
 from validation.flexible.motion import displacement, has_rotations
 from validation.flexible.places import Integers, nearest_part
@@ -39,10 +38,10 @@ class Comparison:
     Attributes
     ----------
     first, second : the models
-    mac : (n, m) of every mode of the first with every mode of the second
+    mac : (n, m) of every mode of the first with every mode of the second; (0, 0) when a model has no shapes
     partner : (n,) number of the partner, from 0; -1 for a mode that has none because the second model has fewer
     cluster : (n,) number of the cluster of each mode of the first, ascending
-    space : (n,) smallest squared principal cosine between the cluster of the mode and its partners; the MAC where it is alone
+    space : (n,) smallest squared principal cosine between the cluster of the mode and its partners; the MAC where it is alone; NaN without shapes
     """
 
     first: Flexible
@@ -61,18 +60,16 @@ class Comparison:
     @property
     def parted(self) -> Integers:
         """The modes, from 0, of which the models say different things."""
-        alike = (np.abs(self.difference) <= APART) & (self.space >= ALIKE)
+        alike = (np.abs(self.difference) <= APART) & ((self.space >= ALIKE) | np.isnan(self.space))
         return np.flatnonzero(~alike)
 
 
 def compared(first: Flexible, second: Flexible) -> Comparison:
-    """Match the modes of `first` with those of `second`.
-
-    Raises
-    ------
-    BadInput : one of them has no shapes.
-    """
-    phi, psi, M = _on_common_points(first, second)
+    """Match the modes of `first` with those of `second`: by their shapes, or in ascending order where a model has none."""
+    a, b = first.structure, second.structure
+    if a is None or b is None or not (len(first.modes.shapes) and len(second.modes.shapes)):
+        return _in_order(first, second)
+    phi, psi, M = _on_common_points(first, a, second, b)
     phi, psi = _normalised(phi, M), _normalised(psi, M)
     cross = phi.T @ (M @ psi)
     mac = cross**2
@@ -80,6 +77,19 @@ def compared(first: Flexible, second: Flexible) -> Comparison:
     cluster = clusters(first.modes.frequency)
     return Comparison(
         first=first, second=second, mac=mac, partner=partner, cluster=cluster, space=_spaces(phi, psi, M, partner, cluster)
+    )
+
+
+def _in_order(first: Flexible, second: Flexible) -> Comparison:
+    n, m = len(first.modes.frequency), len(second.modes.frequency)
+    order = np.arange(n)
+    return Comparison(
+        first=first,
+        second=second,
+        mac=np.zeros((0, 0)),
+        partner=np.where(order < m, order, -1),
+        cluster=clusters(first.modes.frequency),
+        space=np.full(n, np.nan),
     )
 
 
@@ -118,25 +128,13 @@ def _orthonormal(shapes: Array, M: Sparse) -> Array:
     return np.asarray(np.linalg.solve(np.linalg.cholesky(shapes.T @ (M @ shapes)), shapes.T).T)
 
 
-def _on_common_points(first: Flexible, second: Flexible) -> tuple[Array, Array, Sparse]:
+def _on_common_points(first: Flexible, a: Structure, second: Flexible, b: Structure) -> tuple[Array, Array, Sparse]:
     """Shapes of both on the degrees of freedom of the one that has nodes all through the material, and its mass."""
-    a, b = _with_shapes(first), _with_shapes(second)
     if a.mass.shape == b.mass.shape and np.array_equal(a.translations, b.translations) and np.allclose(a.points, b.points):
         return first.modes.shapes, second.modes.shapes, a.mass
     if has_rotations(a) or not has_rotations(b):
         return _seen_on(first, a, b), second.modes.shapes, b.mass
     return first.modes.shapes, _seen_on(second, b, a), a.mass
-
-
-def _with_shapes(model: Flexible) -> Structure:
-    if model.structure is None or not len(model.modes.shapes):
-        raise BadInput(
-            source=model.article,
-            field="--against",
-            problem=f"the {model.model} model has no shapes to be told by",
-            remedy="Compare models of which K and M are known",
-        )
-    return model.structure
 
 
 def _seen_on(model: Flexible, own: Structure, other: Structure) -> Array:

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from fem.damping import DEFAULT_RATIO, Damping
+import numpy as np
+
+from fem.damping import DEFAULT_RATIO, Damping, equivalent_ratio, per_mode
 from fem.modes import Modes
 from fem.users_model.reading import is_model, load
 from geometry import keys
@@ -133,6 +135,27 @@ def _solid(name: str, asked: Asked) -> Flexible:
     return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
 
 
+def _exudyn(name: str, asked: Asked) -> Flexible:
+    from fem.flexible_body import articles
+
+    changes = changes_of(name, asked.changes)
+    modes = articles.modes(name, asked.count, changes)
+    own = "Modes of exudyn's own beam elements, by its own eigen-solution, extrapolated from two meshes."
+    return Flexible(
+        article=name, model="exudyn", modes=_damped(modes, asked.damping), drawn=built_in(name, changes), notes=(own,)
+    )
+
+
+def _damped(modes: Modes, damping: Damping | None) -> Modes:
+    """`modes` with another damping, given per mode; as they are for None."""
+    if damping is None:
+        return modes
+    omega = 2 * np.pi * modes.frequency
+    C = per_mode(damping, omega)
+    ratio = equivalent_ratio(C, np.zeros_like(C), omega)
+    return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio)
+
+
 def _users_article(name: str, asked: Asked) -> UserArticle:
     from geometry import user_article
 
@@ -142,7 +165,9 @@ def _users_article(name: str, asked: Asked) -> UserArticle:
 def _own(path: str, asked: Asked) -> Flexible:
     found = load(path)
     if isinstance(found.model, Modes):
-        return Flexible(article=found.name, model=OWN, modes=found.model, notes=("Modal data as they were given.",))
+        return Flexible(
+            article=found.name, model=OWN, modes=_damped(found.model, asked.damping), notes=("Modal data as they were given.",)
+        )
     return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
 
 
@@ -164,4 +189,4 @@ def _damping_notes(structure: Structure, modes: Modes, asked: Asked) -> tuple[st
     return (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
 
 
-_MAKERS: Mapping[str, Callable[[str, Asked], Flexible]] = {"beam": _beam, "solid": _solid, OWN: _own}
+_MAKERS: Mapping[str, Callable[[str, Asked], Flexible]] = {"beam": _beam, "solid": _solid, "exudyn": _exudyn, OWN: _own}

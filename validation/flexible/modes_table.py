@@ -67,9 +67,12 @@ def notes(model: Flexible) -> tuple[str, ...]:
     where = "the article's origin" if not model.modes.reference_point.any() else f"({about}) mm"
     return (
         f"Base held. Effective masses about {where}: [kg] along x, y, z, [kg m²] about them (α, β, γ).",
-        "What moves: parts with their share of the kinetic energy and the axis along which most of it goes.",
+        *((_WHAT_MOVES,) if any(what.text for what in words(model)) else ()),
         *model.notes,
     )
+
+
+_WHAT_MOVES = "What moves: parts with their share of the kinetic energy and the axis along which most of it goes."
 
 
 def published(model: Flexible) -> Grid | None:

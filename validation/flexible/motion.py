@@ -22,7 +22,7 @@ ON_THE_AXIS = 5e-3
 
 
 def displacement(structure: Structure, shapes: Array, article: Article | None, points: Array, parts: Integers) -> Array:
-    """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) are those of `article`, by counted number."""
+    """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) are their counted parts of `article`."""
     if article is None or not has_rotations(structure):
         return _among_nodes(structure, shapes, points)
     moved = np.empty((len(points), 3, shapes.shape[1]))

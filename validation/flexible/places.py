@@ -34,8 +34,7 @@ def nearest_part(article: Article, points: Array) -> Integers:
     by_size = sorted(range(len(parts)), key=lambda k: sum(placed.primitive.volume for placed in parts[k].shape.solids))
     # Rounded, so that the surfaces of two parts in contact are equally near and the smaller part comes first.
     distances = np.array([np.round(distance(parts[k], points), 7) for k in by_size])
-    order: Integers = np.array(by_size, dtype=np.intp)
-    return order[np.argmin(distances, axis=0)]
+    return np.asarray(np.take(by_size, np.argmin(distances, axis=0)), dtype=np.intp)
 
 
 def _outside(placed: Placed, points: Array) -> Array:

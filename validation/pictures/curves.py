@@ -209,7 +209,7 @@ def _dress(upper: Axes, lower: Axes, f: Array) -> None:
 
 
 def _mark(upper: Axes, curve: Curve, entries: Sequence[int]) -> None:
-    """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where there is room."""
+    """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where they fit."""
     low, high = upper.get_xlim()
     whole = np.diag(curve.rigid)[list(entries)]
     shows = np.any(curve.modes.effective_mass[:, list(entries)] > SHOWS * whole, axis=1)
