@@ -38,11 +38,13 @@ def command(
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
     from validation.flexible.model import flexible, require_model
-    from validation.flexible.shapes import require_mode
+    from validation.flexible.shapes import require_drawable, require_mode
     from validation.progress import shown
 
     names = [require_model(article, model)] + ([] if against is None else [require_model(article, against, "--against")])
     question = options.flexible_asked(count=count, **asked)
+    if shapes or moving is not None:
+        require_drawable(article, names[0])
     if moving is not None:
         require_mode(moving, count)
     found = []

@@ -57,7 +57,7 @@ def _how(found: Comparison, k: int) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:+.2f} %".replace("-", "−")
+    return f"{100 * share:+.3g} %".replace("-", "−")
 
 
 def _frequencies(found: Comparison) -> Grid:

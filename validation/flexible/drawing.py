@@ -40,8 +40,8 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
         raise BadInput(
             source=model.article,
             field="--shapes",
-            problem="modal data hold frequencies and participations, but no shape that could be drawn",
-            remedy="Give the matrices with their geometry, or CAD for the solid model",
+            problem=f"the {model.model} model gives frequencies and participations, but no shape that could be drawn",
+            remedy="Draw the beam or the solid model",
         )
     count = len(model.modes.frequency)
     for number in numbers:

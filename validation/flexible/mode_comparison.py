@@ -41,7 +41,8 @@ class Comparison:
     mac : (n, m) of every mode of the first with every mode of the second; (0, 0) when a model has no shapes
     partner : (n,) number of the partner, from 0; -1 for a mode that has none because the second model has fewer
     cluster : (n,) number of the cluster of each mode of the first, ascending
-    space : (n,) smallest squared principal cosine between the cluster of the mode and its partners; the MAC where it is alone; NaN without shapes
+    space : (n,) smallest squared principal cosine between the mode's cluster and its partners, the MAC where it is alone; NaN
+        without shapes
     """
 
     first: Flexible
@@ -73,11 +74,11 @@ def compared(first: Flexible, second: Flexible) -> Comparison:
     phi, psi = _normalised(phi, M), _normalised(psi, M)
     cross = phi.T @ (M @ psi)
     mac = cross**2
-    partner = _matched(mac)
     cluster = clusters(first.modes.frequency)
-    return Comparison(
-        first=first, second=second, mac=mac, partner=partner, cluster=cluster, space=_spaces(phi, psi, M, partner, cluster)
-    )
+    partner = _matched(mac)
+    space = _spaces(phi, psi, M, partner, cluster)
+    partner = _in_order_where_mixed(partner, mac, cluster, space)
+    return Comparison(first=first, second=second, mac=mac, partner=partner, cluster=cluster, space=space)
 
 
 def _in_order(first: Flexible, second: Flexible) -> Comparison:
@@ -107,6 +108,16 @@ def _matched(mac: Array) -> Integers:
     rows, columns = linear_sum_assignment(-mac)
     partner[rows] = columns
     return partner
+
+
+def _in_order_where_mixed(partner: Integers, mac: Array, cluster: Integers, space: Array) -> Integers:
+    """Partners in ascending order in clusters whose shapes are mixed but span the same: there no mode has a like, the whole has."""
+    ordered = partner.copy()
+    for number in np.unique(cluster):
+        own = np.flatnonzero((cluster == number) & (partner >= 0))
+        if len(own) and space[own].min() >= ALIKE > mac[own, partner[own]].min():
+            ordered[own] = np.sort(partner[own])
+    return ordered
 
 
 def _spaces(phi: Array, psi: Array, M: Sparse, partner: Integers, cluster: Integers) -> Array:

@@ -21,6 +21,10 @@ ON_THE_AXIS = 5e-3
 """Nodes farther from a part's axis than this share of its length belong to something that is fastened to it."""
 
 
+BEYOND_THE_ENDS = 0.05
+"""Nodes so far beyond the ends of a part, as a share of its length, still lead it: a mast is held by the node of its flange."""
+
+
 def displacement(structure: Structure, shapes: Array, article: Article | None, points: Array, parts: Integers) -> Array:
     """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) are their counted parts of `article`."""
     if article is None or not has_rotations(structure):
@@ -62,7 +66,7 @@ def _with_section(structure: Structure, shapes: Array, part: Part, points: Array
     arms = structure.points - origin
     along = arms @ axis
     beside = np.linalg.norm(arms - np.outer(along, axis), axis=1)
-    near = (beside <= ON_THE_AXIS * length) & (distance(part, structure.points) <= ON_THE_AXIS * length)
+    near = (beside <= ON_THE_AXIS * length) & (distance(part, structure.points) <= BEYOND_THE_ENDS * length)
     nodes = np.flatnonzero(near)
     if len(nodes) == 0:
         nodes = np.array([np.argmin(np.linalg.norm(structure.points - points.mean(axis=0), axis=1))])

@@ -29,6 +29,18 @@ def require_mode(number: int, count: int) -> None:
         raise BadInput(source="--mode", problem=problem, remedy=remedy)
 
 
+def require_drawable(article: str, model: str) -> None:
+    """Refuse pictures of a model that gives no shapes, before it is computed.
+
+    Raises
+    ------
+    BadInput : it is exudyn's.
+    """
+    if model == "exudyn":
+        problem = "exudyn's own elements give frequencies and participations here, no shape that could be drawn"
+        raise BadInput(source=article, field="--shapes", problem=problem, remedy="Draw the beam or the solid model")
+
+
 def draw_sheet(model: Flexible, folder: Path) -> Path:
     """Write the contact sheet of the first modes into `folder`, and say where it is.
 
