@@ -111,7 +111,7 @@ def _matched(mac: Array) -> Integers:
 
 
 def _in_order_where_mixed(partner: Integers, mac: Array, cluster: Integers, space: Array) -> Integers:
-    """Partners in ascending order in clusters whose shapes are mixed but span the same: there no mode has a like, the whole has."""
+    """Partners in ascending order in clusters whose shapes are mixed but span the same: no mode has its like, the whole has."""
     ordered = partner.copy()
     for number in np.unique(cluster):
         own = np.flatnonzero((cluster == number) & (partner >= 0))
