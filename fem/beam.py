@@ -45,7 +45,7 @@ def structure(
     Parameters
     ----------
     article_name, changes : as `geometry.articles.built_in` takes them
-    elements : in a half-blade of Clumod and in a column; Clumod's mast has twice as many
+    elements : in a half-blade of Clumod; its mast has twice, a column three times as many
     cells : (4, 3) [N/m] stiffness of the FMD's load cells along x, y, z (`load_cells` gives assumed values); rigid when None
     joints : what a local model of Clumod's crossings adds
 
@@ -92,8 +92,10 @@ def frequencies(frame: Frame, count: int) -> Array:
     from scipy.linalg import eigh
 
     K = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
-    squares = eigh(K[BASE:, BASE:], frame.mass[BASE:, BASE:], eigvals_only=True, subset_by_index=[0, count - 1])
-    return np.asarray(np.sqrt(squares) / (2 * np.pi))
+    n = len(K) - BASE
+    # The largest of M x = mu K x: what an eigen-solver loses to rounding is a share of the largest value, and here that is ours.
+    inverse = eigh(frame.mass[BASE:, BASE:], K[BASE:, BASE:], eigvals_only=True, subset_by_index=[n - count, n - 1])
+    return np.asarray(1 / np.sqrt(inverse[::-1]) / (2 * np.pi))
 
 
 def _plan(name: str, changes: Mapping[str, float], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> Plan:

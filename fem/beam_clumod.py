@@ -23,6 +23,7 @@ from fem import frame
 from fem.frame import Body, Member, Plan, Ports
 from fem.sandwich import Sandwich, sandwich
 from fem.section import Section, rectangle, tube
+from fem.structure import rigid_motion
 from geometry.arrays import Array, frozen
 from geometry.article import Article, Part
 from geometry.articles import clumod
@@ -40,6 +41,9 @@ ELEMENTS = 6
 MAST = "mast"
 X, Y, Z = np.eye(3)
 AXES = {"x": X, "y": Y}
+
+RIGID_ROUNDING = 1e-6
+"""Share of a joint's stiffness that a rigid motion of all its ports may meet, which is what condensation loses to rounding."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,7 +82,7 @@ class Joint:
         size = 6 * len(self.ports)
         for name in ("stiffness",) if self.mass is None else ("stiffness", "mass"):
             matrix = frozen(getattr(self, name), (size, size), name)
-            if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max()):
+            if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max(initial=0)):
                 raise BadInput(
                     source="joint of Clumod", field=name, problem="must be symmetric", remedy="Check the order of ports"
                 )
@@ -254,9 +258,16 @@ def _elastic(article: Article) -> Iterable[Part]:
 
 
 def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
-    size = 6 * len(joint.ports)
-    mass = np.zeros((size, size)) if joint.mass is None else joint.mass
+    mass = np.zeros_like(joint.stiffness) if joint.mass is None else joint.mass
     chosen = tuple(_nearest(_place(port, d), nodes) for port in joint.ports)
+    carried = np.abs(joint.stiffness @ rigid_motion(nodes[list(chosen)])).max(initial=0)
+    if carried > RIGID_ROUNDING * np.abs(joint.stiffness).max(initial=0):
+        raise BadInput(
+            source="joint of Clumod",
+            field="stiffness",
+            problem=f"must let its ports move together rigidly, found a force or moment of {carried:.3g} for a unit motion",
+            remedy="Check that the ports lie where the local model has them, in Clumod's axes",
+        )
     return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
 
 

@@ -3,8 +3,8 @@
     viscous     C = diag(2 zeta_r omega_r) + modal + Phi^T C_u Phi     forces follow the velocity
     structural  S = sum over parts of eta_p Phi^T K_p Phi              forces follow the displacement: K (1 + i eta)
 
-In the modal equations -omega² + i (omega C + S) + Omega² the off-diagonal entries of both stay: in a cluster of frequencies they are
-as large as the distance of the modes (Craig & Kurdila, Fundamentals of Structural Dynamics; Nashif, Vibration Damping).
+In the modal equations -omega² + i (omega C + S) + Omega² the off-diagonal entries of both stay: in a cluster of frequencies they
+are as large as the distance of the modes (Craig & Kurdila, Fundamentals of Structural Dynamics; Nashif, Vibration Damping).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The lowest eigenvalues of K x = lambda M x, by inverting about a shift.
 
-Both methods look for the largest theta = 1 / (lambda - sigma), where a discretised structure keeps its lowest modes well apart from
-a crowd that nobody wants (Ericsson & Ruhe, Math. Comp. 35, 1980). Small problems go to LAPACK, large ones to ARPACK's Lanczos
+Both methods look for the largest theta = 1 / (lambda - sigma), where a discretised structure keeps its lowest modes well apart
+from a crowd that nobody wants (Ericsson & Ruhe, Math. Comp. 35, 1980). Small problems go to LAPACK, large ones to ARPACK's Lanczos
 iteration with a factorised K - sigma M. A mass matrix may be singular (joints without mass): such directions have theta = 0.
 
 Lanczos can overlook one of several equal eigenvalues. So the rest of the space is searched once more from another start, and
@@ -119,8 +119,8 @@ def _by_lanczos(
         values, vectors = eigsh(K, count, M=M, sigma=shift, OPinv=inverse, v0=start, ncv=min(size, max(2 * count + 1, 20)))
     except ArpackNoConvergence as error:
         raise CheckFailed(
-            f"The eigenvalue iteration found {len(error.eigenvalues)} of {count} modes and stopped. Ask for fewer modes, or check "
-            "that stiffness and mass are symmetric and in the same units.",
+            f"The eigenvalue iteration found {len(error.eigenvalues)} of {count} modes and stopped. Ask for fewer modes, or "
+            "check that stiffness and mass are symmetric and in the same units.",
             found=len(error.eigenvalues),
         ) from None
     pairs = _sorted(values, vectors, factor)

@@ -3,7 +3,9 @@
 Deflection v and rotation theta of the section are interpolated by the static solution of the loaded beam (Friedman and Kosmatka,
 An improved two-node Timoshenko beam finite element, Computers & Structures 47, 1993). With Phi = 12 E I / (k G A L²), the ratio
 of bending to shear stiffness, they are a cubic and a quadratic; as Phi goes to zero they become the Hermite cubic and its slope,
-and the element that of Rayleigh. They hold every rigid motion, so the mass matrix carries the rigid-body inertia exactly.
+and the element that of Rayleigh. They hold every rigid motion, so the mass matrix carries the rigid-body inertia exactly. Shear
+is constant in an element: a frequency's error falls with the fourth power of the element's length in bending, with the second
+in what shear adds, which matters on stubby beams only.
 """
 
 from __future__ import annotations

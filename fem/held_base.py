@@ -1,6 +1,6 @@
 """`HeldBase`: the free part of a structure, and how acceleration of the base loads it.
 
-With u = T u_b + w, where T is the rigid motion and w vanishes on the held degrees of freedom, a structure that its base drives obeys
+With u = T u_b + w, where T is the rigid motion and w vanishes on the held degrees of freedom, a driven structure obeys
 
     M_ff w'' + (C_ff + ...) w' + K_ff w = -P u_b'',   P = (M T)_f,   f = T^T M T u_b'' + P^T w'',
 
@@ -100,8 +100,8 @@ def check_stiff(held: HeldBase, structure: Structure, values: Array, vectors: Ar
         moving = np.argmax(np.abs(vectors[:, loose][:, 0]))
         where = _whereabouts(structure, held.free[[moving]])
         raise CheckFailed(
-            f"With the base held, {np.sum(loose)} {'mode has' if np.sum(loose) == 1 else 'modes have'} zero frequency: part of the "
-            f"structure floats or swings freely {where}".rstrip()
+            f"With the base held, {np.sum(loose)} {'mode has' if np.sum(loose) == 1 else 'modes have'} zero frequency: part of "
+            f"the structure floats or swings freely {where}".rstrip()
             + ". Hold it, or stiffen the joint.",
             count=int(np.sum(loose)),
         )

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from fem.factorisers.factor import Factor, Singular, Values
 from fem.structure import Sparse
 
@@ -15,8 +17,8 @@ DIAGONAL_PIVOT = 1e-3
 """A diagonal pivot is taken when it is at least this share of the largest entry of its column."""
 
 
-def factorise(matrix: Sparse) -> Factor:
-    """Factors of a square sparse matrix.
+def factorise(matrix: Sparse, definite: bool) -> Factor:
+    """Factors of a square sparse matrix; a promise of definiteness is of no use to it.
 
     Raises
     ------
@@ -43,10 +45,4 @@ class SuperLU:
 
     def solve(self, B: Values) -> Values:
         """Solution of ``A X = B`` for B (n,) or (n, k)."""
-        X: Values = self._lu.solve(B)
-        return X
-
-    @property
-    def entries(self) -> int:
-        """Numbers that the factors hold."""
-        return int(self._lu.L.nnz + self._lu.U.nnz)
+        return np.asarray(self._lu.solve(B))

@@ -1,22 +1,41 @@
-"""Clumod's beam model: it reproduces the reconstruction it came from and carries the mass of the drawing."""
+"""Beam models of the built-in articles: the drawing's mass, rigid motions, the published modes, joints, load cells, bad input."""
 
 import copy
 import json
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import eigh
 
-from fem import beam
-from geometry.articles import built_in
+from fem import beam, beam_clumod
+from fem.beam_clumod import Joint, Port, reach
+from fem.frame import Body, Frame, Member, Plan, assemble
+from fem.section import Section
+from fem.structure import Structure
+from geometry.articles import NAMES, SETUPS, built_in
 from geometry.articles.clumod import FOUR_BLADES, ONE_BLADE
 from geometry.articles.dimensions import load
+from geometry.errors import BadInput
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
 from geometry.multibody import inertia as drawn_inertia
 
 CONFIGURATIONS = {"clumod-4": (FOUR_BLADES, "four_blades"), "clumod-1": (ONE_BLADE, "one_blade")}
+STACKS = (*NAMES, *SETUPS, "disc+cuboid", "disc+disc")
+
+
+def _held(structure: Structure, count: int) -> np.ndarray:
+    """Lowest frequencies [Hz] on a held base."""
+    at = np.ix_(structure.free, structure.free)
+    inverse = eigh(structure.mass.toarray()[at], structure.stiffness.toarray()[at], eigvals_only=True)
+    return 1 / np.sqrt(inverse[::-1][:count]) / (2 * np.pi)
+
+
+# --- Clumod's published modes ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", CONFIGURATIONS)
@@ -38,21 +57,216 @@ def test_published_mode_structure_holds() -> None:
     assert np.sum(one < 50) == 5
 
 
-@pytest.mark.parametrize("name", CONFIGURATIONS)
-def test_frame_and_flange_weigh_what_the_drawing_weighs(name: str) -> None:
-    """The mast is a beam between hub centres, everything else is exact: the rigid 6x6 agrees to 0.1 %."""
-    article = built_in(name)
-    model = beam.build(CONFIGURATIONS[name][0], load("clumod"))
-    rigid = np.vstack([rigid_transformation_6(node) for node in model.nodes])
-    flange = drawn_inertia(type(article)(name="flange", parts=(article.parts[0],)))
-    total = Inertia.from_mass_matrix(rigid.T @ model.mass @ rigid) + flange
-    expected = drawn_inertia(article)
-    assert_allclose(total.parameters, expected.parameters, rtol=1e-3, atol=1e-9)
-    assert_allclose(total.tensor_cog, expected.tensor_cog, rtol=1e-3, atol=1e-9)
+# --- every article -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_structure_weighs_what_the_drawing_weighs(name: str) -> None:
+    expected = drawn_inertia(built_in(name)).mass_matrix
+    for options in ({}, {"cells": beam.load_cells()}) if "fmd" in name else ({},):
+        found = beam.structure(name, **options).rigid_mass
+        assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_rigid_motions_cost_no_energy_and_parts_make_the_whole(name: str) -> None:
+    structure = beam.structure(name)
+    K, M = structure.stiffness.toarray(), structure.mass.toarray()
+    assert_allclose(K @ structure.rigid, 0, atol=1e-12 * np.abs(K).max())
+    assert_allclose(sum((k.toarray() for k in structure.part_stiffness.values()), 0 * K), K, atol=1e-12 * np.abs(K).max())
+    free = np.ix_(structure.free, structure.free)
+    assert np.all(np.linalg.eigvalsh(M[free]) > 0)
+    assert not structure.free.size or np.linalg.eigvalsh(K[free]).min() > 0
+    assert structure.loss_factors.keys() == structure.part_stiffness.keys()
+    assert structure.part_stiffness.keys() <= {part.name for part in built_in(name).parts}
+
+
+@pytest.mark.parametrize("name", STACKS)
+def test_points_are_moved_by_the_degrees_of_freedom_they_name(name: str) -> None:
+    structure = beam.structure(name)
+    for point, dofs in zip(structure.points, structure.translations, strict=True):
+        assert_allclose(structure.rigid[dofs], rigid_transformation_6(point)[:3], atol=1e-15)
+
+
+@pytest.mark.parametrize("name", [name for name in STACKS if name != "fmd"])
+def test_twenty_modes_can_be_asked_for(name: str) -> None:
+    assert len(beam.structure(name).free) >= 20
+
+
+def test_fmd_alone_is_rigid() -> None:
+    structure = beam.structure("fmd")
+    assert structure.free.size == 0
+    assert structure.stiffness.nnz == 0
+
+
+def test_what_stands_on_the_rigid_fmd_keeps_its_frequencies() -> None:
+    assert_allclose(_held(beam.structure("fmd+clumod-4"), 16), _held(beam.structure("clumod-4"), 16), rtol=1e-9)
+    assert_allclose(_held(beam.structure("fmd+disc+cuboid"), 6), _held(beam.structure("disc+cuboid"), 6), rtol=1e-9)
+
+
+def test_article_of_twice_the_size_has_half_the_frequencies() -> None:
+    sizes = {"disc.diameter_mm": 702.0, "disc.height_mm": 29.0}
+    assert_allclose(
+        2 * _held(beam.structure("disc", sizes), 6), _held(beam.structure("disc"), 6), rtol=1e-3
+    )  # its bolt holes stay
+
+
+def test_frequencies_hardly_move_when_elements_are_halved() -> None:
+    default, finer = (_held(beam.structure("clumod-4", elements=n), 16) for n in (beam_clumod.ELEMENTS, 2 * beam_clumod.ELEMENTS))
+    assert_allclose(default, finer, rtol=5e-4)
+
+
+# --- the crossing ------------------------------------------------------------------------------------------------------------
+
+
+def test_reach_is_the_collars_edge_over_the_width() -> None:
+    """A narrow blade leaves the collar at its radius; one that is wider has a half circle spread over its width."""
+    assert reach(0.05, 1e-6) == pytest.approx(0.05)
+    assert reach(0.05, 0.2) == pytest.approx(np.pi * 0.05**2 / 2 / 0.2)
+    width = np.linspace(-0.04, 0.04, 20001)
+    assert reach(0.05, 0.08) == pytest.approx(np.sqrt(0.05**2 - width**2).mean(), rel=1e-4)
+
+
+def test_rigid_middle_stiffens_the_blades(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All eleven modes of blades and mast, by about twice reach over length where a blade bends alone."""
+    with_reach = beam.frequencies(beam.build(FOUR_BLADES, load("clumod")), 11)
+    monkeypatch.setattr(beam_clumod, "reach", lambda _radius, _width: 1e-4)
+    assert np.all(with_reach > beam.frequencies(beam.build(FOUR_BLADES, load("clumod")), 11))
+
+
+def _between(a: float, b: float, section: Section) -> np.ndarray:
+    """Stiffness (12, 12) of a piece of mast between two heights, in Clumod's axes."""
+    member = Member(nodes=(0, 1), section=section, z_axis=np.array([1.0, 0.0, 0.0]), part="mast")
+    return assemble(Plan(nodes=np.array([[0, 0, a], [0, 0, b]]), carriers=(0, 1), members=(member,))).stiffness["mast"]
+
+
+def _massless(section: Section) -> Section:
+    return replace(section, mass=0.0, rotary_y=0.0, rotary_z=0.0)
+
+
+LOWER, UPPER = 0.30, 0.42
+
+
+def test_joint_between_ports_of_the_mast_acts_as_a_member_between_its_nodes() -> None:
+    d = load("clumod")
+    ports = (Port(member="mast", at=LOWER), Port(member="mast", at=UPPER))
+    plan = beam_clumod.plan(ONE_BLADE, d, joints=[Joint(ports=ports, stiffness=np.zeros((12, 12)))])
+    section = _massless(plan.members[0].section)
+    ends = tuple(int(np.argmin(np.abs(plan.nodes - [0, 0, z]).sum(axis=1))) for z in (LOWER, UPPER))
+    doubled = replace(plan, members=(*plan.members, Member(nodes=ends, section=section, z_axis=np.eye(3)[0], part="mast")))
+    expected = beam.frequencies(assemble(doubled), 6)
+    stiffness = _between(LOWER, UPPER, section)
+    turned = np.roll(np.arange(12), 6)
+    for joint in (
+        Joint(ports=ports, stiffness=stiffness),
+        Joint(ports=ports[::-1], stiffness=stiffness[np.ix_(turned, turned)]),
+    ):
+        assert_allclose(beam.frequencies(beam.build(ONE_BLADE, d, joints=[joint]), 6), expected, rtol=1e-9)
+    assert np.all(expected >= beam.frequencies(assemble(plan), 6))
+
+
+def test_joint_at_a_crossing_keeps_mass_and_rigid_motions_and_belongs_to_its_part() -> None:
+    """Blade against mast, with a mass that vibrates but does not weigh."""
+    z = load("clumod")["blade"][0]["z"]
+    ports = (Port(member="mast", at=z - 0.05), Port(member="lower-1", at=-0.1))
+    relative = np.hstack(
+        [np.linalg.inv(rigid_transformation_6([0, 0, z - 0.05])), -np.linalg.inv(rigid_transformation_6([0, -0.1, z]))]
+    )
+    stiffness = relative.T @ np.diag([1e6, 1e6, 1e6, 1e4, 1e4, 1e4]) @ relative
+    joint = Joint(ports=ports, stiffness=stiffness, mass=1e-9 * stiffness, part="lower-1")
+    plain, joined = beam.structure("fmd+clumod-1"), beam.structure("fmd+clumod-1", joints=[joint])
+    assert_allclose(joined.rigid_mass, plain.rigid_mass, rtol=1e-9, atol=1e-9)
+    assert_allclose(joined.stiffness @ joined.rigid, 0, atol=1e-12 * np.abs(joined.stiffness).max())
+    assert joined.part_stiffness.keys() == plain.part_stiffness.keys()
+    assert _held(joined, 5)[0] > _held(plain, 5)[0]
+
+
+SPRING = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("ports", "stiffness", "said"),
+    [
+        (("upper-log", 0.1), SPRING, "there is no 'upper-log'. Did you mean upper-long"),
+        (("lower-1", 0.02), SPRING, "lower-1 is no beam at 20 mm. Its beam goes from 34"),
+        (("lower-1", 2.0), SPRING, "no beam at 2000 mm"),
+        (("mast", -0.1), SPRING, "mast is no beam at -100 mm"),
+        (("mast", 0.5), SPRING + np.eye(12, k=1), "must be symmetric"),
+        (("lower-1", 0.2), SPRING, "must let its ports move together rigidly, found a force or moment of"),
+    ],
+)
+def test_joint_that_cannot_be_is_refused(ports: tuple[str, float], stiffness: np.ndarray, said: str) -> None:
+    with pytest.raises(BadInput, match=said):
+        beam.structure(
+            "clumod-4",
+            joints=[Joint(ports=(Port(member="mast", at=0.4), Port(member=ports[0], at=ports[1])), stiffness=stiffness)],
+        )
+
+
+# --- load cells --------------------------------------------------------------------------------------------------------------
+
+
+def test_cover_plate_bounces_and_turns_on_its_cells_at_closed_form_frequencies() -> None:
+    """Straight up sqrt(4 k_z / m), about the axis sqrt(4 k r² / Izz); the others couple."""
+    structure = beam.structure("fmd", cells=beam.load_cells())
+    lateral, _, axial = beam.load_cells()[0]
+    body, side = drawn_inertia(built_in("fmd")), load("fmd")["load_cell"]["square"]
+    expected = np.sqrt([4 * axial / body.mass, 4 * lateral * side**2 / 2 / body.tensor[2, 2]]) / (2 * np.pi)
+    found = _held(structure, 6)
+    assert len(structure.free) == 6
+    assert_allclose(np.abs(found[:, None] / expected - 1).min(axis=0), 0, atol=1e-9)
+
+
+def test_stiff_cells_are_rigid_ones() -> None:
+    rigid = _held(beam.structure("fmd+clumod-1"), 8)
+    differences = [_held(beam.structure("fmd+clumod-1", cells=factor * beam.load_cells()), 8) / rigid - 1 for factor in (1, 100)]
+    assert np.all(differences[0] < 0)
+    assert_allclose(differences[1], differences[0] / 100, rtol=0.05, atol=1e-10)
+
+
+def test_cell_stiffness_is_a_dimension_of_the_fmd() -> None:
+    cells = beam.load_cells({"fmd.load_cell.axial_stiffness_N_m": 1e9})
+    assert_allclose(cells[:, 2], 1e9)
+    assert_allclose(cells[:, :2], beam.load_cells()[:, :2])
+
+
+# --- bad input ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("clumod-5", {}, "no built-in article is called 'clumod-5'"),
+        ("clumod-4", {"changes": {"clumod.blade.upper-short.layer.thickness_mm": 6.0}}, "no body has the dimensions"),
+        ("clumod-4", {"changes": {"clumod.blade.upper-short.z_mm": 1540.0}}, "hubs must lie on the mast and apart"),
+        ("clumod-4", {"elements": 0}, "at least one element is needed, found 0"),
+        ("cuboid", {"cells": np.ones((4, 3))}, "there is no FMD"),
+        ("fmd", {"cells": np.ones((3, 3))}, r"four cells .* found shape \(3, 3\)"),
+        (
+            "fmd",
+            {"cells": [[1, 1, 1], [1, -2, 1], [1, 1, 1], [1, 1, 1]]},
+            "cell 2 must have a positive, finite stiffness along y",
+        ),
+        ("cuboid", {"joints": [Joint(ports=(), stiffness=np.zeros((0, 0)))]}, "there is no Clumod"),
+    ],
+)
+def test_structure_that_cannot_be_is_refused(name: str, options: dict, said: str) -> None:
+    with pytest.raises(BadInput, match=said):
+        beam.structure(name, **options)
+
+
+def test_part_of_a_material_without_moduli_is_refused() -> None:
+    d = copy.deepcopy(load("clumod"))
+    d["mast"]["material"] = "oak"
+    with pytest.raises(BadInput, match="material oak: `youngs_modulus`: is missing"):
+        beam.build(ONE_BLADE, d)
+
+
+# --- another program's beams -------------------------------------------------------------------------------------------------
 
 
 def test_bare_reconstruction_gives_the_frequencies_it_states(shared: Path) -> None:
-    """An oracle from another program: its own dimensions, with no holes and lumped hubs, give its own frequencies."""
+    """An oracle from another program: its own dimensions, Rayleigh beams from the axis on, lumped hubs; its own frequencies."""
     stated = json.loads((shared / "clumod" / "reconstruction.json").read_text())
     for blades, key in CONFIGURATIONS.values():
         found = beam.frequencies(_bare(stated, blades), len(stated["achieved"][key]["f_Hz"]))
@@ -60,24 +274,37 @@ def test_bare_reconstruction_gives_the_frequencies_it_states(shared: Path) -> No
         assert_allclose(found, stated["achieved"][key]["f_Hz"], rtol=5e-4)
 
 
-def _bare(stated: dict, blades: tuple[str, ...]) -> beam.BeamModel:
-    from fem.frame import Member, add_lumped, assemble
+def _bare(stated: dict, blades: tuple[str, ...]) -> Frame:
+    """Five elements a half-blade and about twelve in the mast, as the other program has them."""
+    rho, steel = stated["material"]["rho_kg_m3"], (207e9, 207e9 / 2.6)
+    fixed = [stated["flange"]["height_m"], *(blade["z_m"] for blade in stated["blades"]), 1.6]
+    step = (fixed[-1] - fixed[0]) / 12
+    gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False) for a, b in pairwise(fixed)]
+    nodes = [np.array([0.0, 0.0, z]) for z in (*np.concatenate(gaps), fixed[-1])]
+    stations = [int(np.argmin([abs(node[2] - blade["z_m"]) for node in nodes])) for blade in stated["blades"]]
+    outer, inner = (stated["mast"][f"{side}_diameter_m"] for side in ("outer", "inner"))
+    second = np.pi / 64 * (outer**4 - inner**4)
+    tube = _rayleigh(np.pi / 4 * (outer**2 - inner**2), second, second, 2 * second, rho, steel)
+    members = [Member(nodes=tuple(range(len(nodes))), section=tube, z_axis=np.eye(3)[0])]
+    for data, name, station, axis in zip(stated["blades"], FOUR_BLADES, stations, (1, 0, 0, 1), strict=True):
+        if name in blades:
+            w, t, half = data["width_m"], data["thickness_m"], data["length_m"] / 2
+            section = _rayleigh(w * t, w * t**3 / 12, t * w**3 / 12, w * t**3 / 3 * (1 - 0.63 * t / w), rho, steel)
+            share = data.get("bending_and_torsion_stiffness_factor", 1.0)
+            section = replace(section, bending_y=share * section.bending_y, torsion=share * section.torsion)
+            for side in (1, -1):
+                first = len(nodes)
+                nodes += [nodes[station] + side * half * k / 5 * np.eye(3)[axis] for k in range(1, 6)]
+                members.append(Member(nodes=(station, *range(first, first + 5)), section=section, z_axis=np.eye(3)[2]))
+    hubs = [
+        Body(node=station, inertia=Inertia.from_cog(mass, nodes[station], mass * 0.05**2 / 2 * np.eye(3)))
+        for station, mass in zip(stations, stated["hubs"]["mass_kg"], strict=True)
+    ]
+    return assemble(Plan(nodes=np.array(nodes), carriers=tuple(range(len(nodes))), members=tuple(members), bodies=tuple(hubs)))
 
-    d = copy.deepcopy(load("clumod"))
-    d["flange"]["height"] = stated["flange"]["height_m"]
-    d["mast"] |= {f"{side}_diameter": stated["mast"][f"{side}_diameter_m"] for side in ("outer", "inner")}
-    for blade, values in zip(d["blade"], stated["blades"], strict=True):
-        blade |= {key: values[f"{key}_m"] for key in ("z", "length", "width", "thickness")}
-        if "layer" in blade:
-            blade["layer"] |= {"thickness": 0.0, "bending_factor": values["bending_and_torsion_stiffness_factor"]}
-    heights = beam._mast_heights(d)
-    nodes = [np.array([0.0, 0.0, z]) for z in heights]
-    members = [Member(nodes=tuple(range(len(heights))), section=beam._tube(d["mast"]), z_axis=np.array([1.0, 0.0, 0.0]))]
-    stations = [int(np.argmin(np.abs(heights - blade["z"]))) for blade in d["blade"]]
-    for blade, station in zip(d["blade"], stations, strict=True):
-        if blade["name"] in blades:
-            members += beam._half_blades(blade, d, station, nodes)
-    K, M = assemble(nodes, members)
-    for station, mass in zip(stations, stated["hubs"]["mass_kg"], strict=True):
-        add_lumped(M, station, Inertia.from_cog(mass, [0, 0, 0], mass * 0.05**2 / 2 * np.eye(3)).mass_matrix)
-    return beam.BeamModel(nodes=np.array(nodes), stiffness=K, mass=M, clamped=0)
+
+def _rayleigh(area: float, Iy: float, Iz: float, J: float, rho: float, steel: tuple[float, float]) -> Section:
+    E, G = steel
+    return Section(
+        axial=E * area, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * area, rotary_y=rho * Iy, rotary_z=rho * Iz
+    )

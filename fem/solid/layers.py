@@ -1,0 +1,222 @@
+"""Hexahedra for articles of upright boxes and cylinders: a plan view, extruded layer by layer.
+
+Thin plates and tubes standing upright are what tetrahedra do worst: a blade of 4 mm wants cells that are flat, and a silicone
+layer of half a millimetre between two steel faces wants cells of 27 nodes, which do not lock. In plan view such an article is a
+set of rectangles and circles; every layer between two heights is some of their quadrilaterals, stretched upwards. Layers share
+nodes by construction. An article may be cut at heights where different plans meet, so that the flange's holes do not divide the
+blades.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from fem.solid.mesh import LOCAL_HEX27, Integers, SolidMesh
+from fem.solid.plan import Outline, Plan, covered
+from geometry.arrays import Array
+from geometry.article import Part
+from geometry.errors import BadInput
+from geometry.frames import Pose
+from geometry.shapes import Box, Cylinder, Placed
+
+SAME = 1e-7
+"""Heights and points closer than this [m] are one."""
+
+GROWTH = 1.6
+"""From layer to layer, away from a height where something begins or ends."""
+
+SHELL = 0.25
+"""First layer beside such a height, as a share of the size of a cell: a thin tube's boundary layer is shorter than its waves."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Prism:
+    """An upright primitive in the article's frame: its outline between two heights [m]."""
+
+    outline: Outline
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Upright:
+    """A part as prisms of material and prisms cut out of it."""
+
+    name: str
+    solids: tuple[Prism, ...]
+    voids: tuple[Prism, ...]
+
+    @property
+    def bottom(self) -> float:
+        """Lowest height [m]."""
+        return min(prism.bottom for prism in self.solids)
+
+    @property
+    def top(self) -> float:
+        """Greatest height [m]."""
+        return max(prism.top for prism in self.solids)
+
+
+def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24, cuts: Sequence[float] = ()) -> SolidMesh:
+    """Mesh of `parts`, circles of `around` edges; plans change at the heights `cuts` [m], ascending.
+
+    `sizes` are the widths of a cell [m], below the first cut, between the cuts and above the last.
+
+    Raises
+    ------
+    BadInput : a part that does not stand upright, or one that reaches through a cut.
+    """
+    uprights = [upright(part) for part in parts]
+    limits = [-np.inf, *cuts, np.inf]
+    pieces = [
+        _extruded(group, uprights, size, around)
+        for size, (low, high) in zip(sizes, pairwise(limits), strict=True)
+        if (group := [u for u in uprights if low - SAME <= u.bottom and u.top <= high + SAME])
+    ]
+    _require_all(uprights, [part for _, _, part in pieces])
+    return _joined(pieces, tuple(u.name for u in uprights))
+
+
+def upright(part: Part) -> Upright:
+    """`part` as prisms.
+
+    Raises
+    ------
+    BadInput : one of its primitives is tilted.
+    """
+    solids, voids = (
+        tuple(_prism(placed, part) for placed in placed_ones) for placed_ones in (part.shape.solids, part.shape.voids)
+    )
+    return Upright(name=part.name, solids=solids, voids=voids)
+
+
+def _prism(placed: Placed, part: Part) -> Prism:
+    pose: Pose = part.pose @ placed.pose
+    if abs(pose.rotation[2, 2] - 1) > SAME:
+        raise BadInput(
+            source=f"part {part.name}",
+            problem="hexahedra need upright boxes and cylinders, found a tilted one",
+            remedy="Mesh the article with tetrahedra",
+        )
+    angle = float(np.arctan2(pose.rotation[1, 0], pose.rotation[0, 0]))
+    height = placed.primitive.height if isinstance(placed.primitive, Cylinder) else float(placed.primitive.size[2])
+    middle = float(pose.position[2])
+    return Prism(
+        outline=_outline(placed.primitive, pose.position[:2], angle), bottom=middle - height / 2, top=middle + height / 2
+    )
+
+
+def _outline(primitive: Box | Cylinder, centre: Array, angle: float) -> Outline:
+    if isinstance(primitive, Cylinder):
+        return Outline(centre=centre, size=np.full(2, primitive.diameter), round=True)
+    return Outline(centre=centre, size=primitive.size[:2], angle=angle)
+
+
+Mask = npt.NDArray[np.bool_]
+
+Piece = tuple[Array, Integers, Integers]
+"""Points (p, 3), cells (c, 27) and the part of each (c,)."""
+
+
+def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: float, around: int) -> Piece:
+    """One plan, extruded; circles of the parts beyond a cut are drawn in it where they stand on it."""
+    prisms = [prism for u in group for prism in (*u.solids, *u.voids)]
+    feet = [prism for u in all_parts for prism in (*u.solids, *u.voids) if _touches(prism, group)]
+    plan = covered([prism.outline for prism in (*prisms, *feet)], size, around)
+    heights = _heights(group, size)
+    numbers = {u.name: number for number, u in enumerate(all_parts)}
+    chosen = [
+        (layer, quads, numbers[u.name])
+        for layer, (low, high) in enumerate(pairwise(heights))
+        for u in group
+        if len(quads := np.flatnonzero(_within(u, plan.centres, (low + high) / 2)))
+    ]
+    levels = np.sort(np.concatenate([heights, (heights[1:] + heights[:-1]) / 2]))
+    return _stacked(plan, levels, chosen)
+
+
+def _touches(prism: Prism, group: Sequence[Upright]) -> bool:
+    low, high = min(u.bottom for u in group), max(u.top for u in group)
+    return abs(prism.bottom - high) < SAME or abs(prism.top - low) < SAME
+
+
+def _heights(group: Sequence[Upright], size: float) -> Array:
+    """Heights of the layers [m]: where anything begins or ends, and between those layers that grow towards the middle."""
+    ends = np.sort([h for u in group for prism in (*u.solids, *u.voids) for h in (prism.bottom, prism.top)])
+    breaks = ends[np.concatenate([[True], np.diff(ends) > SAME])]
+    between = [_graded(low, high, size)[:-1] for low, high in pairwise(breaks)]
+    return np.concatenate([*between, breaks[-1:]])
+
+
+def _graded(low: float, high: float, size: float) -> Array:
+    """Heights from `low` to `high` [m], layers growing from both ends to `size`."""
+    half: list[float] = []
+    while sum(half) < (high - low) / 2:
+        half.append(min(size, SHELL * size * GROWTH ** len(half)))
+    if len(half) == 1 or high - low <= size:
+        return np.array([low, high])
+    steps = np.array([*half, *half[::-1]])
+    return low + (high - low) * np.concatenate([[0.0], np.cumsum(steps) / steps.sum()])
+
+
+def _within(u: Upright, points: Array, height: float) -> Mask:
+    """Which of `points` (p, 2) lie in the part at `height`."""
+    inside = np.zeros(len(points), dtype=bool)
+    for prisms, value in ((u.solids, True), (u.voids, False)):
+        for prism in prisms:
+            if prism.bottom < height < prism.top:
+                inside[_enclosed(prism.outline, points)] = value
+    return inside
+
+
+def _enclosed(outline: Outline, points: Array) -> Mask:
+    c, s = np.cos(outline.angle), np.sin(outline.angle)
+    own = (points - outline.centre) @ np.array([[c, -s], [s, c]]) / (outline.size / 2)
+    return np.asarray(np.hypot(*own.T) < 1 if outline.round else np.abs(own).max(axis=1) < 1)
+
+
+def _stacked(plan: Plan, levels: Array, chosen: Sequence[tuple[int, Integers, int]]) -> Piece:
+    """Cells of the `chosen` quadrilaterals of each layer; node n of level l is l times the nodes of the plan plus n."""
+    count = len(plan.points)
+    corner, level = _quad_place(), (2 * LOCAL_HEX27[:, 2]).astype(np.intp)
+    cells = [plan.quads[quads][:, corner] + count * (2 * layer + level) for layer, quads, _ in chosen]
+    part = [np.full(len(quads), number, dtype=np.intp) for _, quads, number in chosen]
+    points = np.column_stack([np.tile(plan.points, (len(levels), 1)), np.repeat(levels, count)])
+    return points, np.concatenate(cells), np.concatenate(part)
+
+
+def _quad_place() -> Integers:
+    """For every node of a hexahedron the node of the nine-node quadrilateral below it."""
+    nine = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
+    return np.array([int(np.flatnonzero((nine == node[:2]).all(axis=1))[0]) for node in LOCAL_HEX27])
+
+
+def _require_all(uprights: Sequence[Upright], found: Sequence[Integers]) -> None:
+    there = set(np.concatenate(found).tolist())
+    for number, u in enumerate(uprights):
+        if number not in there:
+            raise BadInput(
+                source=f"part {u.name}",
+                problem=f"reaches from {1e3 * u.bottom:g} to {1e3 * u.top:g} mm, through a height at which the mesh is cut",
+                remedy="Cut where one part stands on another",
+            )
+
+
+def _joined(pieces: Sequence[Piece], parts: tuple[str, ...]) -> SolidMesh:
+    """One mesh, nodes of equal place made one, nodes of no cell left out."""
+    offsets = np.cumsum([0, *(len(points) for points, _, _ in pieces)])
+    points = np.concatenate([points for points, _, _ in pieces])
+    cells = np.concatenate([cells + offset for (_, cells, _), offset in zip(pieces, offsets, strict=False)])
+    used, cells = np.unique(cells, return_inverse=True)
+    _, first, same = np.unique(np.round(points[used] / SAME).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    return SolidMesh(
+        points=points[used][first],
+        cells=same.reshape(-1)[cells].reshape(-1, 27),
+        part=np.concatenate([part for _, _, part in pieces]),
+        parts=parts,
+    )
