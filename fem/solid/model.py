@@ -90,7 +90,7 @@ def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool 
 
 
 def _matrices(mesh: SolidMesh, materials: Mapping[str, Material], cached: bool) -> Matrices:
-    """From disk or assembled; the same to the last bit either way."""
+    """From disk or assembled, exactly symmetric either way."""
     if not cached:
         return packed.unpack_matrices(packed.pack_matrices(assemble(mesh, materials)), mesh.parts)
     moduli = [[materials[name].youngs_modulus, materials[name].poisson_ratio, materials[name].density] for name in mesh.parts]

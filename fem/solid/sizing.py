@@ -20,18 +20,21 @@ from geometry.errors import BadInput
 AROUND = 12
 """Elements on a full circle, at the least."""
 
-GROWTH = 0.5
+CUT = 0.2
+"""How deep a chord may cut into a thin wall, as a share of its thickness."""
+
+GROWTH = 0.8
 """How fast the size grows away from a small feature, metre a metre."""
 
-THIN, SLENDER = 6.0, 12.0
+THIN, SLENDER = 6.0, 10.0
 """Largest size of a body: `THIN` times its thickness, or its longest dimension over `SLENDER`, whichever is smaller ..."""
 
 SOLID = 0.5
 """... but never less than this share of its thickness."""
 
 
-LARGEST = 300_000
-"""Degrees of freedom that SciPy's own factoriser serves in reasonable time and memory."""
+LARGEST = 500_000
+"""Degrees of freedom; what a factoriser needs for them is estimated where the modes are computed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,25 +100,26 @@ def body_size(volume: Volume, sizing: Sizing) -> float:
 def apply(gmsh: Any, volumes: Sequence[Volume], sizing: Sizing, re_entrant: Sequence[int] = ()) -> None:
     """Give the current model of gmsh its size field; `re_entrant` are the tags of the curves to refine at."""
     sizes = {volume.tag: body_size(volume, sizing) for volume in volumes}
-    small = _small_curves(gmsh, volumes, sizes, sizing)
-    if sizing.refinement < 1:
-        for curve in re_entrant:
-            small[curve] = sizing.refinement * min(small.get(curve, np.inf), *(sizes[tag] for tag in _volumes_at(gmsh, curve)))
-    fields = [_constant(gmsh, tag, size) for tag, size in sizes.items()]
-    fields += _growing(gmsh, small, max(sizes.values()))
-    _background(gmsh, fields)
+    faces = _curved_faces(gmsh, volumes, sizes, sizing)
+    curves: dict[int, float] = {}
+    for face, size in faces.items():
+        for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False):
+            curves[curve] = min(size, curves.get(curve, np.inf))
+    for curve in re_entrant if sizing.refinement < 1 else ():
+        curves[curve] = sizing.refinement * min(curves.get(curve, np.inf), *(sizes[tag] for tag in _volumes_at(gmsh, curve)))
+    fields = [_constant(gmsh, "VolumesList", tag, size) for tag, size in sizes.items()]
+    fields += [_constant(gmsh, "SurfacesList", tag, size) for tag, size in faces.items()]
+    _background(gmsh, fields + _growing(gmsh, curves, max(sizes.values())))
 
 
-def _small_curves(
-    gmsh: Any, volumes: Sequence[Volume], sizes: Mapping[int, float], sizing: Sizing
-) -> dict[int, float]:
-    """Curves around curved faces and the size [mm] that the curvature asks for."""
+def _curved_faces(gmsh: Any, volumes: Sequence[Volume], sizes: Mapping[int, float], sizing: Sizing) -> dict[int, float]:
+    """Faces whose curvature asks for smaller elements than their body has, and that size [mm]."""
     found: dict[int, float] = {}
     for volume in volumes:
         for face in _faces(gmsh, volume.tag):
             size = _curved_size(_radius(gmsh, face), volume.thickness, sizing)
-            for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False) if size < sizes[volume.tag] else ():
-                found[curve] = min(size, found.get(curve, np.inf))
+            if size < sizes[volume.tag]:
+                found[face] = min(size, found.get(face, np.inf))
     return found
 
 
@@ -124,7 +128,7 @@ def _curved_size(radius: float, thickness: float, sizing: Sizing) -> float:
     if not np.isfinite(radius):
         return np.inf
     around = 2 * np.pi * radius / max(AROUND, AROUND * sizing.fineness)
-    chord = np.sqrt(2 * radius * thickness) / max(1.0, sizing.fineness)
+    chord = np.sqrt(8 * radius * CUT * thickness) / max(1.0, sizing.fineness)
     return float(min(around, chord))
 
 
@@ -148,9 +152,9 @@ def _volumes_at(gmsh: Any, curve: int) -> set[int]:
     return {int(volume) for face in faces for volume in gmsh.model.getAdjacencies(2, face)[0]}
 
 
-def _constant(gmsh: Any, volume: int, size: float) -> int:
+def _constant(gmsh: Any, kind: str, tag: int, size: float) -> int:
     field: int = gmsh.model.mesh.field.add("Constant")
-    gmsh.model.mesh.field.setNumbers(field, "VolumesList", [volume])
+    gmsh.model.mesh.field.setNumbers(field, kind, [tag])
     gmsh.model.mesh.field.setNumber(field, "VIn", size)
     gmsh.model.mesh.field.setNumber(field, "IncludeBoundary", 1)
     return field

@@ -1,4 +1,4 @@
-"""Any article as curved ten-node tetrahedra: the door to gmsh.
+"""Any article as curved ten-node tetrahedra, made by gmsh.
 
 Every part is drawn by OCC, handed over as BREP in millimetres and fragmented with the others, so that bodies in contact share the
 nodes of the common face and no joint has to be invented. The first-order mesh is made first; its edges are then bent onto the true
@@ -8,47 +8,29 @@ refused.
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from fem.solid import re_entrant, sizing
+from fem.solid import packed
 from fem.solid.bodies import Body
-from fem.solid.gmsh_session import session
-from fem.solid.mesh import Integers, SolidMesh
-from fem.solid.sizing import Sizing, Volume
-from geometry.arrays import Array
+from fem.solid.mesh import SolidMesh
+from fem.solid.mesher import FAULT, JOB, MESH, Unmeshable
+from fem.solid.sizing import Sizing
 from geometry.errors import BadInput, CheckFailed
 
 FINER = (1.0, 1.4, 2.0)
 """Fineness of the attempts, relative to the one asked for; a mesh that fails or is inverted is often only too coarse."""
 
-GMSH_TET10 = 11
-FROM_GMSH = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-"""gmsh's ten nodes in scikit-fem's order: the last two edges change places."""
-
-MM = 1e-3
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Model:
-    """The current model of gmsh: its volumes, and the index of the body that each belongs to by tag."""
-
-    gmsh: Any
-    bodies: Sequence[Body]
-    volumes: tuple[Volume, ...]
-    owner: Mapping[int, int]
-
-    def name(self, volume: int) -> str:
-        return self.bodies[self.owner[volume]].name
-
-
-class _Unmeshable(Exception):
-    """An attempt that failed, in words."""
+TIME_LIMIT = 1800.0
+"""Seconds after which gmsh is taken to hang."""
 
 
 def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh:
@@ -60,193 +42,54 @@ def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh
     CheckFailed : no valid mesh after several attempts; the message says which body, or how many elements are inverted and where.
     """
     sizes = sizes or Sizing()
-    with session() as gmsh, tempfile.TemporaryDirectory() as folder:
-        model = _model(gmsh, bodies, Path(folder))
-        _require_affordable(model, sizes)
-        failures = []
+    with tempfile.TemporaryDirectory() as folder:
+        for index, body in enumerate(bodies):
+            body.write(Path(folder, f"{index}.brep"))
+        failures: list[str] = []
         for finer in FINER:
             try:
-                return _attempt(model, replace(sizes, fineness=sizes.fineness * finer))
-            except _Unmeshable as failure:
+                return _attempt(Path(folder), bodies, replace(sizes, fineness=sizes.fineness * finer))
+            except Unmeshable as failure:
                 failures.append(str(failure))
-        raise CheckFailed(
-            f"no valid mesh of {', '.join(body.name for body in bodies)} after {len(failures)} attempts, the last at "
-            f"{sizes.fineness * FINER[-1]:g} times the fineness: {failures[-1]}. Give a smaller element size, or simplify the body "
-            "there in the CAD",
-            failures=tuple(failures),
-        )
-
-
-# --- geometry -------------------------------------------------------------------------------------------------------------
-
-
-def _model(gmsh: Any, bodies: Sequence[Body], folder: Path) -> _Model:
-    imported = [_imported(gmsh, body, folder / f"{index}.brep") for index, body in enumerate(bodies)]
-    owner = _fragmented(gmsh, bodies, imported)
-    volumes = tuple(sizing.measured(gmsh, tag) for tag in sorted(owner))
-    return _Model(gmsh=gmsh, bodies=bodies, volumes=volumes, owner=owner)
-
-
-def _imported(gmsh: Any, body: Body, path: Path) -> list[tuple[int, int]]:
-    body.write(path)
-    volumes = [entity for entity in gmsh.model.occ.importShapes(str(path)) if entity[0] == 3]
-    if not volumes:
-        raise CheckFailed(f"gmsh finds no solid in {body.name}. Check that the body is closed and has a thickness")
-    return volumes
-
-
-def _fragmented(gmsh: Any, bodies: Sequence[Body], imported: Sequence[list[tuple[int, int]]]) -> dict[int, int]:
-    """All volumes cut at each other's faces; the body that each piece belongs to by tag."""
-    entities = [(entity, index) for index, group in enumerate(imported) for entity in group]
-    if len(entities) > 1:
-        first, *others = [entity for entity, _ in entities]
-        _, pieces = gmsh.model.occ.fragment([first], others)
-    else:
-        pieces = [[entity] for entity, _ in entities]
-    gmsh.model.occ.synchronize()
-    owner: dict[int, int] = {}
-    for (_, index), group in zip(entities, pieces, strict=True):
-        for _, tag in group:
-            if tag in owner:
-                raise _overlap(bodies[owner[tag]], bodies[index], gmsh.model.occ.getMass(3, tag))
-            owner[tag] = index
-    return owner
-
-
-def _overlap(first: Body, second: Body, shared: float) -> BadInput:
-    return BadInput(
-        source=f"parts {first.name} and {second.name}",
-        problem=f"they share {shared:.4g} mm³ of volume, which has no material of its own",
-        remedy="Cut one by the other in the CAD, or correct its position",
+            except BadInput as refusal:
+                if failures and refusal.field == "size":
+                    break  # too fine to be afforded: what made it finer is what the user must hear
+                raise
+    raise CheckFailed(
+        f"no valid mesh after {len(failures)} attempt(s): {failures[-1]}. Give a smaller element size, or simplify the body there in "
+        "the CAD",
+        failures=tuple(failures),
     )
 
 
-# --- mesh -----------------------------------------------------------------------------------------------------------------
+def _attempt(folder: Path, bodies: Sequence[Body], sizes: Sizing) -> SolidMesh:
+    """One run of `fem.solid.mesher`; its answer, or its fault raised here."""
+    job = {"bodies": [body.name for body in bodies], "sizing": asdict(sizes)}
+    (folder / JOB).write_text(json.dumps(job), encoding="utf-8")
+    for left in (MESH, FAULT):
+        (folder / left).unlink(missing_ok=True)
+    words = _run(folder)
+    if (folder / FAULT).is_file():
+        raise _fault(json.loads((folder / FAULT).read_text(encoding="utf-8")))
+    if words:
+        raise Unmeshable(words)
+    with np.load(folder / MESH, allow_pickle=False) as arrays:
+        return packed.unpack_mesh(arrays)
 
 
-def _attempt(model: _Model, sizes: Sizing) -> SolidMesh:
-    curves: Sequence[int] = ()
-    if sizes.refinement < 1:
-        _generate(model, replace(sizes, refinement=1.0), ())
-        curves = re_entrant.curves(model.gmsh)
-    _generate(model, sizes, curves)
-    _bend(model)
-    return _read(model)
-
-
-def _generate(model: _Model, sizes: Sizing, curves: Sequence[int]) -> None:
-    """First-order tetrahedra in the current model."""
-    mesh = model.gmsh.model.mesh
-    mesh.clear()
-    sizing.apply(model.gmsh, model.volumes, sizes, curves)
-    for dimension in (1, 2, 3):
-        try:
-            mesh.generate(dimension)
-        except Exception as error:  # gmsh raises nothing else
-            raise _Unmeshable(_where(model, str(error))) from error
-        _require_size(model, dimension, sizes)
-
-
-def _where(model: _Model, error: str) -> str:
-    """gmsh's own words, with the bodies where it failed."""
-    failed = model.gmsh.model.mesh.getLastEntityError()
-    names = dict.fromkeys(model.name(int(volume)) for entity in failed for volume in _volumes(model, *entity))
-    there = f"in {', '.join(names)}" if names else "between the bodies"
-    return f"gmsh fails {there} ({error.strip().rstrip('.')})"
-
-
-def _volumes(model: _Model, dimension: int, tag: int) -> list[int]:
-    if dimension == 3:
-        return [tag]
-    above = model.gmsh.model.getAdjacencies(dimension, tag)[0]
-    return [volume for entity in above for volume in _volumes(model, dimension + 1, int(entity))]
-
-
-def _require_affordable(model: _Model, sizes: Sizing) -> None:
-    """Refuse before the work what a surface mesh of this size alone would need."""
-    edges = [(volume, sizing.body_size(volume, sizes)) for volume in model.volumes]
-    triangles = sum(volume.area / (0.6 * edge**2) for volume, edge in edges)
-    tetrahedra = sum(volume.volume / (0.2 * edge**3) for volume, edge in edges)
-    _refuse_above(sizes, int(max(6 * triangles, 4 * tetrahedra)), "at least ")
-
-
-def _require_size(model: _Model, dimension: int, sizes: Sizing) -> None:
-    """Refuse once the count is known: two mid-side and corner nodes a triangle of the skin, then corners and edges of all."""
-    if dimension == 1:
-        return
-    mesh = model.gmsh.model.mesh
-    if dimension == 2:
-        _refuse_above(sizes, 6 * _count(mesh, 2), "at least ")
-    else:
-        _refuse_above(sizes, 3 * (2 * len(mesh.getNodes()[0]) + _count(mesh, 3)), "about ")
-
-
-def _count(mesh: Any, dimension: int) -> int:
-    return sum(len(tags) for tags in mesh.getElements(dimension)[1])
-
-
-def _refuse_above(sizes: Sizing, found: int, words: str) -> None:
-    if found > sizes.largest:
-        given = "none" if sizes.size is None else f"{1e3 * sizes.size:g} mm"
-        raise BadInput(
-            source="mesh",
-            field="size",
-            problem=f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed (size given: {given}, "
-            f"fineness {sizes.fineness:g})",
-            remedy="Give a larger element size or a smaller fineness, or allow more",
+def _run(folder: Path) -> str:
+    """How the process ended, in words; nothing when it ended well. An interruption here ends it too."""
+    command = [sys.executable, "-P", "-m", "fem.solid.mesher", str(folder)]
+    path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
+    try:
+        run = subprocess.run(
+            command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=TIME_LIMIT, check=False
         )
+    except subprocess.TimeoutExpired:
+        return f"gmsh has not finished after {TIME_LIMIT / 60:g} minutes"
+    last = [line for line in run.stderr.splitlines() if line.strip()][-1:]
+    return f"gmsh broke down ({''.join(last).strip() or run.returncode})" if run.returncode else ""
 
 
-# --- second order ---------------------------------------------------------------------------------------------------------
-
-
-def _bend(model: _Model) -> None:
-    """Second order on the true surfaces; elements that turn inside out by it are untangled, if that can be done."""
-    mesh = model.gmsh.model.mesh
-    mesh.setOrder(2)
-    for method in ("HighOrder", "HighOrderElastic", "HighOrder"):
-        if not len(_inverted(model)):
-            return
-        mesh.optimize(method)
-    _require_upright(model)
-
-
-def _inverted(model: _Model) -> Integers:
-    """Tags of the elements whose Jacobian is not positive everywhere, worst first."""
-    mesh = model.gmsh.model.mesh
-    tags = np.concatenate(mesh.getElements(3)[1])
-    least = np.asarray(mesh.getElementQualities(tags, "minDetJac"))
-    order = np.argsort(least, kind="stable")
-    return np.asarray(tags[order][least[order] <= 0], dtype=np.intp)
-
-
-def _require_upright(model: _Model) -> None:
-    inverted = _inverted(model)
-    if len(inverted):
-        worst = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]]
-        places = [f"{model.name(volume)} at {_centre(model, nodes)} mm" for _, nodes, _, volume in worst]
-        raise _Unmeshable(f"{len(inverted)} elements are inverted, the worst in {'; '.join(places)}")
-
-
-def _centre(model: _Model, nodes: Sequence[int]) -> str:
-    points = [model.gmsh.model.mesh.getNode(node)[0] for node in nodes[:4]]
-    return "(" + ", ".join(f"{value:.1f}" for value in np.mean(points, axis=0)) + ")"
-
-
-def _read(model: _Model) -> SolidMesh:
-    """The mesh in metres, nodes numbered from 0."""
-    mesh = model.gmsh.model.mesh
-    tags, coordinates, _ = mesh.getNodes()
-    cells, part = [], []
-    for volume in sorted(model.owner):
-        _, (elements,), (nodes,) = mesh.getElements(3, volume)
-        cells.append(np.reshape(nodes, (-1, 10))[:, FROM_GMSH])
-        part.append(np.full(len(elements), model.owner[volume]))
-    used, numbered = np.unique(np.concatenate(cells), return_inverse=True)
-    places: Array = np.reshape(coordinates, (-1, 3))[np.argsort(tags)]
-    return SolidMesh(
-        points=MM * places[np.searchsorted(np.sort(tags), used)],
-        cells=numbered.reshape(-1, 10).astype(np.intp),
-        part=np.concatenate(part).astype(np.intp),
-        parts=tuple(body.name for body in model.bodies),
-    )
+def _fault(said: dict[str, str]) -> Exception:
+    return Unmeshable(said["unmeshable"]) if "unmeshable" in said else BadInput(**said)
