@@ -1,8 +1,8 @@
 """Eigenfrequencies and dynamic mass by exudyn: from native beams for the built-in articles, from full matrices for any solid.
 
-The native beams are the default of ``--model exudyn``. They take from `fem.beam` where things are and what their sections are, and
-nothing of its elements or eigen-solution. `modes_of_solid` gives exudyn a solid's full sparse matrices; there exudyn solves, but
-the elements are ours.
+The native beams are the default of ``--model exudyn``. They take from `fem.beam` where things are and what their sections are,
+and nothing of its elements or eigen-solution. `modes_of_solid` gives exudyn a solid's full sparse matrices; there exudyn solves,
+but the elements are ours.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from fem import beam
 from fem import dynamic_mass as modal_sum
 from fem.damping import DEFAULT_RATIO
 from fem.flexible_body import floating_frame, modal
-from fem.flexible_body.linearised import Linearised, linearise, stiffness_of
+from fem.flexible_body.linearised import Linearised, linearise, linearise_body, stiffness_of
 from fem.flexible_body.losses import lossy
 from fem.flexible_body.refinement import refined
 from fem.frame import Plan
@@ -26,7 +26,7 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 
-ELEMENTS = 12
+ELEMENTS = 8
 """In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 1e-4."""
 
 EXTRA = 10
@@ -87,7 +87,7 @@ def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
 
 
 def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
-    """The lowest `count` fixed-base modes of a solid: its full K and M solved by exudyn, and its flexible body linearised by exudyn.
+    """The lowest `count` fixed-base modes of a solid: exudyn solves its full K and M and linearises its flexible body.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
     """
     _require_some(count)
     body = floating_frame.floating_frame(structure, count)
-    system = floating_frame.linearised(body, count)
+    system = linearise_body(body.system, count, "linearise the flexible body")
     return modal.single(system, _lossy_solid(structure, body, system), structure.reference_point, count)
 
 

@@ -13,11 +13,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fem.flexible_body.linearised import Linearised
+from fem.flexible_body.linearised import BASE, Linearised
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
-
-BASE = 6
 
 
 def direct(

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from fem.factorisers import factorise
-from fem.flexible_body.linearised import Linearised, frequencies
 from fem.flexible_body.running import finite, running
 from fem.structure import Integers, Structure
 from geometry.arrays import Array
@@ -26,6 +25,14 @@ REDUNDANT = 1e-8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Flight:
+    """How a free body sets off: `velocity` (3,) [m/s] of its frame and `angular_velocity` (3,) [rad/s], undeformed."""
+
+    velocity: Array
+    angular_velocity: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FloatingFrame:
     """A flexible body in exudyn.
 
@@ -33,8 +40,8 @@ class FloatingFrame:
     ----------
     container : owns `system`, which dies with it
     system : exudyn's `MainSystem`, assembled: the body alone, free
-    node : number of its frame's node; its six coordinates come first, then those of the modes
-    body : number of the object
+    node : number of its frame's node; its coordinates come first, then those of the modes
+    frame_coordinates : six with angles, which are good for small motions; seven with Euler parameters, which turn anywhere
     modes : (3 p, m) what the modes do to the points, x, y, z of one after the other
     eigenvalues : (k,) [(rad/s)²] that exudyn found for the full matrices
     """
@@ -42,18 +49,16 @@ class FloatingFrame:
     container: Any
     system: Any
     node: int
-    body: int
+    frame_coordinates: int
     modes: Array
     eigenvalues: Array
 
 
-def floating_frame(
-    structure: Structure, count: int, *, velocity: Array | None = None, angular_velocity: Array | None = None
-) -> FloatingFrame:
+def floating_frame(structure: Structure, count: int, *, flight: Flight | None = None) -> FloatingFrame:
     """`structure` as exudyn's flexible body with `count` modes of its held base and the static answers of the others.
 
-    Its frame is the base, at the structure's reference point, and starts with `velocity` (3,) [m/s] and `angular_velocity` (3,)
-    [rad/s].
+    Its frame is the base, at the structure's reference point. Without a `flight` it is at rest and ready to be linearised: angles
+    about x, y, z, that about y short of a right angle. With one it sets off, turns by Euler parameters and as far as it likes.
 
     Raises
     ------
@@ -64,53 +69,34 @@ def floating_frame(
     with running("make a flexible body of the solid") as exudyn:
         from exudyn import FEM
 
-        solid = _matrices(FEM, structure)
-        solid.ComputeHurtyCraigBamptonModes([held.tolist()], nEigenModes=count, computationMode=FEM.HCBstaticModeSelection.RBE2)
+        tools: Any = FEM
+
+        solid = _matrices(tools, structure)
+        solid.ComputeHurtyCraigBamptonModes([held.tolist()], nEigenModes=count, computationMode=tools.HCBstaticModeSelection.RBE2)
         ascending = np.argsort(solid.eigenValues)
         modes = finite(solid.modeBasis["matrix"][:, ascending], "find the modes of the solid")
         modes = _with_static(structure, solid, modes)
         solid.modeBasis["matrix"] = modes
         container = exudyn.SystemContainer()
         system = container.AddSystem()
-        body = FEM.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=exudyn.NodeType.RotationRxyz)
-        made = body.AddObjectFFRFreducedOrder(
-            system,
-            initialVelocity=[0.0] * 3 if velocity is None else velocity.tolist(),
-            initialAngularVelocity=[0.0] * 3 if angular_velocity is None else angular_velocity.tolist(),
-        )
+        nodes = exudyn.NodeType
+        kind = nodes.RotationRxyz if flight is None else nodes.RotationEulerParameters
+        velocities = {} if flight is None else _setting_off(flight)
+        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=kind)
+        made = body.AddObjectFFRFreducedOrder(system, **velocities)
         system.Assemble()
     return FloatingFrame(
         container=container,
         system=system,
         node=int(made["nRigidBody"]),
-        body=int(made["oFFRFreducedOrder"]),
+        frame_coordinates=6 if flight is None else 7,
         modes=modes,
         eigenvalues=solid.eigenValues[ascending],
     )
 
 
-def linearised(body: FloatingFrame, count: int) -> Linearised:
-    """Small motions of `body` by exudyn: matrices on its free frame, the lowest `count` frequencies with the frame held.
-
-    Raises
-    ------
-    CheckFailed : exudyn failed.
-    """
-    task = "linearise the flexible body"
-    with running(task):
-        mass, stiffness, _damping = body.system.ComputeLinearizedSystem()
-        squares, shapes = body.system.ComputeODE2Eigenvalues(
-            constrainedCoordinates=list(range(6)), numberOfEigenvalues=count, useAbsoluteValues=False
-        )
-    n = len(mass)
-    return Linearised(
-        mass=finite(mass, task),
-        stiffness=finite(stiffness, task),
-        constraints=np.zeros((n, 0)),
-        rigid=np.eye(n, 6),
-        frequency=frequencies(squares, task),
-        shapes=finite(shapes, task),
-    )
+def _setting_off(flight: Flight) -> dict[str, list[float]]:
+    return {"initialVelocity": flight.velocity.tolist(), "initialAngularVelocity": flight.angular_velocity.tolist()}
 
 
 def _matrices(fem: Any, structure: Structure) -> Any:
@@ -118,7 +104,9 @@ def _matrices(fem: Any, structure: Structure) -> Any:
     order = structure.translations.ravel()
     solid = fem.FEMinterface()
     solid.nodes = {"Position": structure.points - structure.reference_point}
-    solid.massMatrix, solid.stiffnessMatrix = (matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness))
+    solid.massMatrix, solid.stiffnessMatrix = (
+        matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness)
+    )
     return solid
 
 

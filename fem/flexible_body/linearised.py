@@ -1,8 +1,9 @@
-"""What exudyn says about small motions of an article: its linearised matrices on a free base, its eigen-solution on a held one."""
+"""What exudyn says about small motions of an article: linearised matrices on a free base, eigen-solution on a held one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,12 @@ from fem.flexible_body.running import failed, finite, running
 from fem.frame import Plan
 from fem.structure import rigid_motion
 from geometry.arrays import Array, frozen
+
+BASE = 6
+"""The first coordinates are those of the base."""
+
+MainSystem = Any
+"""An exudyn `MainSystem`; the library has no types of its own."""
 
 SINGULAR = 1e-6
 """How far the linearised stiffness may answer to a rigid motion, relative to its largest entry."""
@@ -63,12 +70,15 @@ class Linearised:
         return np.asarray(self.rigid.T @ self.mass @ self.rigid)
 
     def compliance(self) -> Array:
-        """Static answer (6, 6) [kg s² ...] to an accelerated base: P^T K^-1 P with P = M T, the sum of L L^T / omega² over all modes."""
+        """Static answer (6, 6) [kg s² ...] to an accelerated base.
+
+        It is P^T K^-1 P with P = M T: the sum of L L^T / omega² over all modes.
+        """
         n, c = self.constraints.shape
         P = self.mass @ self.rigid
         saddle = np.block([[self.stiffness, self.constraints], [self.constraints.T, np.zeros((c, c))]])
-        X = np.linalg.solve(saddle[6:, 6:], np.vstack([P[6:], np.zeros((c, 6))]))
-        return np.asarray(P[6:].T @ X[: n - 6])
+        X = np.linalg.solve(saddle[BASE:, BASE:], np.vstack([P[BASE:], np.zeros((c, 6))]))
+        return np.asarray(P[BASE:].T @ X[: n - BASE])
 
 
 def linearise(plan: Plan, count: int) -> Linearised:
@@ -99,6 +109,29 @@ def linearise(plan: Plan, count: int) -> Linearised:
     return result
 
 
+def linearise_body(system: MainSystem, count: int, task: str) -> Linearised:
+    """Let exudyn linearise a body without joints whose first six coordinates are its base, and find its lowest `count` modes.
+
+    Raises
+    ------
+    CheckFailed : exudyn failed at `task`, or a result is not finite.
+    """
+    with running(task):
+        mass, stiffness, _damping = system.ComputeLinearizedSystem()
+        # Without a number of modes exudyn returns no shapes at all; with absolute values it makes a frequency of an instability.
+        squares, shapes = system.ComputeODE2Eigenvalues(
+            constrainedCoordinates=list(range(BASE)), numberOfEigenvalues=count, useAbsoluteValues=False
+        )
+    return Linearised(
+        mass=finite(mass, task),
+        stiffness=finite(stiffness, task),
+        constraints=np.zeros((len(mass), 0)),
+        rigid=np.eye(len(mass), BASE),
+        frequency=_frequencies(squares, task),
+        shapes=finite(shapes, task),
+    )
+
+
 def stiffness_of(plan: Plan) -> Array:
     """The (n, n) stiffness of `plan` by exudyn.
 
@@ -116,12 +149,11 @@ def _eigen(plan: Plan, count: int) -> tuple[Array, Array]:
     task = "solve for the eigenfrequencies"
     with running(task) as exudyn:
         held = native.build(exudyn, plan, held=True)
-        # Absolute values would make a frequency of an unstable system; a negative square is refused below instead.
         squares, shapes = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
-    return frequencies(squares, task), finite(shapes, task)
+    return _frequencies(squares, task), finite(shapes, task)
 
 
-def frequencies(squares: npt.ArrayLike, task: str) -> Array:
+def _frequencies(squares: npt.ArrayLike, task: str) -> Array:
     """Frequencies [Hz] from exudyn's eigenvalues [(rad/s)²].
 
     Raises

@@ -27,9 +27,7 @@ def _scaled(member: Member, plan: Plan) -> Member:
     bottom, layer, top = (eta.get(part, 0.0) for part in section.parts)
     face = float(np.mean([bottom, top]))
     faces = _times(section.faces, face)
-    return replace(
-        member, section=replace(section, faces=faces, stretching=face * section.stretching, slip=layer * section.slip)
-    )
+    return replace(member, section=replace(section, faces=faces, stretching=face * section.stretching, slip=layer * section.slip))
 
 
 def _times(section: Section, factor: float) -> Section:

@@ -36,7 +36,10 @@ def single(system: Linearised, lossy: Array, reference_point: Array, count: int)
 
 
 def extrapolated(coarse: Linearised, fine: Linearised, lossy: Array, reference_point: Array, count: int) -> Modes:
-    """The lowest `count` modes that `coarse` and `fine` lead to; `lossy` is that of `fine`. The nodes of `coarse` come first in both."""
+    """The lowest `count` modes that `coarse` and `fine` lead to; `lossy` is that of `fine`.
+
+    The nodes of the plan of `coarse` come first in that of `fine`.
+    """
     partner, sign = _partners(coarse, fine, count)
     a, b, known = _dynamics(coarse), _dynamics(fine), partner >= 0
     squares, L = b.squares[:count].copy(), b.participation[:, :count].copy()

@@ -7,6 +7,7 @@ end, works out the velocity of every point of the solid and weighs it with the s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ DISSIPATION = 1.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Flight:
+class Instant:
     """A free flexible body at one instant, in the fixed frame.
 
     Attributes
@@ -28,42 +29,42 @@ class Flight:
     energy : kinetic and elastic [J]
     momentum : (3,) [kg m/s]
     angular_momentum : (3,) [kg m²/s] about the fixed frame's origin
-    turned : (3,) [rad] the angles by which the body's frame has turned about x, y, z in this order
+    rotation : (3, 3) of the body's frame
     deflection : [m] largest distance of a point from its place in the body's frame
     """
 
     energy: float
     momentum: Array
     angular_momentum: Array
-    turned: Array
+    rotation: Array
     deflection: float
 
 
-def now(structure: Structure, body: FloatingFrame) -> Flight:
+def now(structure: Structure, body: FloatingFrame) -> Instant:
     """Where `body`, made of `structure`, is in exudyn's present state."""
     with running("tell the state of the flexible body") as exudyn:
         kinds = exudyn.OutputVariableType
         output = [kinds.Position, kinds.Velocity, kinds.RotationMatrix, kinds.AngularVelocity]
         place, velocity, rotation, spin = (np.array(body.system.GetNodeOutput(body.node, kind)) for kind in output)
-        q, rate = (finite(read(), "integrate") for read in _readers(body))
+        q, rate = (finite(values, "integrate") for values in _coordinates(body))
     A, order = rotation.reshape(3, 3), structure.translations.ravel()
-    shape, shape_rate = ((body.modes @ x[6:]).reshape(-1, 3) for x in (q, rate))
+    amplitude, amplitude_rate = (x[body.frame_coordinates :] for x in (q, rate))
+    shape, shape_rate = ((body.modes @ x).reshape(-1, 3) for x in (amplitude, amplitude_rate))
     arms = (structure.points - structure.reference_point + shape) @ A.T
     speeds = velocity + np.cross(spin, arms) + shape_rate @ A.T
     # The mass of a solid is the same in every direction, so it weighs velocities in any axes.
     weighted = (structure.mass.tocsr()[order][:, order] @ speeds.ravel()).reshape(-1, 3)
-    elastic = body.modes @ q[6:]
-    stored = elastic @ (structure.stiffness.tocsr()[order][:, order] @ elastic)
-    return Flight(
+    stored = shape.ravel() @ (structure.stiffness.tocsr()[order][:, order] @ shape.ravel())
+    return Instant(
         energy=float(np.sum(speeds * weighted) + stored) / 2,
         momentum=weighted.sum(axis=0),
         angular_momentum=np.cross(place + arms, weighted).sum(axis=0),
-        turned=q[3:6],
+        rotation=A,
         deflection=float(np.linalg.norm(shape, axis=1).max()),
     )
 
 
-def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) -> Flight:
+def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) -> Instant:
     """`body` after `duration` [s] of free flight in `steps` steps of exudyn.
 
     Raises
@@ -81,5 +82,6 @@ def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) 
     return now(structure, body)
 
 
-def _readers(body: FloatingFrame) -> tuple[object, object]:
-    return body.system.systemData.GetODE2Coordinates, body.system.systemData.GetODE2Coordinates_t
+def _coordinates(body: FloatingFrame) -> tuple[Any, Any]:
+    data = body.system.systemData
+    return data.GetODE2Coordinates(), data.GetODE2Coordinates_t()

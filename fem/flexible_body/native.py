@@ -4,11 +4,12 @@ What there is comes from a `fem.frame.Plan` - places, sections, rigid bodies, wh
 beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock in
 shear but bends too stiffly by the square of the element length, so two meshes say where they go
 (`fem.flexible_body.modal`). Every node is given without rotation and every section turned into the frame's axes; exudyn
-takes the strain of the reference state off, so that a straight beam may point anywhere and its coordinates stay small motions in
-the frame.
+takes the strain of the reference state off, so that a straight beam may run along x, y or z and the coordinates of its nodes stay
+small motions in the frame. Askew it may not: exudyn takes no stiffness between different strains.
 
 A sandwich is what it is in the workshop: two beams as faces and, between them, springs for the layer that only shears. Its
-torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their warping.
+torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their
+warping.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ class _Builder:
     def __init__(self, exudyn: Any, plan: Plan) -> None:
         from exudyn import itemInterface
 
-        self.exudyn, self.items, self.plan = exudyn, itemInterface, plan
+        self.exudyn, self.plan = exudyn, plan
+        self.items: Any = itemInterface
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
         self.points: list[Array] = []
@@ -154,7 +156,10 @@ class _Builder:
         stiffness = np.diag([s.axial, s.shear_y, s.shear_z, s.torsion, s.bending_y, s.bending_z])
         data.massPerLength = s.mass
         data.inertia = axes @ np.diag([s.rotary_y + s.rotary_z, s.rotary_y, s.rotary_z]) @ axes.T
-        data.stiffnessMatrix = twice @ stiffness @ twice.T
+        turned = twice @ stiffness @ twice.T
+        if np.any(turned - np.diag(np.diag(turned))):
+            raise ValueError("exudyn's beam takes a diagonal stiffness, so members must run along x, y or z, found another one")
+        data.stiffnessMatrix = turned
         return data
 
     def _sandwich(self, member: Member, sandwich: Sandwich) -> None:

@@ -1,0 +1,268 @@
+"""Exudyn's own beams: closed forms and rates, the sign of the driven base, and the built-in articles against our beam model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem import beam, flexible_body
+from fem.dynamic_mass import modal
+from fem.flexible_body import driven, native
+from fem.flexible_body.linearised import linearise, stiffness_of
+from fem.flexible_body.losses import lossy
+from fem.flexible_body.modal import single
+from fem.flexible_body.refinement import refined
+from fem.flexible_body.running import exudyn_version, running
+from fem.frame import Body, Member, Plan, Ports, assemble
+from fem.modes import Modes, fixed_base
+from fem.sandwich import sandwich
+from fem.section import Section, rectangle
+from geometry.arrays import Array
+from geometry.articles import built_in
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import rotation_about
+from geometry.inertia import Inertia
+from geometry.materials import material
+from geometry.multibody import inertia as drawn_inertia
+
+STEEL = material("steel")
+BAR = rectangle(0.02, 0.01, STEEL)
+BETA = np.array([1.875104068711961, 4.694091132974175])
+LENGTH = 1.0
+BENDING = BETA**2 / (2 * np.pi * LENGTH**2) * np.sqrt(BAR.bending_y / BAR.mass)
+TURN = rotation_about("x", 0.4) @ rotation_about("y", -0.8) @ rotation_about("z", 1.1)
+BLOCK = Inertia.from_cog(3.0, [0.11, -0.23, 0.37], TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
+COUNT = 30
+TO_50_HZ = {"clumod-1": 5, "clumod-4": 16}
+
+
+@pytest.fixture(scope="module")
+def by_exudyn() -> dict[str, Modes]:
+    return {name: flexible_body.modes(name, COUNT) for name in ("cuboid", "clumod-1", "clumod-4")}
+
+
+@pytest.fixture(scope="module")
+def by_us() -> dict[str, Modes]:
+    return {name: fixed_base(beam.structure(name, elements=24), COUNT) for name in ("cuboid", "clumod-1", "clumod-4")}
+
+
+def cantilever(elements: int, axes: Array | None = None) -> Plan:
+    """The bar, standing on node 0 along the x axis of `axes`, the identity by default."""
+    R = np.eye(3) if axes is None else axes
+    nodes = np.linspace([0.0, 0.0, 0.0], LENGTH * R[:, 0], elements + 1)
+    member = Member(nodes=tuple(range(elements + 1)), section=BAR, z_axis=R[:, 2])
+    return Plan(nodes=nodes, carriers=tuple(range(elements + 1)), members=(member,))
+
+
+def block() -> Plan:
+    return Plan(nodes=np.zeros((1, 3)), carriers=(0,), bodies=(Body(node=0, inertia=BLOCK),))
+
+
+def test_error_of_a_frequency_falls_with_the_square_of_the_element_length() -> None:
+    counts = np.array([8, 16, 32])
+    exact = fixed_base_of(cantilever(60), 6).frequency[2]  # second bending about the weak axis
+    errors = [linearise(cantilever(n), 6).frequency[2] / exact - 1 for n in counts]
+    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(2, abs=0.1)
+
+
+def test_two_meshes_give_the_closed_form_that_neither_has() -> None:
+    """Rotary inertia and shear take (1 + E / k G) (beta r)² / 2, 4e-4, off the second mode of a bar 100 times as long as thick."""
+    found = flexible_body.modes_of_plan(cantilever(16), 3).frequency[[0, 2]]
+    assert_allclose(found, BENDING, rtol=6e-4)
+    assert_allclose(found, fixed_base_of(cantilever(60), 3).frequency[[0, 2]], rtol=5e-5)
+    assert linearise(refined(cantilever(16), 2), 3).frequency[2] > 1.001 * BENDING[1]
+
+
+@pytest.mark.parametrize("turn", [1, 2])
+def test_a_beam_may_run_along_any_axis(turn: int) -> None:
+    straight, turned = (linearise(cantilever(6, axes), 10).frequency for axes in (None, np.roll(np.eye(3), turn, axis=0)))
+    assert_allclose(turned, straight, rtol=1e-7)
+
+
+def test_a_beam_askew_is_refused() -> None:
+    with pytest.raises(CheckFailed, match="members must run along x, y or z"):
+        linearise(cantilever(6, TURN), 10)
+
+
+def test_a_finer_mesh_is_the_same_body_and_keeps_the_numbers_of_the_old_nodes() -> None:
+    plan = beam.plan("clumod-1", elements=3)
+    finer = refined(plan, 2)
+    assert_allclose(finer.nodes[: len(plan.nodes)], plan.nodes, rtol=0)
+    weights = [(frame.rigid.T @ frame.mass @ frame.rigid) for frame in map(assemble, (finer, plan))]
+    assert_allclose(*weights, rtol=0, atol=1e-12 * weights[0].max())
+    assert len(finer.nodes) == len(plan.nodes) + sum(len(member.nodes) - 1 for member in plan.members)
+
+
+@pytest.mark.parametrize("frequency", [0.5, 4.0, 32.0, 1000.0])
+def test_dynamic_mass_of_a_rigid_block_is_its_mass_matrix_with_a_plus(frequency: float) -> None:
+    system = linearise(block(), COUNT)
+    H = driven.direct(system, np.zeros((6, 6)), frequency).matrix[0]
+    assert_allclose(H, BLOCK.mass_matrix, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("axis", range(6))
+def test_the_load_that_dynamic_mass_asks_for_gives_exudyns_block_that_acceleration(axis: int, sign: float) -> None:
+    """f = H a put on the block as exudyn's own loads, integrated by exudyn for 0.1 ms: all six components come out as a."""
+    acceleration = sign * np.eye(6)[axis]
+    f = driven.direct(linearise(block(), COUNT), np.zeros((6, 6)), 10.0).matrix[0].real @ acceleration
+    assert_allclose(accelerated_by(f), acceleration, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", TO_50_HZ)
+def test_frequencies_to_50_hz_are_those_of_the_beam_model(
+    name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
+) -> None:
+    """Measured: 3e-5 in the first eleven modes; 1.2e-3 at 46 Hz, where the sandwich bends a second time."""
+    ours, exudyns = by_us[name].frequency, by_exudyn[name].frequency
+    count = int(np.sum(ours < 50))
+    assert count == TO_50_HZ[name]
+    assert_allclose(exudyns[:11][:count], ours[:11][:count], rtol=1e-4)
+    assert_allclose(exudyns[:count], ours[:count], rtol=2e-3)
+
+
+@pytest.mark.parametrize("name", ["cuboid", "clumod-1", "clumod-4"])
+def test_exudyn_weighs_the_article_as_it_is_drawn(name: str, by_exudyn: dict[str, Modes]) -> None:
+    drawn = drawn_inertia(built_in(name)).mass_matrix
+    assert_allclose(by_exudyn[name].rigid_mass, drawn, rtol=0, atol=1e-12 * np.abs(drawn).max())
+
+
+@pytest.mark.parametrize("name", ["cuboid", "clumod-1", "clumod-4"])
+def test_effective_masses_are_those_of_the_beam_model(name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]) -> None:
+    """Summed over the modes below 32 Hz of Clumod and the first two of the Cuboid, which no cluster can exchange."""
+    kept = max(2, int(np.sum(by_us[name].frequency < 32)))
+    ours, exudyns = (modes[name].effective_mass[:kept].sum(axis=0) for modes in (by_us, by_exudyn))
+    share = (exudyns - ours) / np.diag(by_us[name].rigid_mass)
+    assert_allclose(share, np.zeros(6), rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize(("name", "bar"), [("cuboid", 1e-6), ("clumod-1", 5e-4), ("clumod-4", 1e-3)])
+def test_dynamic_mass_agrees_with_the_beam_model(
+    name: str, bar: float, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
+) -> None:
+    """Over all 561 lines and all entries, root of the mean square, each entry seen against the rigid body."""
+    size = np.sqrt(np.diag(by_us[name].rigid_mass))
+    ours, exudyns = (modal(modes[name]).matrix / np.outer(size, size) for modes in (by_us, by_exudyn))
+    assert np.linalg.norm(exudyns - ours) <= bar * np.linalg.norm(ours)
+
+
+@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
+def test_loss_of_every_mode_of_the_band_comes_from_the_parts(
+    name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
+) -> None:
+    """From 0.003 of steel to 0.038 where the layer works hardest."""
+    kept = np.flatnonzero(by_us[name].frequency < 32)
+    assert_allclose(by_exudyn[name].damping_ratio[kept], by_us[name].damping_ratio[kept], rtol=0.02)
+
+
+def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices() -> None:
+    """One mesh, all coordinates and joints against 30 modes and residual; the loss is that of steel throughout."""
+    plan = beam.plan("clumod-1", elements=4)
+    system, lines = linearise(plan, COUNT), [4.0, 9.0, 20.0, 32.0]
+    loss = 0.006 * system.stiffness
+    sum_of_modes = modal(single(system, loss, np.zeros(3), COUNT), lines).matrix
+    solved = driven.direct(system, loss, lines).matrix
+    assert_allclose(sum_of_modes, solved, rtol=0, atol=1e-4 * np.abs(solved).max())
+
+
+def test_lossy_stiffness_is_the_sum_of_parts_times_their_loss_factors() -> None:
+    plan = replace(cantilever(3), loss_factors={"beam": 0.1})
+    assert_allclose(stiffness_of(lossy(plan)), 0.1 * stiffness_of(plan), rtol=1e-12, atol=1e-6)
+
+
+@pytest.mark.parametrize("shear_modulus", [1e4, 7.5e5, 1e8])
+def test_two_faces_and_springs_bend_as_the_sandwich_theory_says(shear_modulus: float) -> None:
+    """Loose, as it is, and stiff: between the first and the last the frequency of the blade doubles."""
+    layer = replace(material("silicone"), youngs_modulus=2 * 1.49 * shear_modulus)
+    section = sandwich(0.16, 0.005, 0.0005, STEEL, layer, ("bottom", "layer", "top"))
+    nodes = np.linspace([0.0, 0.0, 0.0], [0.45, 0.0, 0.0], 17)
+    member = Member(nodes=tuple(range(17)), section=section, z_axis=np.array([0.0, 0.0, 1.0]), bonded=frozenset({0}))
+    foot = Body(node=0, inertia=BLOCK)
+    carriers = (0, 0, *range(2, 18))
+    plan = Plan(
+        nodes=np.vstack([nodes[:1], nodes]),
+        carriers=carriers,
+        members=(replace(member, nodes=tuple(range(1, 18)), bonded=frozenset({1})),),
+        bodies=(foot,),
+    )
+    ours = fixed_base_of(refined(plan, 2), 1).frequency
+    assert_allclose(flexible_body.modes_of_plan(plan, 1).frequency, ours, rtol=1e-3)
+
+
+def test_load_cells_are_springs_in_exudyn_too() -> None:
+    plan = beam.plan("fmd+clumod-1", elements=6, cells=beam.load_cells())
+    ours = fixed_base_of(refined(plan, 4), 5).frequency
+    assert_allclose(flexible_body.modes_of_plan(plan, 5).frequency, ours, rtol=2e-4)
+
+
+def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:
+    H = flexible_body.dynamic_mass("fmd", [4.0, 32.0]).matrix
+    assert_allclose(H, np.array(2 * [drawn_inertia(built_in("fmd")).mass_matrix]), rtol=0, atol=1e-12)
+
+
+def test_exudyn_keeps_standard_output_to_the_user(capfd: pytest.CaptureFixture[str]) -> None:
+    flexible_body.modes_of_plan(cantilever(3), 2)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_exudyn_refuses_is_said_in_its_words_with_its_version(capfd: pytest.CaptureFixture[str]) -> None:
+    bad = Section(**{**vars(BAR), "mass": -1.0})
+    plan = replace(cantilever(2), members=(replace(cantilever(2).members[0], section=bad),))
+    with pytest.raises(CheckFailed, match=rf"exudyn {exudyn_version()} failed when it should .*: \S") as caught:
+        linearise(plan, 2)
+    assert caught.value.evidence["said"]
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_beam_without_shear_deformation_is_refused() -> None:
+    stiff = replace(BAR, shear_y=float("inf"))
+    plan = replace(cantilever(2), members=(replace(cantilever(2).members[0], section=stiff),))
+    with pytest.raises(CheckFailed, match="shear stiffness"):
+        linearise(plan, 2)
+
+
+def test_an_unstable_spring_is_no_frequency() -> None:
+    spring = Ports(nodes=(0, 2), stiffness=-1e6 * np.kron([[1, -1], [-1, 1]], np.eye(6)), mass=np.zeros((12, 12)), part="spring")
+    with pytest.raises(CheckFailed, match="lowest squared frequency is -"):
+        linearise(replace(cantilever(2), ports=(spring,)), 3)
+
+
+def test_a_spring_that_answers_to_a_rigid_motion_is_refused() -> None:
+    spring = Ports(nodes=(2,), stiffness=1e9 * np.eye(6), mass=np.zeros((6, 6)), part="spring")
+    with pytest.raises(CheckFailed, match="rigid motion of the base meets stiffness"):
+        linearise(replace(cantilever(2), ports=(spring,)), 3)
+
+
+def test_no_mode_at_all_is_refused() -> None:
+    with pytest.raises(BadInput, match="`count`: at least one mode is needed, found 0"):
+        flexible_body.modes("clumod-1", 0)
+
+
+def test_an_unknown_article_is_refused_before_exudyn_starts() -> None:
+    with pytest.raises(BadInput, match="no built-in article is called 'clumod-2'"):
+        flexible_body.modes("clumod-2")
+
+
+def fixed_base_of(plan: Plan, count: int) -> Modes:
+    """Modes of `plan` by our own elements and eigen-solution."""
+    return fixed_base(beam._structure(assemble(plan)), count)
+
+
+def accelerated_by(load: Array) -> Array:
+    """Acceleration (6,) of exudyn's free block from rest under `load` (6,), from its velocity after 0.1 ms."""
+    duration = 1e-4
+    with running("accelerate the block") as exudyn:
+        from exudyn import itemInterface
+
+        made = native.build(exudyn, block(), held=False)
+        marker = made.system.AddMarker(itemInterface.MarkerNodeRigid(nodeNumber=0))
+        made.system.AddLoad(itemInterface.LoadForceVector(markerNumber=marker, loadVector=load[:3].tolist()))
+        made.system.AddLoad(itemInterface.LoadTorqueVector(markerNumber=marker, loadVector=load[3:].tolist()))
+        made.system.Assemble()
+        settings = exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = 10, duration
+        made.system.SolveDynamic(settings)
+        kinds = exudyn.OutputVariableType.Velocity, exudyn.OutputVariableType.AngularVelocity
+        return np.concatenate([made.system.GetNodeOutput(0, kind) for kind in kinds]) / duration
