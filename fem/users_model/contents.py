@@ -16,6 +16,12 @@ from geometry.keys import require_known, require_present
 LARGEST_BYTES = 4 * 2**30
 """What the arrays of one file may take in memory; it is compared with what the file declares before anything is read."""
 
+LARGEST_SIDE = 5_000_000
+"""Rows of a matrix: more than can be factorised here; a damaged file may declare any number."""
+
+LARGEST = 1e60
+"""Products of three numbers of this size are still far from overflow."""
+
 TOO_LARGE = "Reduce the model (Craig-Bampton), or write K and M as sparse matrices"
 """What to do about more."""
 
@@ -85,14 +91,13 @@ class Contents:
         else:
             require_present(self.arrays, (name,), source=self.source)
             raw = self.arrays[name]
+            self._require_square(name, np.shape(raw))
             if issparse(raw):
                 self._require_real(name, raw.data)
                 self._require_finite(name, raw.data)
                 found = csr_array(raw)
             else:
                 found = csr_array(self.numbers(name, (-1, -1)))
-        if found.shape[0] != found.shape[1] or not found.shape[0]:
-            raise self.refused(name, f"must be square, found {found.shape[0]} x {found.shape[1]}", "Write the whole matrix")
         return found
 
     def refused(self, name: str, problem: str, remedy: str) -> BadInput:
@@ -105,8 +110,7 @@ class Contents:
         data = self.numbers(f"{name}/data", (-1,))
         indices, indptr = (self.whole(f"{name}/{part}", (-1,)) for part in ("indices", "indptr"))
         shape = tuple(int(side) for side in self.whole(f"{name}/shape", (2,)))
-        if min(shape) < 1 or max(shape) > LARGEST_BYTES // 8:
-            raise self.refused(f"{name}/shape", f"must be two sizes, found {shape[0]} x {shape[1]}", "Write the matrix again")
+        self._require_square(f"{name}/shape", shape)
         try:
             found = csr_array((data, indices, indptr), shape=shape)
             found.check_format(full_check=True)
@@ -115,6 +119,12 @@ class Contents:
             raise self.refused(name, problem, "Write data, indices, indptr and shape of one CSR matrix") from None
         found.sum_duplicates()
         return found
+
+    def _require_square(self, name: str, shape: tuple[int, ...]) -> None:
+        if len(shape) != 2 or shape[0] != shape[1] or not 0 < shape[0] <= LARGEST_SIDE:
+            found = " x ".join(map(str, shape)) or "one number"
+            remedy = "Write the whole matrix, both triangles"
+            raise self.refused(name, f"must be square with 1 to {LARGEST_SIDE} rows, found {found}", remedy)
 
     def _require_real(self, name: str, array: Any) -> None:
         if np.iscomplexobj(array):
@@ -131,3 +141,6 @@ class Contents:
             place = ", ".join(map(str, bad[0]))
             problem = f"holds {len(bad)} value(s) that are not finite, the first at [{place}]"
             raise self.refused(name, problem, "Look for what went wrong where it was made; 0 is the first index")
+        if np.size(array) and np.abs(array).max() > LARGEST:
+            problem = f"holds {np.abs(array).max():.3g}, which no structure has in any unit"
+            raise self.refused(name, problem, "Write it again; the file may be damaged")

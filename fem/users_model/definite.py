@@ -19,6 +19,9 @@ from geometry.arrays import Array
 SYMMETRIC = 1e-6
 """Two entries across the diagonal may differ by this share of the largest in their rows: single precision and printed digits."""
 
+ROUNDING = 1e-9
+"""Rows count as this share of the stiffest one at least: `SYMMETRIC` times it is the rounding that a reduction leaves."""
+
 SINGULAR = 1e-12
 """A pivot, of a matrix scaled to a diagonal of ones, that is rounding: a motion that costs no energy."""
 
@@ -39,16 +42,23 @@ class Factored:
     zero: Integers
 
 
-def asymmetry(A: Sparse) -> tuple[float, int, int]:
-    """Largest difference across the diagonal relative to the largest entries of its two rows, and its row and column."""
+def asymmetry(A: Sparse, masses: Array) -> tuple[float, int, int]:
+    """Largest difference across the diagonal relative to the largest entries of its two rows, and its row and column.
+
+    Where a reduction leaves nothing but rounding, as in the interface rows of a Craig-Bampton stiffness, rows count as `ROUNDING`
+    of the stiffest one; divided by `masses` (n,), the diagonal of M, rows of translations, rotations and modes are comparable.
+    """
     from scipy.sparse import coo_array
 
     rows = np.sqrt(np.maximum(abs(A).max(axis=1).toarray().ravel(), abs(A).max(axis=0).toarray().ravel()))
+    heavy = masses > SINGULAR * masses.max()
+    stiffest = np.max(rows[heavy] ** 2 / masses[heavy], initial=0.0)
+    rows[heavy] = np.maximum(rows[heavy], np.sqrt(ROUNDING * masses[heavy] * stiffest))
     D = coo_array(A - A.T)
     if not D.nnz:
         return 0.0, 0, 0
     i, j = D.coords
-    share = np.abs(D.data) / np.where(D.data == 0, 1.0, rows[i] * rows[j])
+    share = np.abs(D.data) / np.maximum(rows[i] * rows[j], np.finfo(np.float64).tiny)  # entries may be as small as that
     worst = int(np.argmax(share))
     return float(share[worst]), int(i[worst]), int(j[worst])
 

@@ -24,7 +24,7 @@ TABLE = "fe_model"
 
 KINDS = ("matrices", "modal")
 _TOP = ("format", TABLE, "stated")
-_KEYS = ("name", "kind", "units", "reference_point", "file", "grids", "interface", "matrices", "loss_factor")
+_KEYS = ("name", "kind", "units", "reference_point", "file", "grids", "interface", "matrices", "loss_factor", "sha256")
 MATRICES = ("stiffness", "mass", "viscous", "structural")
 
 
@@ -59,6 +59,7 @@ class Description:
     interface : identifiers of the nodes that the base carries; empty where the data say it otherwise
     matrices : the names in a Nastran file of what we call stiffness, mass, viscous and structural
     loss_factor : of the whole structure, None when not given
+    sha256 : of the data file, empty when not given
     stated : what is known from elsewhere
     """
 
@@ -72,6 +73,7 @@ class Description:
     interface: tuple[int, ...] = ()
     matrices: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     loss_factor: float | None = None
+    sha256: str = ""
     stated: Stated = field(default_factory=Stated)
 
 
@@ -110,6 +112,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         interface=_interface(model.get("interface", []), source),
         matrices=_names(model.get("matrices", {}), source),
         loss_factor=_loss_factor(model.get("loss_factor"), source),
+        sha256=(_text(model, "sha256", source) or "").strip().lower(),
         stated=_stated(table.get("stated", {}), source),
     )
 

@@ -49,9 +49,10 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
     M = _sized(contents, "mass", n)
     dofs = dof_map(contents, description, n)
     scale, u = dofs.scale, description.units
-    K = _symmetric(contents, "stiffness", _converted(K, scale, u.energy), dofs)
-    M = _symmetric(contents, "mass", _converted(M, scale, u.energy * u.time**2), dofs)
-    parts, loss_factors = _losses(contents, description, K, dofs)
+    M = _converted(M, scale, u.energy * u.time**2)
+    K = _symmetric(contents, "stiffness", _converted(K, scale, u.energy), dofs, M.diagonal())
+    M = _symmetric(contents, "mass", M, dofs, M.diagonal())
+    parts, loss_factors = _losses(contents, description, K, M, dofs)
     found = Structure(
         stiffness=K,
         mass=M,
@@ -64,14 +65,14 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
         loss_factors=loss_factors,
     )
     _require_mechanics(found, contents, description, dofs)
-    return found, _viscous(contents, n, dofs, u)
+    return found, _viscous(contents, M, dofs, u)
 
 
-def _viscous(contents: Contents, n: int, dofs: DofMap, units: UnitSystem) -> Sparse | None:
+def _viscous(contents: Contents, M: Sparse, dofs: DofMap, units: UnitSystem) -> Sparse | None:
     if "viscous" not in contents:
         return None
-    C = _sized(contents, "viscous", n)
-    return _symmetric(contents, "viscous", _converted(C, dofs.scale, units.energy * units.time), dofs)
+    C = _sized(contents, "viscous", M.shape[0])
+    return _symmetric(contents, "viscous", _converted(C, dofs.scale, units.energy * units.time), dofs, M.diagonal())
 
 
 def _sized(contents: Contents, name: str, n: int) -> Sparse:
@@ -91,8 +92,8 @@ def _converted(A: Sparse, scale: Array, energy: float) -> Sparse:
     return csr_array(energy * (S @ A @ S))
 
 
-def _symmetric(contents: Contents, name: str, A: Sparse, dofs: DofMap) -> Sparse:
-    share, i, j = definite.asymmetry(A)
+def _symmetric(contents: Contents, name: str, A: Sparse, dofs: DofMap, masses: Array) -> Sparse:
+    share, i, j = definite.asymmetry(A, masses)
     if share > definite.SYMMETRIC:
         problem = (
             f"is not symmetric: row {i + 1}, column {j + 1} ({dofs.name(i)}; {dofs.name(j)}) holds {A[i, j]:.6g} [SI] and across "
@@ -104,7 +105,7 @@ def _symmetric(contents: Contents, name: str, A: Sparse, dofs: DofMap) -> Sparse
 
 
 def _losses(
-    contents: Contents, description: Description, K: Sparse, dofs: DofMap
+    contents: Contents, description: Description, K: Sparse, M: Sparse, dofs: DofMap
 ) -> tuple[Mapping[str, Sparse], Mapping[str, float]]:
     """Structural damping as shares of K with a loss factor each: the whole, or what the user's matrix says."""
     whole = description.loss_factor
@@ -114,7 +115,7 @@ def _losses(
             field = "fe_model.loss_factor"
             raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
         S = _sized(contents, "structural", dofs.scale.size)
-        S = _symmetric(contents, "structural", _converted(S, dofs.scale, description.units.energy), dofs)
+        S = _symmetric(contents, "structural", _converted(S, dofs.scale, description.units.energy), dofs, M.diagonal())
         # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
         diagonal = K.diagonal()
         g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))
@@ -135,12 +136,11 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
     K, M = (A[free][:, free] for A in (found.stiffness, found.mass))
     heavy = _heavy(contents, M, free, dofs)
     mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
-    remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
-    inertia = stated.require_rigid_body(found.rigid_mass, contents.source, "mass", remedy)
-    stated.require_as_stated(inertia, description, contents.source)
     _require_mass_of_base(found, free[heavy], mass, contents)
     stiffness = _factored(contents, "stiffness", K, free, dofs)
     _require_not_grounded(found, free, K, M, stiffness, contents)
+    remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
+    stated.require_as_stated(stated.require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description)
 
 
 def _heavy(contents: Contents, M: Sparse, free: Integers, dofs: DofMap) -> Integers:
@@ -187,9 +187,13 @@ _REMEDIES = {
 
 def _require_mass_of_base(found: Structure, free: Integers, mass: definite.Factored, contents: Contents) -> None:
     """The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative."""
+    inertia = np.diag(found.rigid_mass)
+    if np.any(inertia <= 0):
+        problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {MOTIONS[int(np.argmin(inertia))]}"
+        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M, and the coordinates")
     coupling = np.asarray((found.mass @ found.rigid)[free])
     left = found.rigid_mass - coupling.T @ mass.solve(coupling)
-    scale = 1 / np.sqrt(np.diag(found.rigid_mass))
+    scale = 1 / np.sqrt(inertia)
     values, vectors = np.linalg.eigh(scale[:, None] * left * scale)
     if values[0] < -NEGATIVE_MASS:
         axis = MOTIONS[int(np.argmax(np.abs(vectors[:, 0])))]

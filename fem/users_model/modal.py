@@ -43,7 +43,7 @@ def modes(contents: Contents, description: Description) -> Modes:
     participation = contents.numbers("participation", (6, n)) * u.six[:, None] * np.sqrt(u.mass)
     remedy = "Write the 6 x 6 mass matrix about the reference point: products are matrix entries, Ixy = -∫xy dm"
     inertia = stated.require_rigid_body(rigid, contents.source, "rigid_mass", remedy)
-    stated.require_as_stated(inertia, description, contents.source)
+    stated.require_as_stated(inertia, description)
     _require_within_rigid_mass(contents, rigid, participation)
     viscous, structural = (_damping(contents, name, n) for name in ("viscous", "structural"))
     ratio = _damping_ratio(contents, n)

@@ -74,7 +74,6 @@ def _guarded(path: Path, work: Callable[[], Any]) -> Any:
 
 def _output4(path: Path) -> dict[str, Sparse]:
     from pyyeti.nastran import op4
-    from scipy.sparse import csr_array
 
     _require_whole_records(path)
     names, matrices, _, types = op4.OP4().listload(str(path), sparse=True)
@@ -86,7 +85,7 @@ def _output4(path: Path) -> dict[str, Sparse]:
         if kind not in (1, 2, 3, 4):
             problem = f"has the type {kind}, no real or complex number of Nastran"
             raise BadInput(source=str(path), field=name, problem=problem, remedy="Write the file again")
-        found[name] = csr_array(matrix)
+        found[name] = matrix
     return found
 
 
@@ -209,6 +208,9 @@ def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
     else:
         uset, _ = bulk.bulk2uset(_text(grids))
         boundary, kept = np.zeros(0, dtype=bool), np.ones(len(uset), dtype=bool)
+    if not len(uset):
+        problem = "holds no GRID card; INCLUDE statements are not followed"
+        raise BadInput(source=str(grids), problem=problem, remedy="Name the file that holds the grid points themselves")
     labels, table = uset.index.to_frame().to_numpy(dtype=np.intp), uset.to_numpy(dtype=np.float64)
     rigid = np.asarray(nastran.rbgeom_uset(uset, np.zeros(3)), dtype=np.float64)
     first = np.flatnonzero(labels[:, 1] == 1)  # of the six rows of a grid point: place, system, its origin and its three axes

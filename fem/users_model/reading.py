@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,7 +83,13 @@ def _opened(path: Path) -> tuple[Contents, Description]:
         description = _beside(path)
         return _contents(path, description), description
     contents = _data(path)
-    return contents, descriptions.embedded(contents.description, path) if contents.description is not None else _beside(path)
+    if contents.description is None:
+        description = _beside(path)
+        _require_digest(path, description)
+    else:
+        description = descriptions.embedded(contents.description, path)
+    _require_not_nastrans(path, description)
+    return contents, description
 
 
 def _beside(path: Path) -> Description:
@@ -101,13 +108,30 @@ def _beside(path: Path) -> Description:
 
 def _contents(path: Path, description: Description) -> Contents:
     _require_file(path)
+    _require_digest(path, description)
     if path.suffix.lower() in nastran.ENDINGS:
         return nastran.read(path, description)
+    _require_not_nastrans(path, description)
+    return _data(path)
+
+
+def _require_not_nastrans(path: Path, description: Description) -> None:
     if description.grids is not None or description.matrices:
         field = "fe_model.grids" if description.grids is not None else "fe_model.matrices"
         problem = f"is for Nastran files, and {path.name} is none"
         raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
-    return _data(path)
+
+
+def _require_digest(path: Path, description: Description) -> None:
+    """What mechanics cannot tell, such as one wrong rotary inertia, a checksum can."""
+    if not description.sha256:
+        return
+    with path.open("rb") as file:
+        found = hashlib.file_digest(file, "sha256").hexdigest()
+    if found != description.sha256:
+        problem = f"is not that of {path.name}, which has {found}"
+        remedy = "Copy the file again; if it was changed on purpose, write its new sum here"
+        raise BadInput(source=description.source, field="fe_model.sha256", problem=problem, remedy=remedy)
 
 
 def _data(path: Path) -> Contents:

@@ -24,6 +24,7 @@ SLIPS = {
     1e3: "tonnes read as kilograms, or the other way round",
     1e6: "tonnes and grams confused",
     1e9: "a density per mm³ taken per m³",
+    5.7101475: "tonnes and lbf s²/in confused",
     175.126835: "pounds-force and inches (lbf s²/in) for kilograms",
     14.593903: "slugs for kilograms",
     2.2046226: "pounds for kilograms",
@@ -59,7 +60,7 @@ def require_rigid_body(matrix: Array, source: str, field: str, remedy: str) -> I
     return inertia
 
 
-def require_as_stated(inertia: Inertia, description: Description, source: str) -> None:
+def require_as_stated(inertia: Inertia, description: Description) -> None:
     """Refuse a model whose mass or CoG is not the stated one; a ratio that a slip of units explains is named.
 
     `inertia` is about the reference point, its offset from there, in the model's axes.
@@ -68,9 +69,7 @@ def require_as_stated(inertia: Inertia, description: Description, source: str) -
     if stated.mass is not None and abs(inertia.mass - stated.mass) > max(MASS * stated.mass, 3 * stated.mass_tolerance):
         ratio = inertia.mass / stated.mass
         problem = f"the matrices weigh {inertia.mass:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
-        raise BadInput(
-            source=source, field=f"{description.source}: stated.mass", problem=problem, remedy=_slip(ratio, description)
-        )
+        raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=_slip(ratio, description))
     if stated.cog is None:
         return
     cog = description.reference_point + inertia.first_moment / inertia.mass
@@ -79,7 +78,7 @@ def require_as_stated(inertia: Inertia, description: Description, source: str) -
     if np.linalg.norm(cog - stated.cog) > COG * radius:
         problem = f"the matrices have their CoG at ({_listed(cog)}) m where ({_listed(stated.cog)}) m is stated"
         remedy = f"Check the coordinates, their unit ({description.units.name}), and the frame that the CoG is stated in"
-        raise BadInput(source=source, field=f"{description.source}: stated.cog", problem=problem, remedy=remedy)
+        raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy=remedy)
 
 
 def _nearest(matrix: Array) -> Inertia:

@@ -1,0 +1,308 @@
+"""Models of users: whatever file and units they come in, it is the same structure, and K, M and modal data agree."""
+
+import hashlib
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh
+from scipy.sparse import csc_array, csr_array
+
+from fem import users_model
+from fem.dynamic_mass import direct, modal
+from fem.modes import Modes, fixed_base
+from fem.structure import Structure
+from fem.users_model.units import UnitSystem, unit_system
+from geometry.dynamic_mass import DynamicMass
+
+LINES = np.linspace(4.0, 200.0, 50)
+SAME = {"rtol": 1e-9}
+
+
+def dynamic_mass(model: Structure | Modes) -> DynamicMass:
+    return modal(model if isinstance(model, Modes) else fixed_base(model, 12), LINES)
+
+
+def assert_same(one: DynamicMass, other: DynamicMass, rtol: float = 1e-9) -> None:
+    """Relative to the largest entry of its own kind: masses, first moments, moments."""
+    for rows in (slice(0, 3), slice(3, 6)):
+        for columns in (slice(0, 3), slice(3, 6)):
+            a, b = one.matrix[:, rows, columns], other.matrix[:, rows, columns]
+            assert_allclose(a, b, rtol=0, atol=rtol * np.abs(b).max())
+
+
+@pytest.mark.parametrize(
+    ("file", "rtol"),
+    [("bracket.npz", 1e-9), ("bracket-op4.toml", 1e-9), ("bracket-modes.h5", 1e-9), ("bracket-pch.toml", 1e-7)],
+)
+def test_every_format_is_the_same_structure(bracket_files: Path, file: str, rtol: float) -> None:
+    """DMIG is punched with ten digits, hence the last tolerance."""
+    reference = users_model.read(bracket_files / "bracket.h5")
+    assert isinstance(reference, Structure)
+    model = users_model.read(bracket_files / file)
+    found = model if isinstance(model, Modes) else fixed_base(model, 12)
+    assert_allclose(found.frequency, fixed_base(reference, 12).frequency, rtol=rtol)
+    assert_same(dynamic_mass(model), dynamic_mass(reference), rtol)
+
+
+@pytest.mark.parametrize("ending", [".h5", ".npz"])
+def test_a_structure_written_is_read_back_to_the_last_digit(bracket_files: Path, tmp_path: Path, ending: str) -> None:
+    before = users_model.read(bracket_files / "bracket.h5")
+    users_model.write(before, tmp_path / f"again{ending}")
+    after = users_model.read(tmp_path / f"again{ending}")
+    assert isinstance(before, Structure)
+    assert isinstance(after, Structure)
+    for name in ("stiffness", "mass"):
+        assert_allclose(getattr(after, name).toarray(), getattr(before, name).toarray(), rtol=0, atol=0)
+    for name in ("rigid", "held", "points", "translations", "reference_point"):
+        assert_allclose(getattr(after, name), getattr(before, name), rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("ending", [".h5", ".npz"])
+def test_modes_written_are_read_back_with_their_damping_and_residual(bracket_files: Path, tmp_path: Path, ending: str) -> None:
+    structure = users_model.read(bracket_files / "bracket.h5")
+    before = fixed_base(structure, 5)
+    users_model.write(before, tmp_path / f"modes{ending}")
+    after = users_model.read(tmp_path / f"modes{ending}")
+    for name in ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural"):
+        assert_allclose(getattr(after, name), getattr(before, name), rtol=1e-12, atol=0, err_msg=name)
+    assert_same(dynamic_mass(after), modal(before, LINES), 1e-12)
+
+
+# --- units and reference point ----------------------------------------------------------------------------------------------
+
+
+def in_units(arrays: dict[str, np.ndarray], old: UnitSystem, new: UnitSystem) -> dict[str, np.ndarray]:
+    """The same structure in another system: what a program prints when it is fed with other units."""
+    scale = np.where(arrays["dof"][:, 1] <= 3, old.length / new.length, 1.0)
+    energy = old.mass * old.length**2 / old.time**2 / (new.mass * new.length**2 / new.time**2)
+    inverse = 1 / np.outer(scale, scale)
+    return arrays | {
+        "stiffness": arrays["stiffness"] * inverse * energy,
+        "mass": arrays["mass"] * inverse * energy * (old.time / new.time) ** 2,
+        "coordinates": arrays["coordinates"] * old.length / new.length,
+    }
+
+
+@pytest.mark.parametrize("name", ["m-kg-N-s", "mm-kg-mN-s", "mm-kg-kN-ms", "in-lbf-s", "ft-slug-lbf-s", "cm-g-dyn-s"])
+def test_units_make_no_difference(
+    name: str, arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
+) -> None:
+    millimetres = unit_system("mm-t-N-s", "test")
+    reference = users_model.read(saved(arrays))
+    text = own_model["DESCRIPTION"].replace("mm-t-N-s", name)
+    found = users_model.read(saved(in_units(arrays, millimetres, unit_system(name, "test")), text))
+    assert_allclose(found.mass.toarray(), reference.mass.toarray(), rtol=1e-9, atol=1e-15)
+    assert_allclose(fixed_base(found, 12).frequency, fixed_base(reference, 12).frequency, **SAME)
+    assert_same(dynamic_mass(found), dynamic_mass(reference))
+
+
+def test_modal_data_come_in_units_too(bracket_files: Path, saved: Callable[..., Path], own_model: dict[str, Any]) -> None:
+    reference = users_model.read(bracket_files / "bracket-modes.h5")
+    lever, tonne = np.array([1, 1, 1, 1e3, 1e3, 1e3]), 1e-3
+    arrays = {
+        "frequency": reference.frequency,
+        "damping_ratio": reference.damping_ratio,
+        "participation": reference.participation * lever[:, None] * np.sqrt(tonne),
+        "rigid_mass": reference.rigid_mass * np.outer(lever, lever) * tonne,
+        "residual": reference.residual * np.outer(lever, lever) * tonne,
+    }
+    text = own_model["DESCRIPTION"].replace("matrices", "modal").replace("interface = [101]", "")
+    assert_same(dynamic_mass(users_model.read(saved(arrays, text))), dynamic_mass(reference), 1e-12)
+
+
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(point=st.tuples(*3 * [st.floats(-2.0, 2.0)]))
+def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
+    point: tuple[float, float, float], arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
+) -> None:
+    reference = dynamic_mass(users_model.read(saved(arrays)))
+    shifted = own_model["DESCRIPTION"].replace('["0 mm", "0 mm", "0 mm"]', str([f"{x!r} m" for x in point]))
+    assert_same(dynamic_mass(users_model.read(saved(arrays, shifted))), reference.about(point))
+
+
+# --- ways to say the same ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("made", [csr_array, csc_array])
+@pytest.mark.parametrize("ending", [".h5", ".npz"])
+def test_sparse_matrices_are_those_of_scipy(
+    made: Any, ending: str, arrays: dict[str, np.ndarray], saved: Callable[..., Path]
+) -> None:
+    reference = users_model.read(saved(arrays))
+    sparse = {name: made(arrays.pop(name)) for name in ("stiffness", "mass")}
+    parts = {f"{name}/{part}": getattr(A, part) for name, A in sparse.items() for part in ("data", "indices", "indptr", "shape")}
+    found = users_model.read(saved(arrays | parts, ending=ending))
+    assert_allclose(found.stiffness.toarray(), reference.stiffness.toarray(), rtol=0, atol=0)
+
+
+def test_a_reduced_model_with_six_interface_coordinates_is_the_full_one(
+    arrays: dict[str, np.ndarray], saved: Callable[..., Path]
+) -> None:
+    """Craig-Bampton with every fixed-interface mode kept loses nothing; the interface is off the reference point."""
+    full = dynamic_mass(users_model.read(saved(arrays)))
+    K, M, base = arrays["stiffness"], arrays["mass"], slice(0, 6)
+    shift = -np.linalg.solve(K[6:, 6:], K[6:, base])
+    _, modes = eigh(K[6:, 6:], M[6:, 6:])
+    T = np.block([[np.eye(6), np.zeros((6, modes.shape[1]))], [shift, modes]])
+    labels = np.vstack([arrays["dof"][base], [(900 + r, 0) for r in range(modes.shape[1])]])
+    reduced = {
+        "stiffness": T.T @ K @ T,
+        "mass": T.T @ M @ T,
+        "dof": labels,
+        "nodes": np.array([101]),
+        "coordinates": np.zeros((1, 3)),
+    }
+    assert_same(dynamic_mass(users_model.read(saved(reduced))), full, 1e-8)
+
+
+def test_several_interface_nodes_ride_on_the_reference_point(
+    arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
+) -> None:
+    """Three nodes held rigid: the six lowest nodes of the column would bend otherwise. Against a hand-made elimination."""
+    text = own_model["DESCRIPTION"].replace("[101]", "[101, 102, 110]")
+    found = users_model.read(saved(arrays, text))
+    held = [*range(12), *range(54, 60)]
+    free = np.setdiff1d(np.arange(60), held)
+    squares = eigh(arrays["stiffness"][np.ix_(free, free)], arrays["mass"][np.ix_(free, free)], eigvals_only=True)
+    assert_allclose(found.held, held)
+    assert_allclose(fixed_base(found, 12).frequency, np.sqrt(squares[:12]) / (2 * np.pi), **SAME)
+
+
+def test_rotations_without_mass_are_no_mistake(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
+    """Lumped masses: the frequencies are those after static condensation of the rotations, which is exact for them."""
+    rotations, moving = np.flatnonzero(arrays["dof"][:, 1] > 3), np.flatnonzero(arrays["dof"][:, 1] <= 3)
+    lumped = np.repeat(np.array([0.2, *8 * [0.3], 0.2]) * 1e-3, 3)
+    arrays["mass"] = np.zeros((60, 60))
+    arrays["mass"][moving, moving] = lumped
+    found = users_model.read(saved(arrays, _without_stated()))
+    m, r = moving[3:], rotations[3:]
+    K = arrays["stiffness"]
+    condensed = K[np.ix_(m, m)] - K[np.ix_(m, r)] @ np.linalg.solve(K[np.ix_(r, r)], K[np.ix_(r, m)])
+    squares = eigh(condensed, np.diag(lumped[3:]), eigvals_only=True)
+    assert_allclose(fixed_base(found, 6).frequency, np.sqrt(squares[:6]) / (2 * np.pi), rtol=1e-8)
+
+
+def _without_stated() -> str:
+    point = '["0 mm", "0 mm", "0 mm"]'
+    model = f'kind = "matrices"\nunits = "mm-t-N-s"\nreference_point = {point}\ninterface = [101]\n'
+    return f"format = 1\n[fe_model]\n{model}"
+
+
+# --- damping ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing(
+    arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
+) -> None:
+    text = own_model["DESCRIPTION"].replace("interface", "loss_factor = 0.02\ninterface")
+    by_factor = users_model.load(saved(arrays, text))
+    by_matrix = users_model.load(saved(arrays | {"structural": 0.02 * arrays["stiffness"]}))
+    one, other = (direct(found.model, LINES, found.damping) for found in (by_factor, by_matrix))
+    assert_same(one, other)
+    K, M, R = by_factor.model.stiffness.toarray(), by_factor.model.mass.toarray(), by_factor.model.rigid
+    omega = 2 * np.pi * LINES[7]
+    P = (M @ R)[6:]
+    expected = R.T @ M @ R + omega**2 * P.T @ np.linalg.solve((1 + 0.02j) * K[6:, 6:] - omega**2 * M[6:, 6:], P)
+    assert_allclose(one.matrix[7], expected, rtol=1e-8, atol=1e-8)
+
+
+def test_a_viscous_matrix_damps_the_structure(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
+    """Proportional to the stiffness, C = beta K, it gives every mode zeta = beta omega / 2."""
+    found = users_model.load(saved(arrays | {"viscous": 1e-6 * arrays["stiffness"]}))
+    modes = fixed_base(found.model, 8, damping=found.damping)
+    assert_allclose(modes.damping_ratio, 1e-6 * np.pi * modes.frequency, rtol=1e-8)
+
+
+def test_a_file_that_says_nothing_of_damping_leaves_it_open(bracket_files: Path) -> None:
+    found = users_model.load(bracket_files / "bracket.h5")
+    assert found.damping is None
+    assert found.name == "bracket"
+
+
+# --- Nastran's own files ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def superelement(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An external superelement that Nastran itself wrote (EXTSEOUT), as pyyeti ships it among its tests."""
+    import pyyeti
+
+    there = Path(pyyeti.__file__).parent / "tests" / "nas2cam_extseout"
+    if not there.is_dir():
+        pytest.skip("this pyyeti comes without its tests' data")
+    folder = tmp_path_factory.mktemp("nastran")
+    for ending in ("asm", "pch", "op4", "out"):
+        shutil.copy(there / f"inboard.{ending}", folder)
+    text = 'format = 1\n[fe_model]\nkind = "matrices"\nunits = "mm-t-N-s"\nreference_point = ["0 m", "0 m", "0 m"]\n'
+    (folder / "inboard.toml").write_text(text, encoding="utf-8")
+    return folder
+
+
+def test_nastrans_superelement_weighs_what_nastran_printed(superelement: Path) -> None:
+    """Four boundary grid points, one of them with displacements along axes of its own; the printed table has seven digits."""
+    found = users_model.read(superelement / "inboard.op4")
+    printed = (superelement / "inboard.out").read_text(encoding="utf-8", errors="replace").splitlines()
+    start = next(k for k, line in enumerate(printed) if "MASS AXIS SYSTEM (S)" in line)
+    rows = [[float(word) for word in printed[start + k].split()[1:]] for k in (1, 2, 3)]
+    mass, cog = rows[0][0] * 1e3, np.array([rows[1][1], rows[0][2], rows[0][3]]) * 1e-3
+    assert found.rigid_mass[0, 0] == pytest.approx(mass, rel=1e-6)
+    S = found.rigid_mass[3:, :3] / mass
+    assert_allclose([S[2, 1], S[0, 2], S[1, 0]], cog, rtol=1e-6)
+    assert len(found.held) == 24
+
+
+def test_nastrans_superelement_oscillates_as_its_modal_coordinates_say(superelement: Path) -> None:
+    """With the boundary held the eight modal coordinates are the modes: K_qq = omega² of modes normalised to unit mass."""
+    from pyyeti.nastran import op4
+
+    found = fixed_base(users_model.read(superelement / "inboard.op4"), 8)
+    K = op4.read(str(superelement / "inboard.op4"), justmatrix=True)["kxx"]
+    assert_allclose(found.frequency, np.sqrt(np.diag(K)[24:]) / (2 * np.pi), rtol=1e-9)
+
+
+# --- what is a model --------------------------------------------------------------------------------------------------------
+
+
+def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path: Path) -> None:
+    (tmp_path / "article.toml").write_text('format = 1\n[article]\nname = "hammer"\n', encoding="utf-8")
+    (tmp_path / "broken.toml").write_text("[fe_model", encoding="utf-8")
+    for name in ("bracket.h5", "bracket.npz", "bracket.op4", "bracket.pch", "bracket-op4.toml"):
+        assert users_model.is_model(bracket_files / name)
+    for path in ("clumod-4", "hammer.step", tmp_path / "article.toml", tmp_path / "broken.toml", tmp_path, "absent.toml"):
+        assert not users_model.is_model(path)
+
+
+# --- the page ---------------------------------------------------------------------------------------------------------------
+
+
+def blocks(root: Path, language: str) -> list[str]:
+    text = (root / "docs" / "own-model.md").read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def test_the_python_of_the_page_runs(
+    root: Path, bracket_files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(bracket_files, tmp_path / "out" / "own-model")
+    monkeypatch.chdir(tmp_path)
+    (program,) = blocks(root, "python")
+    exec(compile(program, "own-model.md", "exec"), {})
+    lowest = fixed_base(users_model.read(bracket_files / "bracket.h5"), 1).frequency[0]
+    assert float(capsys.readouterr().out.strip("[ ").split()[0]) == pytest.approx(lowest, rel=1e-6)
+
+
+def test_the_description_of_the_page_is_one(root: Path, bracket_files: Path) -> None:
+    (text,) = blocks(root, "toml")
+    digest = hashlib.sha256((bracket_files / "bracket.op4").read_bytes()).hexdigest()
+    (bracket_files / "page.toml").write_text(text.replace('"..."', f'"{digest}"'), encoding="utf-8")
+    found = users_model.load(bracket_files / "page.toml")
+    assert found.damping is not None
+    assert found.damping.loss_factors == {"all": 0.01}
