@@ -64,7 +64,7 @@ def curves(question: Question, *, quiet: bool = False) -> Curves:
     for name, model in zip(names, question.models, strict=True):
         with shown(f"dynamic mass of {question.article}, {name} model", quiet=quiet):
             models.append(flexible(question.article, model, question.asked))
-            masses.append(dynamic_mass(models[-1], frequency, point, question.asked))
+            masses.append(dynamic_mass(models[-1], frequency, point))
     resonances = np.concatenate([m.modes.frequency for m in models])
     rigid = DynamicMass(
         frequency=np.zeros(1),

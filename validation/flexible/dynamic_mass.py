@@ -94,7 +94,7 @@ def reference_point(about: str, article: str) -> tuple[str, Array]:
         raise BadInput(source="--about", problem=error.problem, remedy=remedy) from None
 
 
-def dynamic_mass(model: Flexible, frequency: Array, about: Array, asked: Asked) -> DynamicMass:
+def dynamic_mass(model: Flexible, frequency: Array, about: Array) -> DynamicMass:
     """H of `model` at `frequency` (n,) [Hz] about the point `about` (3,) [m]."""
     from fem.dynamic_mass import modal
 

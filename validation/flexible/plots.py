@@ -24,11 +24,11 @@ def draw(found: Curves, folder: Path) -> tuple[Path, ...]:
     return paths
 
 
-def note_on(H: DynamicMass, about: str) -> str:
+def note_on(H: DynamicMass, about: str, frame: str = "in the article's frame") -> str:
     """What must be known to read a picture of `H`."""
     point = ", ".join(f"{1e3 * x + 0.0:g}" for x in H.reference_point)
     name = {"article": "the article's origin", "F": "F"}.get(about, "the point")
     return (
-        f"Blocked: all six base motions prescribed; loads of the table on the article, about {name}, ({point}) mm. "
+        f"Blocked: all six base motions prescribed; loads of the table on the article, about {name}, ({point}) mm {frame}. "
         "Dashed: the rigid body. Ticks on the upper edge: eigenfrequencies [Hz]."
     )

@@ -41,8 +41,8 @@ def require_drawable(article: str, model: str) -> None:
         raise BadInput(source=article, field="--shapes", problem=problem, remedy="Draw the beam or the solid model")
 
 
-def draw_sheet(model: Flexible, folder: Path) -> Path:
-    """Write the contact sheet of the first modes into `folder`, and say where it is.
+def draw_sheet(model: Flexible, folder: Path, name: str | None = None, about: str = "") -> Path:
+    """Write the contact sheet of the first modes into `folder`, and say where it is; it carries the words `about`.
 
     Raises
     ------
@@ -50,8 +50,9 @@ def draw_sheet(model: Flexible, folder: Path) -> Path:
     CheckFailed : nothing can be rendered on this machine.
     """
     numbers = range(1, 1 + min(ON_THE_SHEET, len(model.modes.frequency)))
-    path = folder / f"{_stem(model)}.png"
-    mode_sheet(f"{model.article}: the first {len(numbers)} modes, {model.model} model", drawn_modes(model, numbers), path, NOTE)
+    path = folder / (name or f"{_stem(model)}.png")
+    title = f"{model.article}: the first {len(numbers)} modes, {model.model} model"
+    mode_sheet(title, drawn_modes(model, numbers), path, NOTE, about)
     return path
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from fem.modes import Modes
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
-from validation.pictures.files import require_format, save
+from validation.pictures.files import ABOUT, require_format, save
 from validation.pictures.palette import FAINT, INK, PAPER
 
 LABELS = ("x", "y", "z", "α", "β", "γ")
@@ -26,13 +26,16 @@ CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
 
+WIDTHS = (2.8, 1.9, 1.1)
+"""Of these: where curves coincide, all of them are seen."""
+
 NOTHING = 1e-6
 """An entry smaller than this share of its block's largest is nothing: symmetry makes it zero, rounding or a mesh almost."""
 
 SHOWS = 1e-3
 """Share of the rigid body that a mode must carry along an axis to be marked there."""
 
-ROOM_FOR_A_FIGURE = 0.05
+ROOM_FOR_A_FIGURE = 0.075
 """Of the width of a panel."""
 
 DASHES = ("-", "--", ":")
@@ -113,8 +116,10 @@ def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> Non
     _finish(figure, title, note, path)
 
 
-def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = "") -> None:
+def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = "", about: str = "") -> None:
     """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
+
+    A PNG carries the words `about`, which `validation.pictures.said_about` reads again.
 
     Raises
     ------
@@ -122,17 +127,19 @@ def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = 
     """
     require_format(path)
     figure = _figure(4.6 * len(articles) + 1.0, 9.6)
-    grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.16, **_ROOM)
+    grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.07, **_ROOM)
     rows: dict[int, list[Axes]] = {0: [], 3: []}
     for column, curve in enumerate(articles):
         for top, entries in ((0, (0, 1, 2)), (3, (3, 4, 5))):
             upper = figure.add_subplot(grid[top, column], sharey=rows[top][0] if rows[top] else None)
             lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
             rows[top].append(upper)
-            for colour, i in zip(AXES, entries, strict=True):
-                _line(upper, lower, curve, i, i, colour, DASHES[0], LABELS[i])
+            for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
+                _line(upper, lower, curve, i, i, colour, DASHES[0], LABELS[i], width)
                 upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
             _dress(upper, lower, curve.mass.frequency)
+            upper.tick_params(labelleft=column == 0)
+            lower.tick_params(labelleft=column == 0)
             _mark(upper, curve, entries)
             if top == 0:
                 upper.set_title(curve.name, fontsize=13, weight="bold", color=INK, pad=14)
@@ -142,7 +149,9 @@ def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = 
                 upper.legend(fontsize=9, loc="upper right", ncols=3, framealpha=0.85, handlelength=1.4)
             if top == 3:
                 lower.set_xlabel("frequency [Hz]", fontsize=10)
-    _finish(figure, title, note, path)
+    for row in rows.values():
+        _at_least_a_decade(row[0])
+    _finish(figure, title, note, path, about)
 
 
 def unit(row: int, column: int) -> str:
@@ -168,6 +177,7 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) ->
     if rigid > NOTHING * np.abs(curves[0].rigid).max():
         upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
     _dress(upper, lower, curves[0].mass.frequency)
+    _at_least_a_decade(upper)
 
 
 def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
@@ -175,10 +185,10 @@ def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
     return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
 
 
-def _line(upper: Axes, lower: Axes, curve: Curve, i: int, j: int, colour: str, dash: str, label: str) -> None:
+def _line(upper: Axes, lower: Axes, curve: Curve, i: int, j: int, colour: str, dash: str, label: str, width: float = 1.3) -> None:
     f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-    upper.semilogy(f, np.abs(H), color=colour, linestyle=dash, linewidth=1.3, label=label)
-    lower.plot(f, _phase(H), color=colour, linestyle=dash, linewidth=1.1)
+    upper.semilogy(f, np.abs(H), color=colour, linestyle=dash, linewidth=width, label=label)
+    lower.plot(f, _phase(H), color=colour, linestyle=dash, linewidth=width)
 
 
 def _phase(H: ComplexArray) -> Array:
@@ -193,10 +203,6 @@ def _dress(upper: Axes, lower: Axes, f: Array) -> None:
     from matplotlib.ticker import MaxNLocator
 
     upper.set_xlim(f[0], f[-1])
-    low, high = upper.get_ylim()
-    if high < 10 * low:  # what is flat is to look flat, on at least a decade
-        middle = np.sqrt(low * high)
-        upper.set_ylim(middle / 10, middle * 10)
     lower.set_ylim(-195, 195)
     lower.set_yticks([-180, -90, 0, 90, 180])
     lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))
@@ -206,6 +212,14 @@ def _dress(upper: Axes, lower: Axes, f: Array) -> None:
         axes.tick_params(labelsize=8.5, colors=INK)
     upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
     upper.set_axisbelow(True)
+
+
+def _at_least_a_decade(upper: Axes) -> None:
+    """What is flat is to look flat."""
+    low, high = upper.get_ylim()
+    if high < 10 * low:
+        middle = np.sqrt(low * high)
+        upper.set_ylim(middle / 10, middle * 10)
 
 
 def _mark(upper: Axes, curve: Curve, entries: Sequence[int]) -> None:
@@ -230,8 +244,9 @@ def _figure(width: float, height: float) -> Figure:
     return figure
 
 
-def _finish(figure: Figure, title: str, note: str, path: Path) -> None:
+def _finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
     width, height = figure.get_size_inches()
     figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
     figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+    more = {"metadata": {ABOUT: about}} if about else {}
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from geometry.errors import BadInput
-from validation.pictures.files import require_format, save
+from validation.pictures.files import ABOUT, require_format, save
 from validation.pictures.mode_scene import colour_map, rendered, view_of
 from validation.pictures.moving import MovingBody
 from validation.pictures.palette import FAINT, INK, PAPER
@@ -57,8 +57,10 @@ class DrawnMode:
         return f"{self.number}   {self.frequency:.2f} Hz"
 
 
-def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "") -> None:
+def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "", about: str = "") -> None:
     """Write all of `modes` on one sheet, all seen from the same side and in the same scale.
+
+    A PNG carries the words `about`, which `validation.pictures.said_about` reads again.
 
     Raises
     ------
@@ -81,7 +83,8 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
     _bar(figure, width, height)
     for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
         _write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+    more = {"metadata": {ABOUT: about}} if about else {}
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
 
 
 def animation(title: str, mode: DrawnMode, path: Path) -> None:
