@@ -168,7 +168,7 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
 
 
 def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
-    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top)), d["mast"]["top"]]
+    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top))]
     for lower, upper in pairwise(edges):
         if upper < lower:
             raise BadInput(
@@ -191,7 +191,8 @@ def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int,
 
 def _mast_heights(d: Dimensions, pieces: list[_Rigid], asked: list[float], elements: int) -> list[float]:
     """Heights of the nodes: the flange, the ends of rigid pieces, those asked for, the top, and enough between."""
-    ends = [end for piece in pieces for end in (piece.bottom, piece.top)]
+    # a collar may stand out beyond the mast's top
+    ends = [min(end, d["mast"]["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
     fixed = sorted({d["flange"]["height"], d["mast"]["top"], *ends, *asked})
     return _between(fixed, (fixed[-1] - fixed[0]) / elements)
 

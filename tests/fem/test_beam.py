@@ -104,6 +104,13 @@ def test_what_stands_on_the_rigid_fmd_keeps_its_frequencies() -> None:
     assert_allclose(_held(beam.structure("fmd+disc+cuboid"), 6), _held(beam.structure("disc+cuboid"), 6), rtol=1e-9)
 
 
+def test_hub_that_stands_out_beyond_the_mast_keeps_its_mass() -> None:
+    higher = {"clumod.blade.upper-short.hub_height_mm": 60.0}
+    for name in CONFIGURATIONS:
+        expected = drawn_inertia(built_in(name, higher)).mass_matrix
+        assert_allclose(beam.structure(name, higher).rigid_mass, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
 def test_article_of_twice_the_size_has_half_the_frequencies() -> None:
     sizes = {"disc.diameter_mm": 702.0, "disc.height_mm": 29.0}
     assert_allclose(

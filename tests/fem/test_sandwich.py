@@ -162,6 +162,18 @@ def test_rigid_motion_costs_nothing_and_weighs_all() -> None:
     assert section.rotary_y == pytest.approx(WIDTH * layers, rel=1e-12)
 
 
+def test_faces_that_slip_freely_turn_without_stretching() -> None:
+    """Slope theta and slip d theta everywhere: each face turns about its own middle, the layer by (d / s - 1) theta."""
+    section = _section()
+    frame = _beam(section, 4)
+    motion = frame.rigid[:, 4].copy()
+    motion[6 * len(frame.moving) :] = -section.distance  # a positive slope is a negative rotation
+    turning = section.face_rotary + section.layer_rotary * (section.distance / section.layer_thickness - 1) ** 2
+    assert motion @ frame.mass @ motion == pytest.approx(section.mass * LENGTH**3 / 3 + turning * LENGTH, rel=1e-12)
+    without = frame.rigid[:, 4] @ frame.mass @ frame.rigid[:, 4]
+    assert abs(motion @ frame.mass @ motion / without - 1) > 1e-9  # the slip is heavy enough to be seen at that tolerance
+
+
 def _torsion_by_minimum_energy(G: float, G_layer: float) -> float:
     """What the layer adds to G J: faces that warp by psi(y), the width in 400 linear pieces, solved for the least energy."""
     d, n = FACE + LAYER, 400
