@@ -26,6 +26,10 @@ LINES = np.linspace(4.0, 32.0, 561)
 """Lines [Hz] of the usual band: 4 to 32 Hz, every 0.05 Hz."""
 
 
+WELL_CONDITIONED = 1e6
+"""Up to this condition of its eigenvectors a complex modal stiffness is diagonalised once instead of solved line by line."""
+
+
 def modal(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = True) -> DynamicMass:
     """Dynamic mass from `modes` at `frequency` (n,) [Hz], about their reference point (Eq. 8 in matrix form).
 
@@ -39,9 +43,7 @@ def modal(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = Tr
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     omega = 2 * np.pi * lines
-    elastic = _alone(modes, omega) if _uncoupled(modes) else _coupled(modes, omega)
-    static = modes.residual if residual else np.zeros((6, 6))
-    H = modes.rigid_mass + omega[:, None, None] ** 2 * (elastic + static)
+    H = modes.rigid_mass + omega[:, None, None] ** 2 * _elastic(modes, omega, residual)
     return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=modes.reference_point)
 
 
@@ -77,27 +79,38 @@ def direct(
     return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=structure.reference_point)
 
 
-def _uncoupled(modes: Modes) -> bool:
-    both = np.abs(modes.viscous) + np.abs(modes.structural)
-    return not np.any(both - np.diag(np.diag(both)))
+def _elastic(modes: Modes, omega: Array, residual: bool) -> ComplexArray:
+    """L (A + i omega C - omega²)^-1 L^T at every line, with R where it is wanted: (n, 6, 6)."""
+    A: ComplexArray = np.diag((2 * np.pi * modes.frequency) ** 2) + 1j * modes.structural
+    C, L, R = modes.viscous, modes.participation.astype(np.complex128), modes.residual.astype(np.complex128)
+    if residual and modes.condensed is not None:
+        A, L, R = modes.condensed.stiffness, modes.condensed.participation, modes.condensed.residual
+    static = R if residual else np.zeros((6, 6))
+    if _diagonal(A) and _diagonal(C):
+        return static + _summed(np.diag(A) + 1j * omega[:, None] * np.diag(C) - omega[:, None] ** 2, L, L.T)
+    if not np.any(C):
+        mu, V = np.linalg.eig(A)
+        if np.linalg.cond(V) < WELL_CONDITIONED:
+            return static + _summed(mu - omega[:, None] ** 2, L @ V, np.linalg.solve(V, L.T))
+    return static + _solved(A, C, L, omega)
 
 
-def _alone(modes: Modes, omega: Array) -> ComplexArray:
-    """L D^-1 L^T at every line when D is diagonal: one product of all lines with all L_r L_r^T."""
-    Omega, w = 2 * np.pi * modes.frequency, omega[:, None]
-    D = Omega**2 - w**2 + 1j * (w * np.diag(modes.viscous) + np.diag(modes.structural))
-    each = np.einsum("ir,jr->rij", modes.participation, modes.participation).reshape(-1, 36)
+def _diagonal(matrix: Array | ComplexArray) -> bool:
+    return not np.any(matrix - np.diag(np.diag(matrix)))
+
+
+def _summed(D: ComplexArray, left: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """left D^-1 right at every line for diagonals D (lines, n): one product with all rank-one terms."""
+    terms = np.einsum("ir,rj->rij", left, right).reshape(D.shape[1], 36)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((1 / D @ each).reshape(-1, 6, 6))
+        return np.asarray((1 / D @ terms).reshape(-1, 6, 6))
 
 
-def _coupled(modes: Modes, omega: Array) -> ComplexArray:
-    """L D^-1 L^T at every line, D full: its solution for all lines in one call."""
-    L, w = modes.participation, omega[:, None, None]
-    D = 1j * (w * modes.viscous + modes.structural) - w**2 * np.eye(modes.frequency.size)
-    D += np.diag((2 * np.pi * modes.frequency) ** 2)
+def _solved(A: ComplexArray, C: Array, L: ComplexArray, omega: Array) -> ComplexArray:
+    """L (A + i omega C - omega²)^-1 L^T: a solution at every line, all in one call."""
+    w = omega[:, None, None]
     try:
-        return np.asarray(L @ np.linalg.solve(D, L.T))
+        return np.asarray(L @ np.linalg.solve(A + 1j * w * C - w**2 * np.eye(len(A)), L.T))
     except np.linalg.LinAlgError:
         raise _undamped() from None
 

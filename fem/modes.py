@@ -14,10 +14,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem import damping as damped
+from fem.condensed import Condensed, condensed
 from fem.damping import Damping
 from fem.eigen import Eigenpairs, Progress, lowest
 from fem.factorisers import Factor, factorise
-from fem.held_base import HeldBase, check_connected, check_stiff, hold
+from fem.held_base import HeldBase, check_connected, check_stiff, hold, restricted
 from fem.structure import Structure
 from geometry.arrays import Array, frozen
 from geometry.errors import BadInput
@@ -38,6 +39,8 @@ class Modes:
     shapes : (N, n) mass-normalised, all degrees of freedom, zero where held; (0, n) when they were not asked for
     viscous : (n, n) modal damping matrix C [rad/s], symmetric; its diagonal is 2 zeta omega
     structural : (n, n) modal structural damping S [rad²/s²], symmetric, as in K + i S; zero when there is none
+    condensed : what structural damping makes of squared frequencies, participation and residual when it couples kept and truncated
+        modes; None where it does not
 
     `damping_ratio` repeats the equivalent of both on the diagonal: (C_rr + S_rr / omega_r) / (2 omega_r).
     """
@@ -51,6 +54,7 @@ class Modes:
     shapes: Array
     viscous: Array
     structural: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    condensed: Condensed | None = None
 
     def __post_init__(self) -> None:
         n = np.size(self.frequency)
@@ -108,7 +112,8 @@ def fixed_base(
     check_stiff(held, structure, pairs.values, pairs.vectors)
     L = held.load.T @ pairs.vectors
     omega, shapes = np.sqrt(pairs.values), held.expand(pairs.vectors)
-    C, S = damped.modal_matrices(damping or damped.default(structure), structure, omega, shapes)
+    damping = damping or damped.default(structure)
+    C, S = damped.modal_matrices(damping, structure, omega, shapes)
     return Modes(
         frequency=omega / (2 * np.pi),
         damping_ratio=damped.equivalent_ratio(C, S, omega),
@@ -119,7 +124,15 @@ def fixed_base(
         shapes=shapes,
         viscous=C,
         structural=S,
+        condensed=_condensed(held, structure, damping, pairs),
     )
+
+
+def _condensed(held: HeldBase, structure: Structure, damping: Damping, pairs: Eigenpairs) -> Condensed | None:
+    S = damped.structural_matrix(damping, structure)
+    if S is None or not held.free.size:
+        return None
+    return condensed(held, restricted(S, held.free), max(damping.loss_factors.values()), pairs.vectors, pairs.factor)
 
 
 def _residual(held: HeldBase, pairs: Eigenpairs, L: Array, factoriser: str | None) -> Array:
