@@ -16,8 +16,8 @@ from geometry.keys import require_known, require_present
 LARGEST_BYTES = 4 * 2**30
 """What the arrays of one file may take in memory; it is compared with what the file declares before anything is read."""
 
-LARGEST_SIDE = 5_000_000
-"""Rows of a matrix: more than can be factorised here; a damaged file may declare any number."""
+LARGEST_SIDE = 300_000
+"""Rows of a matrix: K and M are factorised to be judged, and a solid of this size fills gigabytes. Larger models come reduced."""
 
 LARGEST = 1e60
 """Products of three numbers of this size are still far from overflow."""
@@ -123,7 +123,7 @@ class Contents:
     def _require_square(self, name: str, shape: tuple[int, ...]) -> None:
         if len(shape) != 2 or shape[0] != shape[1] or not 0 < shape[0] <= LARGEST_SIDE:
             found = " x ".join(map(str, shape)) or "one number"
-            remedy = "Write the whole matrix, both triangles"
+            remedy = "Write the whole matrix, both triangles; reduce a larger model to Craig-Bampton coordinates"
             raise self.refused(name, f"must be square with 1 to {LARGEST_SIDE} rows, found {found}", remedy)
 
     def _require_real(self, name: str, array: Any) -> None:
