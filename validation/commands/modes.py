@@ -37,12 +37,13 @@ def command(
     ARTICLE is a built-in part or a stack of them (clumod-4, fmd+clumod-1), a STEP file or article.toml of your own (solid
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
-    from validation.flexible.model import flexible, require_model
+    from validation.flexible.model import flexible, require_model, require_used
     from validation.flexible.shapes import require_drawable, require_mode
     from validation.progress import shown
 
     names = [require_model(article, model)] + ([] if against is None else [require_model(article, against, "--against")])
     question = options.flexible_asked(count=count, **asked)
+    require_used(article, names, question)
     if shapes or moving is not None:
         require_drawable(article, names[0])
     if moving is not None:

@@ -11,7 +11,7 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from validation.flexible import dynamic_mass_table as table
 from validation.flexible.dynamic_mass import Apart, apart, beyond_the_modes, dynamic_mass, lines, reference_point
-from validation.flexible.model import Asked, Flexible, flexible, require_model
+from validation.flexible.model import Asked, Flexible, flexible, require_model, require_used
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +58,7 @@ def curves(question: Question, *, quiet: bool = False) -> Curves:
     names = [
         require_model(question.article, m, option) for m, option in zip(question.models, ("--model", "--against"), strict=False)
     ]
+    require_used(question.article, names, question.asked)
     frequency = lines(question.band, question.step)
     about, point = reference_point(question.about, question.article)
     models, masses = [], []

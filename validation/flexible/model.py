@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,8 @@ from geometry import keys
 from geometry.article import Article
 from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput
-from validation.article_reference import is_file
+from validation import article_reference
+from validation.article_reference import is_file, require_use
 
 if TYPE_CHECKING:
     from fem.structure import Structure
@@ -93,6 +94,13 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     ------
     BadInput : it is not.
     """
+    if is_model(name) and option == "--against":
+        raise BadInput(
+            source=name,
+            field=option,
+            problem=f"of what a file of your own models, no {model} model can be made",
+            remedy="Name the built-in article or the STEP file first, and your model behind --against",
+        )
     if is_model(name) or is_model(model):
         return OWN
     keys.one_of(model, MODELS, source=f"article {name}", where=option)
@@ -106,6 +114,22 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
             remedy="Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)",
         )
     return model
+
+
+def require_used(name: str, models: Collection[str], asked: Asked) -> None:
+    """Refuse what was `asked` for of the article `name` and none of `models` can use.
+
+    Raises
+    ------
+    BadInput : a unit or a material of a built-in article, a dimension of a file, an element size without a solid model.
+    """
+    require_use([name], article_reference.Asked(unit=asked.unit, material=asked.material, changes=asked.changes))
+    if asked.size is not None and "solid" not in models:
+        raise BadInput(
+            source="--size",
+            problem=f"only the solid model has elements of a size, found {' and '.join(models)}",
+            remedy="Leave it out, or add --model solid",
+        )
 
 
 def flexible(name: str, model: str, asked: Asked) -> Flexible:

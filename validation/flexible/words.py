@@ -72,7 +72,7 @@ def _described(
             if _twists(structure, own, u, along[own].sum() / shares[name])
             else "xyz"[int(np.argmax(along[own].sum(axis=0)))]
         )
-        moving.append(f"{100 * shares[name]:.0f} % {name} {how}")
+        moving.append(f"{100 * shares[name]:.0f} % {name} {how}" if name else how)
     first = owner == names.index(named[0])
     pattern = _pattern(structure.points[first], u[first])
     moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
@@ -131,7 +131,7 @@ def _owners(structure: Structure, article: Article | None) -> tuple[list[str], I
         names = list(dict.fromkeys(families))
         return names, np.array([names.index(name) for name in families])[nearest_part(article, structure.points)]
     if not structure.part_stiffness:
-        return ["article"], np.zeros(len(structure.points), dtype=np.intp)
+        return [""], np.zeros(len(structure.points), dtype=np.intp)
     held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
     return list(structure.part_stiffness), np.argmax(held, axis=0)
 
