@@ -107,7 +107,7 @@ def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
         (["mine.step", "--model", "solid"], "no such file"),
         (["mine.h5"], "no such file"),
         (["mine.h5", "--against", "beam"], "behind --against"),
-        (["mine.h5", "--set", "clumod.mast.top_mm=1500"], "Name a built-in article"),
+        (["mine.h5", "--set", "clumod.mast.top_mm=1500"], "states its own"),
         (["clumod-1", "--size", "20 mm"], "add --model solid"),
         (["clumod-1", "--material", "steel"], "a built-in article states its own"),
     ],

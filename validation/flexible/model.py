@@ -121,8 +121,14 @@ def require_used(name: str, models: Collection[str], asked: Asked) -> None:
 
     Raises
     ------
-    BadInput : a unit or a material of a built-in article, a dimension of a file, an element size without a solid model.
+    BadInput : a unit or a material of a built-in article, a dimension of a file, any of them of a model of the user's own,
+        an element size without a solid model.
     """
+    if is_model(name):
+        given = {"--unit": asked.unit, "--material": asked.material, "--set": asked.changes, "--size": asked.size}
+        for option in (option for option, value in given.items() if value):
+            raise BadInput(source=option, problem=f"{name} is a model that states its own", remedy="Leave it out")
+        return
     require_use([name], article_reference.Asked(unit=asked.unit, material=asked.material, changes=asked.changes))
     if asked.size is not None and "solid" not in models:
         raise BadInput(

@@ -27,8 +27,8 @@ CAPTION = 62
 HEAD, FOOT = 78, 66
 MARGIN = 14.0
 
-FRAMES = 32
-PERIOD = 1600
+FRAMES = 24
+PERIOD = 1560
 """Frames of one cycle of a GIF, and its duration [ms]."""
 
 MOVING_TILE = (620, 640)
