@@ -26,6 +26,7 @@ SI_UNITS = {
     "acceleration": "m/s^2",
     "force": "N",
     "density": "kg/m^3",
+    "pressure": "Pa",
     "moment of inertia": "kg m^2",
     "first moment": "kg m",
     "angle": "rad",

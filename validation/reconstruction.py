@@ -210,8 +210,15 @@ def _started(details: dict[str, Any], reconstruction: dict[str, Any]) -> dict[st
         dimensions["mast"][f"{side}_diameter_mm"] = mast[f"{side}_diameter_m"] * 1e3
     for blade, start, hub in zip(dimensions["blade"], reconstruction["blades"], reconstruction["hubs"]["mass_kg"], strict=True):
         blade |= {f"{key}_mm": start[f"{key}_m"] * 1e3 for key in ("z", "length", "width", "thickness")}
+        _shorten(blade, dimensions["hubs"]["outer_diameter_mm"])
         blade["hub_height_mm"] = _hub_height(dimensions, blade, hub, reconstruction["material"]["rho_kg_m3"])
     return dimensions
+
+
+def _shorten(blade: dict[str, Any], collar: float) -> None:
+    """Thinner and wider, its mass kept: a blade that the collars [mm] hold bends as slowly as one that began at the mast's axis."""
+    free = 1 - collar / blade["length_mm"]
+    blade |= {"thickness_mm": blade["thickness_mm"] * free**2, "width_mm": blade["width_mm"] / free**2}
 
 
 def _hub_height(dimensions: dict[str, Any], blade: dict[str, Any], mass: float, density: float) -> float:

@@ -7,13 +7,14 @@ but the elements are ours.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from fem import beam
 from fem import dynamic_mass as modal_sum
+from fem.beam_clumod import Joint
 from fem.damping import DEFAULT_RATIO
 from fem.flexible_body import floating_frame, modal
 from fem.flexible_body.linearised import Linearised, linearise, linearise_body, stiffness_of
@@ -27,14 +28,20 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 
 ELEMENTS = 8
-"""In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 1e-4."""
+"""In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 3e-5."""
 
 EXTRA = 10
 """Modes that are solved for beyond those asked for, so that each finds its like on the other mesh."""
 
 
 def modes(
-    article_name: str, count: int = 30, changes: Mapping[str, float] = beam.NO_CHANGES, *, elements: int = ELEMENTS
+    article_name: str,
+    count: int = 30,
+    changes: Mapping[str, float] = beam.NO_CHANGES,
+    *,
+    elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
 ) -> Modes:
     """The lowest `count` fixed-base modes of a built-in article or stack about its origin, by exudyn's native beams.
 
@@ -43,13 +50,14 @@ def modes(
     article_name, changes : as `geometry.articles.built_in` takes them
     count : modes; all there are when the mesh has fewer
     elements : in a half-blade of Clumod, its mast has twice as many; a mesh twice as fine is solved too and both extrapolated
+    cells, joints : as `fem.beam.structure` takes them
 
     Raises
     ------
     BadInput : an article or a dimension that cannot be used, no mode asked for.
     CheckFailed : exudyn failed.
     """
-    return modes_of_plan(beam.plan(article_name, changes, elements=elements), count)
+    return modes_of_plan(beam.plan(article_name, changes, elements=elements, cells=cells, joints=joints), count)
 
 
 def dynamic_mass(
@@ -59,6 +67,8 @@ def dynamic_mass(
     *,
     count: int = 30,
     elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
 ) -> DynamicMass:
     """Blocked dynamic mass at `frequency` (n,) [Hz] about the article's origin, from exudyn's linearised, base-driven system.
 
@@ -68,7 +78,8 @@ def dynamic_mass(
     ------
     BadInput, CheckFailed : as `modes`.
     """
-    return modal_sum.modal(modes(article_name, count, changes, elements=elements), frequency)
+    found = modes(article_name, count, changes, elements=elements, cells=cells, joints=joints)
+    return modal_sum.modal(found, frequency)
 
 
 def modes_of_plan(plan: Plan, count: int = 30) -> Modes:

@@ -20,6 +20,9 @@ from fem.structure import Integers, Structure
 from geometry.arrays import Array
 from geometry.errors import BadInput
 
+LARGEST = 100_000
+"""Degrees of freedom beyond which exudyn's factorisations, three by SuperLU, take hours and the memory of a large machine."""
+
 REDUNDANT = 1e-8
 """Share of an added mode that may lie outside the modes already there, below which it is left out."""
 
@@ -62,10 +65,12 @@ def floating_frame(structure: Structure, count: int, *, flight: Flight | None = 
 
     Raises
     ------
-    BadInput : a structure with rotations or with a base that does not hold whole nodes; exudyn's body is made of solids.
+    BadInput : a structure with rotations, with a base that does not hold whole nodes (exudyn's body is made of solids), or with
+        more than `LARGEST` degrees of freedom.
     CheckFailed : exudyn failed.
     """
     held = _held_nodes(structure)
+    _require_small(structure)
     with running("make a flexible body of the solid") as exudyn:
         from exudyn import FEM
 
@@ -139,6 +144,17 @@ def _held_nodes(structure: Structure) -> Integers:
     if np.any(held.any(axis=1) != held.all(axis=1)):
         raise _no_solid("a point that is held in some directions only")
     return np.flatnonzero(held.all(axis=1))
+
+
+def _require_small(structure: Structure) -> None:
+    n = structure.mass.shape[0]
+    if n > LARGEST:
+        raise BadInput(
+            source="exudyn's flexible body",
+            field="mass",
+            problem=f"exudyn factorises full matrices up to {LARGEST} degrees of freedom here, found {n}",
+            remedy="Use a coarser mesh, or exudyn's native beams",
+        )
 
 
 def _no_solid(found: str) -> BadInput:

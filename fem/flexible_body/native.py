@@ -179,10 +179,15 @@ class _Builder:
                 self._layer(member, number, share, bottom, top, sandwich)
 
     def _ports(self, ports: Ports) -> None:
-        """Matrices on nodes, as they are: exudyn has no item that would know them."""
-        nodes = [self._node(k) for k in ports.nodes]
-        item = self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=ports.mass, stiffnessMatrix=ports.stiffness)
-        self.system.AddObject(item)
+        """Matrices on nodes, as they are: exudyn has no item that would know them. A sandwich moves as the mean of its faces."""
+        for number in ports.nodes:
+            self._node(number)
+        owners = [self.nodes[number] for number in ports.nodes]
+        rows = np.repeat(np.arange(len(owners)), [len(own) for own in owners])
+        mean = np.kron(np.array([(rows == k) / len(own) for k, own in enumerate(owners)]), np.eye(6))
+        K, M = (mean.T @ matrix @ mean for matrix in (ports.stiffness, ports.mass))
+        nodes = [node for own in owners for node in own]
+        self.system.AddObject(self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=M, stiffnessMatrix=K))
 
     def _layer(self, member: Member, number: int, length: float, bottom: Node, top: Node, sandwich: Sandwich) -> None:
         """Springs between both faces at the layer's middle, to which massless arms reach; nothing there is stressed at rest."""

@@ -1,7 +1,8 @@
 """What a solid model is made from: bodies that OCC can draw, each of one material with a stiffness.
 
-A drawing of primitives (`geometry.article.Article`) and a user's STEP file (`geometry.user_article.UserArticle`) both end here. The
-drawing itself is put off until a mesh is wanted; what a body's geometry is known by, its `fingerprint`, needs no OCC.
+A drawing of primitives (`geometry.article.Article`) and a user's STEP file (`geometry.user_article.UserArticle`) both end
+here. The drawing itself is put off until a mesh is wanted; what a body's geometry is known by, its `fingerprint`, needs no
+OCC.
 """
 
 from __future__ import annotations

@@ -1,11 +1,12 @@
 """Arrays kept on disk by what they were made from: a mesh, matrices, modes. Nothing here may ever be in the way.
 
-An entry is one ``.npz`` file, named after the digest of everything that went into it, versions of the libraries included. It carries
-that name and a digest of its own arrays inside, so that a file that is half-written, cut short, damaged, renamed or somebody else's is
-seen and ignored, and made again. No pickle is read or written. A disk that is full or read-only costs the time that the entry
-would have saved, and nothing else.
+An entry is one ``.npz`` file, named after the digest of everything that went into it, versions of the libraries included. It
+carries that name and a digest of its own arrays inside, so that a file that is half-written, cut short, damaged, renamed or
+somebody else's is seen and ignored, and made again. No pickle is read or written. A disk that is full or read-only costs the
+time that the entry would have saved, and nothing else.
 
-The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at any time.
+The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at
+any time.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def load(name: str) -> dict[str, np.ndarray] | None:
     if path is None:
         return None
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             arrays = {each: file[each] for each in file.files}
         genuine = str(arrays.pop(_KEY)) == name and str(arrays.pop(_DIGEST)) == digest(arrays)
     except Exception:  # whatever damaged or foreign bytes make numpy, zipfile and zlib raise

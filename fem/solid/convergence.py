@@ -1,9 +1,10 @@
 """Mesh convergence: how far the finest mesh is from what ever finer ones would give.
 
-Eigenfrequencies of a conforming family of meshes fall towards their limits as f(h) = f + C h^p, each in its place of the ordered list
-(the min-max principle). Three sizes give p, the observed rate, and f by Richardson's extrapolation; smooth modes of quadratic elements
-have p = 4 and re-entrant edges pull it down to about 1. Where three values show no such fall, no rate is claimed and the distance is
-estimated with p = 1, on the safe side (Roache, Verification and Validation in Computational Science and Engineering, chapter 5).
+Eigenfrequencies of a conforming family of meshes fall towards their limits as f(h) = f + C h^p, each in its place of the
+ordered list (the min-max principle). Three sizes give p, the observed rate, and f by Richardson's extrapolation; smooth modes
+of quadratic elements have p = 4 and re-entrant edges pull it down to about 1. Where three values show no such fall, no rate
+is claimed and the distance is estimated with p = 1, on the safe side (Roache, Verification and Validation in Computational
+Science and Engineering, chapter 5).
 """
 
 from __future__ import annotations
@@ -69,7 +70,8 @@ class Convergence:
         beyond = int(np.sum(self.distance > self.bar))
         if not beyond:
             return f"converged: all {len(self.bar)} modes are within their bars; the worst, {mode}, {found}"
-        return f"not converged: {beyond} of {len(self.bar)} modes are beyond their bars; the worst, {mode}, {found}; take a finer mesh"
+        count = f"{beyond} of {len(self.bar)} modes are beyond their bars"
+        return f"not converged: {count}; the worst, {mode}, {found}; take a finer mesh"
 
 
 def study(
@@ -148,7 +150,7 @@ def extrapolation(size: Array, value: Array) -> tuple[float, float, float]:
 def straining(structure: Structure, modes: Modes) -> tuple[str, ...]:
     """The part that each mode strains most; empty names for a structure without parts."""
     if not structure.part_stiffness:
-        return ("",) * modes.shapes.shape[1]
+        return tuple("" for _ in modes.frequency)
     names = tuple(structure.part_stiffness)
     energy = [np.einsum("ij,ij->j", modes.shapes, K @ modes.shapes) for K in structure.part_stiffness.values()]
-    return tuple(names[k] for k in np.argmax(energy, axis=0))
+    return tuple(names[int(k)] for k in np.argmax(np.array(energy), axis=0))

@@ -92,8 +92,8 @@ def jacobians(mesh: SolidMesh) -> Array:
 
 def _unusable(material: Material, part: str, field: str, problem: str) -> BadInput:
     remedy = (
-        "Name one that has both, such as steel (207e9 Pa and 0.3) or aluminium (70e9 Pa and 0.33), or state your own in an article.toml "
-        '([material."..."] with density, youngs_modulus and poisson_ratio)'
+        "Name one that has both, such as steel (207e9 Pa and 0.3) or aluminium (70e9 Pa and 0.33), or state your own in an "
+        'article.toml ([material."..."] with density, youngs_modulus and poisson_ratio)'
     )
     return BadInput(source=f"material {material.name} of {part}", field=field, problem=problem, remedy=remedy)
 

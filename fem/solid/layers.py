@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.solid.mesh import LOCAL_HEX27, Integers, SolidMesh
-from fem.solid.plan import Outline, Plan, covered
+from fem.solid.plan import Outline, Plan, covered, with_whole_walls
 from geometry.arrays import Array
 from geometry.article import Part
 from geometry.errors import BadInput
@@ -29,6 +29,9 @@ SAME = 1e-7
 
 GROWTH = 1.6
 """From layer to layer, away from a height where something begins or ends."""
+
+THIN = 0.15
+"""Wall over inner radius, below which one cell through the wall of a tube is enough."""
 
 SHELL = 0.25
 """First layer beside such a height, as a share of the size of a cell: a thin tube's boundary layer is shorter than its waves."""
@@ -128,6 +131,8 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
     prisms = [prism for u in group for prism in (*u.solids, *u.voids)]
     feet = [prism for u in all_parts for prism in (*u.solids, *u.voids) if _touches(prism, group)]
     plan = covered([prism.outline for prism in (*prisms, *feet)], size, around)
+    for inner, outer in _walls(all_parts, size):
+        plan = with_whole_walls(plan, inner, outer)
     heights = _heights(group, size)
     numbers = {u.name: number for number, u in enumerate(all_parts)}
     chosen = [
@@ -138,6 +143,18 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
     ]
     levels = np.sort(np.concatenate([heights, (heights[1:] + heights[:-1]) / 2]))
     return _stacked(plan, levels, chosen)
+
+
+def _walls(uprights: Sequence[Upright], size: float) -> list[tuple[float, float]]:
+    """Inner and outer radius [m] of thin tubes about the axis."""
+    tubes = [
+        (void.outline.size[0] / 2, solid.outline.size[0] / 2)
+        for u in uprights
+        for solid in u.solids
+        for void in u.voids
+        if solid.outline.round and void.outline.round and not np.any(solid.outline.centre) and not np.any(void.outline.centre)
+    ]
+    return sorted({(float(a), float(b)) for a, b in tubes if b - a < THIN * a})
 
 
 def _touches(prism: Prism, group: Sequence[Upright]) -> bool:

@@ -1,8 +1,8 @@
 """gmsh at work, in a process of its own: ``python -m fem.solid.mesher FOLDER``.
 
-gmsh ends its process on some geometries instead of reporting a fault, and cannot be interrupted; `fem.solid.tetrahedra` therefore
-starts this module for every attempt, with the job in `FOLDER` (``job.json`` and one BREP a body, in millimetres), and finds the answer
-there: ``mesh.npz``, or ``fault.json``.
+gmsh ends its process on some geometries instead of reporting a fault, and cannot be interrupted; `fem.solid.tetrahedra`
+therefore starts this module for every attempt, with the job in `FOLDER` (``job.json`` and one BREP a body, in millimetres),
+and finds the answer there: ``mesh.npz``, or ``fault.json``.
 """
 
 from __future__ import annotations
@@ -195,8 +195,8 @@ def _refuse_above(sizes: Sizing, found: int, words: str) -> None:
         raise BadInput(
             source="mesh",
             field="size",
-            problem=f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed (size given: {given}, "
-            f"fineness {sizes.fineness:g})",
+            problem=f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed "
+            f"(size given: {given}, fineness {sizes.fineness:g})",
             remedy="Give a larger element size or a smaller fineness, or allow more",
         )
 

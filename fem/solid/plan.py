@@ -91,6 +91,25 @@ def covered(outlines: Iterable[Outline], size: float, around: int) -> Plan:
         return _read(gmsh)
 
 
+def with_whole_walls(plan: Plan, inner: float, outer: float) -> Plan:
+    """`plan` with one quadrilateral, not two, through the wall between circles of radius `inner` and `outer` [m] about the axis.
+
+    Two that meet on the middle circle share an edge there, whose nodes become the middle nodes of the one.
+    """
+    radius = np.hypot(*plan.points.T)
+    middle = np.hypot(*plan.centres.T)
+    halves = np.flatnonzero((inner < middle) & (middle < outer))
+    on_middle = np.isclose(radius, (inner + outer) / 2, rtol=0, atol=0.1 * (outer - inner))
+    edges: dict[tuple[int, ...], list[Integers]] = {}
+    for quad in plan.quads[halves]:
+        side = next(n for n in range(4) if on_middle[quad[n]] and on_middle[quad[(n + 1) % 4]])
+        turned = np.concatenate([np.roll(quad[:4], -side), np.roll(quad[4:8], -side)])
+        edges.setdefault(tuple(sorted((turned[0], turned[1]))), []).append(turned)
+    # a = (s, t, ...) with the shared edge s-t first, b the same edge from its other side: (t, s, ...)
+    whole = [[a[2], a[3], b[2], b[3], a[6], a[0], b[6], a[1], a[4]] for a, b in edges.values()]
+    return Plan(points=plan.points, quads=np.vstack([np.delete(plan.quads, halves, axis=0), np.array(whole, dtype=np.intp)]))
+
+
 def _face(occ: Any, outline: Outline) -> tuple[int, int]:
     x, y = outline.centre
     a, b = outline.size
@@ -155,8 +174,10 @@ def _set_sizes(gmsh: Any, size: float, around: int, walls: Array) -> None:
     options = {
         "MeshSizeMax": 2 * size,
         "MeshSizeFromPoints": 0,
+        "MeshSizeExtendFromBoundary": 0,
         "Algorithm": 8,
         "RecombineAll": 1,
+        "RecombinationAlgorithm": 0,
         "SubdivisionAlgorithm": 1,
         "ElementOrder": 2,
         "SecondOrderIncomplete": 0,

@@ -1,7 +1,8 @@
 """Re-entrant edges, found in a mesh: where the material around an edge of the skin fills more than half a turn.
 
-The angles of all tetrahedra at an edge add up to the angle of the material there, whatever faces, bodies and seams meet in it. The
-elastic stress is singular at such an edge, and uniform meshes converge slowly there (Williams, J. Appl. Mech. 19, 1952, 526).
+The angles of all tetrahedra at an edge add up to the angle of the material there, whatever faces, bodies and seams meet in
+it. The elastic stress is singular at such an edge, and uniform meshes converge slowly there (Williams, J. Appl. Mech. 19,
+1952, 526).
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def curves(gmsh: Any) -> list[int]:
     points = np.reshape(coordinates, (-1, 3))[place]
     number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
     number[np.sort(tags)] = np.arange(len(tags))
-    cells = number[np.concatenate([nodes for nodes in gmsh.model.mesh.getElements(3)[2]]).astype(np.int64)].reshape(-1, 4)
+    cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
     edges, angles = edge_angles(points, cells)
     sharp = {tuple(edge) for edge in edges[(angles > HALF_A_TURN) & (angles < FULL_TURN)].tolist()}
     return [curve for _, curve in gmsh.model.getEntities(1) if _is_sharp(gmsh, curve, number, sharp)]
@@ -42,7 +43,7 @@ def edge_angles(points: Array, cells: Any) -> tuple[Any, Array]:
         pairs.append(np.sort(cells[:, [a, b]], axis=1))
         angles.append(_dihedral(*(points[cells[:, corner]] for corner in (a, b, c, d))))
     edges, where = np.unique(np.vstack(pairs), axis=0, return_inverse=True)
-    return edges, np.bincount(where.ravel(), weights=np.concatenate(angles))
+    return edges, np.asarray(np.bincount(where.ravel(), weights=np.concatenate(angles)), dtype=np.float64)
 
 
 def _dihedral(a: Array, b: Array, c: Array, d: Array) -> Array:

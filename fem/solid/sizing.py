@@ -1,9 +1,9 @@
 """How large the elements are: from thickness and curvature, by one number finer, and finer still at re-entrant edges.
 
-Three rules, the smallest holds. A body's own size follows its mean thickness 2 V / A (exactly the thickness of a plate, a third of
-a cube's edge). A curved face has at least `AROUND` elements on a full circle, and on a thin wall so many that a chord does not cut
-through a quarter of the wall. At a re-entrant edge, where stress is singular, elements are `refinement` times smaller. Away from
-what is small the size grows by `GROWTH` metres a metre.
+Three rules, the smallest holds. A body's own size follows its mean thickness 2 V / A (exactly the thickness of a plate, a
+third of a cube's edge). A curved face has at least `AROUND` elements on a full circle, and on a thin wall so many that a
+chord does not cut through a quarter of the wall. At a re-entrant edge, where stress is singular, elements are `refinement`
+times smaller. Away from what is small the size grows by `GROWTH` metres a metre.
 """
 
 from __future__ import annotations

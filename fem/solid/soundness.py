@@ -36,8 +36,8 @@ def base(mesh: SolidMesh) -> Integers:
         raise BadInput(
             source="mesh",
             field="base",
-            problem=f"no face lies on the lowest plane: the article meets z = {1e3 * lowest[2]:.4g} mm in {int(on.sum())} node(s) "
-            f"only, the lowest at {_place(lowest)}, and cannot be held there",
+            problem=f"no face lies on the lowest plane: the article meets z = {1e3 * lowest[2]:.4g} mm in {int(on.sum())} "
+            f"node(s) only, the lowest at {_place(lowest)}, and cannot be held there",
             remedy="Turn it so that its mounting face is a plane and points down, or add the foot it stands on",
         )
     return np.flatnonzero(on)
@@ -92,7 +92,7 @@ def _on_the_plane(mesh: SolidMesh) -> np.ndarray:
 def _held_cells(mesh: SolidMesh, on: np.ndarray) -> np.ndarray:
     """Whether a cell has all corners of a face among the nodes `on`; (c,)."""
     corners = on[mesh.cells]
-    return np.any([corners[:, list(face)].all(axis=1) for face in _faces(mesh)], axis=0)
+    return np.asarray(np.any([corners[:, list(face)].all(axis=1) for face in _faces(mesh)], axis=0))
 
 
 def _faces(mesh: SolidMesh) -> Sequence[tuple[int, ...]]:

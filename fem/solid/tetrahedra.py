@@ -1,9 +1,9 @@
 """Any article as curved ten-node tetrahedra, made by gmsh.
 
-Every part is drawn by OCC, handed over as BREP in millimetres and fragmented with the others, so that bodies in contact share the
-nodes of the common face and no joint has to be invented. The first-order mesh is made first; its edges are then bent onto the true
-surfaces, since straight ones lose mass at every circle. What cannot be meshed is tried again with smaller elements before it is
-refused.
+Every part is drawn by OCC, handed over as BREP in millimetres and fragmented with the others, so that bodies in contact share
+the nodes of the common face and no joint has to be invented. The first-order mesh is made first; its edges are then bent onto
+the true surfaces, since straight ones lose mass at every circle. What cannot be meshed is tried again with smaller elements
+before it is refused.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh
                     break  # too fine to be afforded: what made it finer is what the user must hear
                 raise
     raise CheckFailed(
-        f"no valid mesh after {len(failures)} attempt(s): {failures[-1]}. Give a smaller element size, or simplify the body there in "
-        "the CAD",
+        f"no valid mesh after {len(failures)} attempt(s): {failures[-1]}. Give a smaller element size, or simplify the body there "
+        "in the CAD",
         failures=tuple(failures),
     )
 

@@ -14,10 +14,18 @@ from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.lengths import length_unit
 from geometry.materials import Material
+from geometry.quantities import quantity
 from geometry.user_article.made_of import density, made_of
 
 DESCRIPTION = "article.toml"
 _TOP = ("format", "article", "part", "material")
+_ELASTIC = {
+    "youngs_modulus": ("pressure", 0.0, np.inf, '"207 GPa"'),
+    "poisson_ratio": ("ratio", -1.0, 0.5, "0.3"),
+    "loss_factor": ("ratio", -1e-12, 1.0, "0.002 to 0.01"),
+}
+"""What a solid model needs to know of a material beside its density: dimension, open range in SI, and an example."""
+
 _PART = ("name", "file", "unit", "material", "density", "body", "materials", "position_mm", "rotation_deg")
 
 
@@ -141,10 +149,26 @@ def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> 
 def _own_material(name: str, entry: Any, source: str) -> Material:
     where = f"material.{name}"
     table = keys.require_table(entry, source=source, where=where)
-    keys.require_known(table, ("density",), source=source, where=where)
+    keys.require_known(table, ("density", *_ELASTIC), source=source, where=where)
     if "density" not in table:
         raise BadInput(source=source, field=f"{where}.density", problem="is missing", remedy='Add density = "7800 kg/m^3"')
-    return Material(name=name, density=density(table["density"], source, f"{where}.density"))
+    elastic = {key: _elastic(key, table[key], source, f"{where}.{key}") for key in _ELASTIC if key in table}
+    return Material(name=name, density=density(table["density"], source, f"{where}.density"), **elastic)
+
+
+def _elastic(key: str, value: Any, source: str, where: str) -> float:
+    """A modulus [Pa], Poisson's ratio or loss factor, within its range."""
+    dimension, lowest, highest, example = _ELASTIC[key]
+    text = str(value) if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool) else value
+    found = quantity(text, dimension, source=source, field=where).nominal_value
+    if not lowest < found < highest:
+        raise BadInput(
+            source=source,
+            field=where,
+            problem=f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}",
+            remedy=f"Steel has {example}",
+        )
+    return float(found)
 
 
 def _materials(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> dict[str, Material]:

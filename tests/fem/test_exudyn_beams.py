@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem import beam, flexible_body
+from fem.beam_clumod import Joint, Port
 from fem.dynamic_mass import modal
 from fem.flexible_body import driven, native
 from fem.flexible_body.linearised import linearise, stiffness_of
@@ -20,8 +21,9 @@ from fem.sandwich import sandwich
 from fem.section import Section, rectangle
 from geometry.arrays import Array
 from geometry.articles import built_in
+from geometry.articles.dimensions import load
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rotation_about
+from geometry.frames import rigid_transformation_6, rotation_about
 from geometry.inertia import Inertia
 from geometry.materials import material
 from geometry.multibody import inertia as drawn_inertia
@@ -67,7 +69,7 @@ def test_error_of_a_frequency_falls_with_the_square_of_the_element_length() -> N
 
 
 def test_two_meshes_give_the_closed_form_that_neither_has() -> None:
-    """Rotary inertia and shear take (1 + E / k G) (beta r)² / 2, 4e-4, off the second mode of a bar 100 times as long as thick."""
+    """Rotary inertia and shear take (1 + E / k G) (beta r)² / 2, 4e-4, off the second mode of a bar this slender."""
     found = flexible_body.modes_of_plan(cantilever(16), 3).frequency[[0, 2]]
     assert_allclose(found, BENDING, rtol=6e-4)
     assert_allclose(found, fixed_base_of(cantilever(60), 3).frequency[[0, 2]], rtol=5e-5)
@@ -151,9 +153,9 @@ def test_dynamic_mass_agrees_with_the_beam_model(
 def test_loss_of_every_mode_of_the_band_comes_from_the_parts(
     name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
 ) -> None:
-    """From 0.003 of steel to 0.038 where the layer works hardest."""
+    """From 0.003 of steel to 0.038 where the layer works hardest; losses are those of the finer mesh, not extrapolated."""
     kept = np.flatnonzero(by_us[name].frequency < 32)
-    assert_allclose(by_exudyn[name].damping_ratio[kept], by_us[name].damping_ratio[kept], rtol=0.02)
+    assert_allclose(by_exudyn[name].damping_ratio[kept], by_us[name].damping_ratio[kept], rtol=0.03)
 
 
 def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices() -> None:
@@ -194,6 +196,21 @@ def test_load_cells_are_springs_in_exudyn_too() -> None:
     plan = beam.plan("fmd+clumod-1", elements=6, cells=beam.load_cells())
     ours = fixed_base_of(refined(plan, 4), 5).frequency
     assert_allclose(flexible_body.modes_of_plan(plan, 5).frequency, ours, rtol=2e-4)
+
+
+@pytest.mark.parametrize("member", ["lower-1", "upper-short"])
+def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
+    """A spring between the mast and a blade, solid or sandwich, stiff enough to lift a frequency of the band by half a per cent."""
+    (z,) = (blade["z"] for blade in load("clumod")["blade"] if blade["name"] == member)
+    ports, places = (Port(member="mast", at=1.2), Port(member=member, at=0.3)), np.array([[0.0, 0.0, 1.2], [0.0, 0.3, z]])
+    relative = np.hstack(
+        [side * rigid_transformation_6([0.0, 0.0, 1.0] - place) for side, place in zip((-1, 1), places, strict=True)]
+    )
+    joint = Joint(ports=ports, stiffness=relative.T @ np.diag([1e4, 1e4, 1e4, 1e2, 1e2, 1e2]) @ relative)
+    ours = fixed_base(beam.structure("clumod-4", elements=24, joints=[joint]), 8).frequency
+    without = fixed_base(beam.structure("clumod-4", elements=24), 8).frequency
+    assert np.max(ours / without) > 1.005
+    assert_allclose(flexible_body.modes("clumod-4", 8, joints=[joint]).frequency, ours, rtol=5e-4)
 
 
 def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:

@@ -116,8 +116,16 @@ def test_a_base_that_holds_half_a_point_is_refused(bar: Structure) -> None:
 
 
 def test_more_modes_than_the_solid_has_are_refused_in_exudyns_words(bar: Structure) -> None:
-    with pytest.raises(CheckFailed, match="exudyn .* failed when it should make a flexible body of the solid: "):
+    with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should make a flexible body of the solid: "):
         floating_frame(bar, bar.mass.shape[0])
+
+
+def test_a_solid_too_large_for_exudyns_factorisation_is_refused_before_it_starts(
+    bar: Structure, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fem.flexible_body.floating_frame.LARGEST", 200)
+    with pytest.raises(BadInput, match=r"up to 200 degrees of freedom here, found 243.*native beams"):
+        floating_frame(bar, COUNT)
 
 
 def test_nothing_is_printed(bar: Structure, capfd: pytest.CaptureFixture[str]) -> None:
@@ -138,13 +146,13 @@ def turned(structure: Structure, spin: Array, steps: int) -> Instant:
 def solid_bar(youngs_modulus: float = 207e9, cells: tuple[int, int, int] = (1, 1, 4)) -> Structure:
     """A steel bar of hexahedra on its lower end, its corner so placed that every first moment and product differs from zero."""
     grid = [np.linspace(0, size, 2 * n + 1) for size, n in zip(SIZE, cells, strict=True)]
-    points = np.stack(np.meshgrid(*grid, indexing="ij"), -1).reshape(-1, 3) + [0.02 - SIZE[0] / 2, -0.01 - SIZE[1] / 2, 0.0]
+    corner = np.array([0.02 - SIZE[0] / 2, -0.01 - SIZE[1] / 2, 0.0])
+    points = corner + np.stack(np.meshgrid(*grid, indexing="ij"), -1).reshape(-1, 3)
     numbers = np.arange(len(points)).reshape([len(axis) for axis in grid])
     local = np.rint(2 * LOCAL_HEX27).astype(int)
-    corners = product(*map(range, cells))
     mesh = SolidMesh(
         points=points,
-        cells=np.array([numbers[tuple((local + 2 * np.array(corner)).T)] for corner in corners]),
+        cells=np.array([numbers[tuple((local + 2 * np.array(cell)).T)] for cell in product(*map(range, cells))]),
         part=np.zeros(int(np.prod(cells)), dtype=np.intp),
         parts=("bar",),
     )
