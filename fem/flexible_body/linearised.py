@@ -74,11 +74,15 @@ class Linearised:
 
         It is P^T K^-1 P with P = M T: the sum of L L^T / omega² over all modes.
         """
+        return np.asarray(self.answer(self.mass @ self.rigid, np.zeros((1, 1))), dtype=np.float64)
+
+    def answer(self, loads: Array, lossy: Array) -> Any:
+        """F^T (K + i S)^-1 F (m, m) for loads F (n, m) with the base held and the joints closed; real without `lossy` S."""
         n, c = self.constraints.shape
-        P = self.mass @ self.rigid
-        saddle = np.block([[self.stiffness, self.constraints], [self.constraints.T, np.zeros((c, c))]])
-        X = np.linalg.solve(saddle[BASE:, BASE:], np.vstack([P[BASE:], np.zeros((c, 6))]))
-        return np.asarray(P[BASE:].T @ X[: n - BASE])
+        K = self.stiffness + 1j * lossy if lossy.any() else self.stiffness
+        saddle = np.block([[K, self.constraints], [self.constraints.T, np.zeros((c, c))]])
+        X = np.linalg.solve(saddle[BASE:, BASE:], np.vstack([loads[BASE:], np.zeros((c, loads.shape[1]))]))
+        return loads[BASE:].T @ X[: n - BASE]
 
 
 def linearise(plan: Plan, count: int) -> Linearised:
