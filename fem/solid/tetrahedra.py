@@ -56,8 +56,8 @@ def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh
                     break  # too fine to be afforded: what made it finer is what the user must hear
                 raise
     raise CheckFailed(
-        f"no valid mesh after {len(failures)} attempt(s): {failures[-1]}. Give a smaller element size, or simplify the body there "
-        "in the CAD",
+        f"no valid mesh after {len(failures)} attempt(s): {failures[-1]}. Give a smaller element size, or simplify the body "
+        "there in the CAD",
         failures=tuple(failures),
     )
 
