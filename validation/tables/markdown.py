@@ -10,7 +10,7 @@ from validation.tables.grid import Grid, grids, notes
 
 def render(table: ReferenceTable) -> str:
     """`table` as a section of a Markdown page."""
-    shown = "\n\n".join(_grid(grid) for grid in grids(table))
+    shown = "\n\n".join(pipes(grid) for grid in grids(table))
     listed = "\n".join(f"- {escaped(note)}" for note in notes(table))
     return f"### {escaped(table.article)}\n\n{shown}\n\n{listed}\n"
 
@@ -20,7 +20,8 @@ def escaped(text: str) -> str:
     return re.sub(r"([\\`*<|\[\]]|(?<!\w)_|_(?!\w))", r"\\\1", text)
 
 
-def _grid(grid: Grid) -> str:
+def pipes(grid: Grid) -> str:
+    """`grid` as one pipe table."""
     header = tuple(map(escaped, grid.header))
     columns = list(zip(header, *grid.lines, strict=True))
     widths = [max(3, *(len(cell) for cell in column)) for column in columns]

@@ -16,12 +16,16 @@ FAMILIES = {
     "essentials": "patch test, rigid body, units",
     "plates": "NAFEMS plates",
     "rods": "an article meshed by gmsh",
-    "dynamic_mass": "dynamic mass",
+    "dynamic-mass": "dynamic mass",
+    "exudyn": "exudyn's own beams",
 }
-"""Families by the name that the command takes, in the order of the table; each is a module of this package."""
+"""Families by the name that the command takes, in the order of the table."""
+
+_MODULES = {"dynamic-mass": "dynamic_mass", "exudyn": "exudyn_beams"}
+"""Where the module of this package is not called like its family."""
 
 
 def checks(*families: str) -> tuple[Check, ...]:
     """The rows of `families`, of all when none is named."""
     chosen = families or tuple(FAMILIES)
-    return tuple(check for family in chosen for check in import_module(f"{__name__}.{family}").CHECKS)
+    return tuple(check for family in chosen for check in import_module(f"{__name__}.{_MODULES.get(family, family)}").CHECKS)

@@ -19,7 +19,7 @@ from geometry.arrays import Array
 
 ComplexMatrix = npt.NDArray[np.complex128]
 
-STEPS = 500
+STEPS = 2000
 """Steps of the frequency axis in which a determinant is looked at for a change of sign."""
 
 
@@ -56,13 +56,13 @@ def euler_bernoulli_free(beam: Beam, count: int) -> Array:
 def timoshenko_cantilever(beam: Beam, count: int) -> Array:
     """Frequencies (count,) [Hz] at which a clamped beam can move with neither moment nor shear at its tip."""
     highest = 1.01 * euler_bernoulli_cantilever(beam, count)[-1]  # shear and rotary inertia only lower them
-    return _roots(lambda f: _determinant(_over(beam, 2 * np.pi * f)[2:, 2:]), highest, count)
+    return _roots(lambda f: _determinants(_over(beam, 2 * np.pi * f)[:, 2:, 2:]), highest, count)
 
 
 def timoshenko_free(beam: Beam, count: int) -> Array:
     """Frequencies (count,) [Hz] of the elastic modes of a beam with neither moment nor shear at both ends."""
     highest = 1.01 * euler_bernoulli_free(beam, count)[-1]
-    return _roots(lambda f: _determinant(_over(beam, 2 * np.pi * f)[2:, :2]), highest, count)
+    return _roots(lambda f: _determinants(_over(beam, 2 * np.pi * f)[:, 2:, :2]), highest, count)
 
 
 def rod_fixed_free(wave_speed: float, length: float, count: int) -> Array:
@@ -82,35 +82,33 @@ def base_driven(beam: Beam, frequency: npt.ArrayLike) -> ComplexMatrix:
     The beam lies along x from the clamp and deflects along y, so that the rotation is about z and the moment that the clamp
     exerts as well. The frequency must not be zero.
     """
-    return np.array([_base_driven(beam, 2 * np.pi * f) for f in np.atleast_1d(np.asarray(frequency, dtype=np.float64))])
-
-
-def _base_driven(beam: Beam, omega: float) -> ComplexMatrix:
+    omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     T = _over(beam, omega)
     # At the tip M = Q = 0 = T[2:, :2] @ (w, psi) + T[2:, 2:] @ (M, Q); the clamp exerts -Q along y and -M about z.
-    return np.asarray(np.linalg.solve(T[2:, 2:], T[2:, :2])[::-1] / -(omega**2), dtype=np.complex128)
+    answer = np.linalg.solve(T[:, 2:, 2:], T[:, 2:, :2])[:, ::-1]
+    return np.asarray(answer / -(omega[:, None, None] ** 2), dtype=np.complex128)
 
 
-def _over(beam: Beam, omega: float) -> ComplexMatrix:
-    """What the beam makes of w, psi, M, Q at its start; the exponential of its state matrix (4, 4)."""
-    from scipy.linalg import expm
+def _over(beam: Beam, omega: Array) -> ComplexMatrix:
+    """What the beam makes of w, psi, M, Q at its start (n, 4, 4): the exponential of its state matrix, by its eigenvectors.
 
-    s = omega**2
-    # Scaled to the beam's own length and stiffness, or the exponential would lose digits to the units.
-    L, EI = beam.length, abs(beam.bending)
-    A = np.zeros((4, 4), dtype=np.complex128)
-    A[0, 1], A[0, 3] = L, L / beam.shear * EI / L**2 if np.isfinite(beam.shear) else 0.0
-    A[1, 2] = EI / beam.bending
-    A[2, 1], A[2, 3] = -beam.rotary * s * L**2 / EI, -1.0
-    A[3, 0] = -beam.mass * s * L**3 / EI
-    # States: w [m], psi, M L / EI, Q L² / EI.
-    scale = np.array([1.0, 1.0, EI / L, EI / L**2])
-    T = expm(A)
+    Deflection and rotation are measured in the beam's length and in radians, moment and force in E I / L and E I / L², or the
+    exponential would lose digits to the units.
+    """
+    L, EI, s = beam.length, abs(beam.bending), omega**2
+    A = np.zeros((len(omega), 4, 4), dtype=np.complex128)
+    A[:, 0, 1], A[:, 0, 3] = 1.0, EI / L**2 / beam.shear
+    A[:, 1, 2] = EI / beam.bending
+    A[:, 2, 1], A[:, 2, 3] = -beam.rotary * s * L**2 / EI, -1.0
+    A[:, 3, 0] = -beam.mass * s * L**4 / EI
+    values, vectors = np.linalg.eig(A)
+    T = (vectors * np.exp(values)[:, None, :]) @ np.linalg.inv(vectors)
+    scale = np.array([L, 1.0, EI / L, EI / L**2])
     return np.asarray(scale[:, None] * T / scale[None, :], dtype=np.complex128)
 
 
-def _determinant(block: ComplexMatrix) -> float:
-    return float(np.linalg.det(block).real)
+def _determinants(blocks: ComplexMatrix) -> Array:
+    return np.asarray(np.linalg.det(blocks).real)
 
 
 def _euler_bernoulli(beam: Beam, count: int, equation: Callable[[float], float], near: list[float]) -> Array:
@@ -120,11 +118,11 @@ def _euler_bernoulli(beam: Beam, count: int, equation: Callable[[float], float],
     return np.asarray((roots / beam.length) ** 2 / (2 * np.pi) * np.sqrt(abs(beam.bending) / beam.mass))
 
 
-def _roots(function: Callable[[float], float], highest: float, count: int) -> Array:
+def _roots(function: Callable[[Array], Array], highest: float, count: int) -> Array:
     """The lowest `count` roots between a thousandth of `highest` and `highest`."""
     from scipy.optimize import brentq
 
     grid = np.linspace(1e-3 * highest, highest, STEPS)
-    values = np.array([function(f) for f in grid])
-    signs = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
-    return np.array([brentq(function, grid[k], grid[k + 1], xtol=1e-13 * highest) for k in signs[:count]])
+    values = function(grid)
+    signs = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))[:count]
+    return np.array([brentq(lambda f: function(np.array([f]))[0], grid[k], grid[k + 1], xtol=1e-13 * highest) for k in signs])

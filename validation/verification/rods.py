@@ -33,11 +33,15 @@ MOVES = 0.01
 X, GAMMA = 0, 5
 
 
+def article() -> Article:
+    """The rod, upright."""
+    shape = Shape(solids=(upright(Cylinder(diameter=DIAMETER, height=LENGTH), bottom=0.0),))
+    return Article(name="rod", parts=(Part(name="rod", material=STEEL, shape=shape),))
+
+
 @once
 def _rod(mesh: Mesh) -> Structure:
-    shape = Shape(solids=(upright(Cylinder(diameter=DIAMETER, height=LENGTH), bottom=0.0),))
-    article = Article(name="rod", parts=(Part(name="rod", material=STEEL, shape=shape),))
-    return structure(article, Sizing(fineness=FINENESS[mesh]))
+    return structure(article(), Sizing(fineness=FINENESS[mesh]))
 
 
 @once

@@ -1,0 +1,196 @@
+"""Every row of the verification table fails when what it checks is broken.
+
+A break changes one thing behind the rows of a family, not their references; the last test adds up what failed. Meshes are coarser
+than the command's, so a broken row must also be at least twice as wrong as the sound one on the same mesh.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import fem.frame
+import fem.solid.elasticity
+import fem.solid.model
+from fem.modes import Modes
+from fem.structure import Structure
+from validation.verification import (
+    FAMILIES,
+    checks,
+    dynamic_mass,
+    exudyn_beams,
+    plates,
+    rods,
+    sandwich,
+    solids,
+)
+from validation.verification.check import Mesh, Result, run
+from validation.verification.grids import HEX, TET
+
+SOFT = 1.2
+"""A wrong stiffness or mass: this many times the right one."""
+
+Patch = pytest.MonkeyPatch
+
+
+def scaled(patch: Patch, module: object, name: str, factor: float = SOFT) -> None:
+    """`name` of `module` returns `factor` times what it should."""
+    right = getattr(module, name)
+    patch.setattr(module, name, lambda *args, **kwargs: factor * right(*args, **kwargs))
+
+
+def beam_stiffness(patch: Patch) -> None:
+    right = fem.frame.timoshenko
+    patch.setattr(fem.frame, "timoshenko", lambda *args: _times(right(*args), SOFT, 1.0))
+
+
+def beam_mass(patch: Patch) -> None:
+    right = fem.frame.timoshenko
+    patch.setattr(fem.frame, "timoshenko", lambda *args: _times(right(*args), 1.0, SOFT))
+
+
+def beam_grounded(patch: Patch) -> None:
+    right = fem.frame.timoshenko
+
+    def wrong(*args: object) -> object:
+        element = right(*args)
+        return replace(element, stiffness={part: k + np.diag(np.diag(k)) for part, k in element.stiffness.items()})
+
+    patch.setattr(fem.frame, "timoshenko", wrong)
+
+
+def _times(element: object, stiffness: float, mass: float) -> object:
+    return replace(element, stiffness={part: stiffness * k for part, k in element.stiffness.items()}, mass=mass * element.mass)
+
+
+def layer_stiffness(patch: Patch) -> None:
+    right = sandwich.sandwich
+    patch.setattr(sandwich, "sandwich", lambda *args: replace(right(*args), slip=SOFT * right(*args).slip))
+
+
+def solid_stiffness(patch: Patch) -> None:
+    scaled(patch, fem.solid.elasticity, "_stiffness")
+
+
+def solid_mass(patch: Patch) -> None:
+    scaled(patch, fem.solid.elasticity, "_mass")
+
+
+def solid_grounded(patch: Patch) -> None:
+    right = fem.solid.elasticity._stiffness
+
+    def wrong(*args: object) -> np.ndarray:
+        K = right(*args)
+        size = K.shape[1] * 3
+        return K + 1e8 * np.eye(size).reshape(K.shape[1:])
+
+    patch.setattr(fem.solid.elasticity, "_stiffness", wrong)
+
+
+def second_source(patch: Patch) -> None:
+    for name in ("thin_plate", "in_plane"):
+        scaled(patch, plates.ritz, name, 1.01)
+
+
+def article_mass(patch: Patch) -> None:
+    right = dynamic_mass.structure
+    patch.setattr(dynamic_mass, "structure", lambda name: _heavier(right(name)))
+
+
+def _heavier(article: Structure) -> Structure:
+    return replace(article, mass=1.01 * article.mass)
+
+
+def residual(patch: Patch) -> None:
+    """Left out where it belongs, put in where it does not."""
+    right = dynamic_mass.modal
+    patch.setattr(dynamic_mass, "modal", lambda modes, lines, residual=True: right(modes, lines, residual=not residual))
+
+
+def reciprocity(patch: Patch) -> None:
+    right = dynamic_mass.direct
+
+    def wrong(*args: object, **kwargs: object) -> object:
+        H = right(*args, **kwargs)
+        return replace(H, matrix=H.matrix + np.eye(6, k=1))
+
+    patch.setattr(dynamic_mass, "direct", wrong)
+
+
+def exudyn_stiffness(patch: Patch) -> None:
+    right = exudyn_beams.modes_of_plan
+
+    def wrong(plan: object, count: int) -> Modes:
+        members = tuple(replace(m, section=_stiffer(m.section)) for m in plan.members)
+        return right(replace(plan, members=members), count)
+
+    patch.setattr(exudyn_beams, "modes_of_plan", wrong)
+
+
+def _stiffer(section: object) -> object:
+    names = ("axial", "torsion", "bending_y", "bending_z", "shear_y", "shear_z")
+    return replace(section, **{name: SOFT * getattr(section, name) for name in names})
+
+
+@dataclass(frozen=True)
+class Family:
+    """The breaks that together fail every row of a family."""
+
+    name: str
+    breaks: tuple[Callable[[Patch], None], ...]
+
+
+CASES = (
+    Family("beams", (beam_stiffness, beam_mass, beam_grounded)),
+    Family("sandwich", (layer_stiffness,)),
+    Family("solids", (solid_stiffness,)),
+    Family("essentials", (solid_stiffness, solid_mass, solid_grounded)),
+    Family("plates", (solid_stiffness, second_source)),
+    Family("rods", (solid_stiffness, solid_mass)),
+    Family("dynamic-mass", (beam_stiffness, solid_mass, beam_mass, article_mass, residual, reciprocity)),
+    Family("exudyn", (exudyn_stiffness,)),
+)
+
+
+@pytest.fixture
+def coarse(monkeypatch: Patch) -> None:
+    """Meshes on which a family takes a second or so."""
+    monkeypatch.setitem(solids.BAR_CELLS, Mesh.FAST, (2, 1, 10))
+    for nodes, cells in ((HEX, (2, 3, 4)), (TET, (3, 4, 6))):
+        monkeypatch.setitem(solids.CUBE_CELLS, nodes, cells)
+    monkeypatch.setitem(plates.THIN_CELLS, Mesh.FAST, (4, 6))
+    monkeypatch.setitem(plates.THICK_CELLS, Mesh.FAST, (4, 4, 1))
+    monkeypatch.setattr(fem.solid.model, "tetrahedra", cache(fem.solid.model.tetrahedra))  # gmsh once, not once a break
+    monkeypatch.setattr(fem.solid.model, "bodies", cache(fem.solid.model.bodies))
+    monkeypatch.setattr(rods, "article", cache(rods.article))
+    monkeypatch.setitem(exudyn_beams.ELEMENTS, Mesh.FAST, 6)
+    monkeypatch.setattr(dynamic_mass, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
+
+
+def test_every_family_has_its_breaks() -> None:
+    assert [case.name for case in CASES] == list(FAMILIES)
+
+
+@pytest.mark.usefixtures("coarse")
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_every_row_fails_when_what_it_checks_is_broken(case: Family) -> None:
+    sound = run(checks(case.name))
+    failed: set[str] = set()
+    for broken in case.breaks:
+        with pytest.MonkeyPatch.context() as patch:
+            broken(patch)
+            now = {was.check.what for was, result in zip(sound, run(checks(case.name)), strict=True) if _worse(was, result)}
+        assert now, f"{broken.__name__} breaks nothing"
+        failed |= now
+    assert failed == {result.check.what for result in sound}
+
+
+def _worse(sound: Result, broken: Result) -> bool:
+    return not broken.passed and broken.error > 2 * sound.error
+
+
+def test_rows_have_names_of_their_own() -> None:
+    names = [check.what for check in checks()]
+    assert len(names) == len(set(names))

@@ -1,0 +1,91 @@
+"""`massline verify`: the whole table passes, says what fails, and is the one on docs/verification.md."""
+
+import json
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import fem.solid.elasticity
+from validation import cli
+from validation.verification import FAMILIES
+from validation.verification.check import Check, Error, Found, Result
+from validation.verification.table import cells
+
+
+@pytest.fixture(scope="module")
+def whole(massline: Callable[..., subprocess.CompletedProcess[str]]) -> dict[str, Any]:
+    """The JSON object of the whole table."""
+    run = massline("verify", "--json")
+    assert run.returncode == 0, run.stdout + run.stderr
+    return json.loads(run.stdout)
+
+
+def test_the_whole_table_passes(whole: dict[str, Any]) -> None:
+    assert whole["pass"] is True
+    assert [row["what"] for row in whole["rows"] if not row["pass"]] == []
+    assert all(row["error"] <= row["bar"] for row in whole["rows"])
+    assert len({row["family"] for row in whole["rows"]}) == len(FAMILIES)
+
+
+def test_every_row_says_where_its_reference_comes_from(whole: dict[str, Any]) -> None:
+    for row in whole["rows"]:
+        assert set(row) == {"family", "what", "reference", "source", "value", "unit", "error", "error_is", "bar", "pass"}
+        assert row["what"]
+        assert row["source"]
+
+
+def test_the_page_shows_the_table_of_today(root: Path, whole: dict[str, Any]) -> None:
+    """To the letter but for the last digits of what was computed, and for the size of mere rounding."""
+    page = (root / "docs" / "verification.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\|(?! (?:check|:--))(.*)\|$", page, re.MULTILINE)
+    assert len(shown) == len(whole["rows"])
+    for line, row in zip(shown, whole["rows"], strict=True):
+        what, reference, value, _, bar, passed, source = (cell.strip().replace("\\", "") for cell in line.split("|"))
+        now = cells(_result(row))
+        assert (what, bar, passed, source) == (now[0], now[4], now[5], now[6])
+        for printed, known in ((reference, row["reference"]), (value, row["value"])):
+            rounding = 1e-9 if row["error_is"] == "absolute" else 0.0
+            assert float(printed) == pytest.approx(known, rel=1e-4, abs=rounding)
+
+
+def _result(row: dict[str, Any]) -> Result:
+    found = Found(row["reference"], row["value"])
+    check = Check(
+        family=row["family"],
+        what=row["what"],
+        source=row["source"],
+        unit=row["unit"],
+        bar=row["bar"],
+        find=lambda mesh: found,
+        error=Error(row["error_is"]),
+    )
+    return Result(check=check, found=found)
+
+
+def test_a_failed_check_ends_with_exit_code_1_and_its_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    right = fem.solid.elasticity._mass
+    monkeypatch.setattr(fem.solid.elasticity, "_mass", lambda *args: 1.01 * right(*args))
+    assert cli.run(["verify", "essentials"]) == cli.FAILED_CHECK
+    said = capsys.readouterr()
+    assert "2 of 16 checks fail: Rigid mass matrix of hexahedra; Rigid mass matrix of tetrahedra." in said.err
+    assert said.out.count(" NO ") == 2
+
+
+def test_finer_meshes_come_no_less_close(capsys: pytest.CaptureFixture[str]) -> None:
+    errors = []
+    for options in ([], ["--fine"]):
+        assert cli.run(["verify", "beams", "--json", *options]) == cli.DONE
+        rows = json.loads(capsys.readouterr().out)["rows"]
+        errors.append({row["what"]: row["error"] for row in rows if row["unit"] == "Hz"})
+    assert all(errors[1][what] <= 1.1 * errors[0][what] + 1e-6 for what in errors[0])
+
+
+def test_an_unknown_family_is_refused_with_those_there_are(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["verify", "plate"]) == cli.BAD_INPUT
+    assert "'plates'" in capsys.readouterr().err
