@@ -183,7 +183,7 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     omega = 2 * np.pi * modes.frequency
     C = per_mode(damping, omega)
     ratio = equivalent_ratio(C, np.zeros_like(C), omega)
-    return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio)
+    return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
 
 
 def _users_article(name: str, asked: Asked) -> UserArticle:
@@ -202,7 +202,10 @@ def _own(path: str, asked: Asked) -> Flexible:
 
 
 def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: Asked) -> Flexible:
-    from fem.modes import fixed_base
+    if model == "solid":
+        from fem.solid.solved import fixed_base  # remembers what takes minutes
+    else:
+        from fem.modes import fixed_base
 
     modes = fixed_base(structure, asked.count, damping=asked.damping)
     return Flexible(
