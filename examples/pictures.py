@@ -1,9 +1,10 @@
-"""Pictures of every built-in article and set-up, and the sheet of them that the README shows.
+"""Pictures of every built-in article and set-up, and those that README and docs show.
 
     python examples/pictures.py [FOLDER] [SHEET]
 
-Writes one picture an article into FOLDER (``out/pictures``) and the contact sheet to SHEET (``docs/pictures/articles.png``).
-The sheet carries what it shows in figures too, so that a test sees when the articles have moved on.
+Writes one picture an article into FOLDER (``out/pictures``) and the contact sheet to SHEET (``docs/pictures/articles.png``);
+beside the sheet go the modes of Clumod and its dynamic mass. These carry what they show in figures too, so that a test sees when
+the articles have moved on.
 """
 
 import json
@@ -12,11 +13,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from geometry import multibody
 from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
+from validation.flexible.dynamic_mass import BAND, STEP, dynamic_mass, lines, reference_point
+from validation.flexible.model import Asked, flexible
+from validation.flexible.plots import note_on
+from validation.flexible.shapes import draw_sheet
 from validation.output import inertia_json
 from validation.pictures import contact_sheet, drawn_bodies, picture
+from validation.pictures.curves import Curve, side_by_side
+
+SIDE_BY_SIDE = {"disc+cuboid": "Cuboid on its disc", "clumod-1": "Clumod, one blade", "clumod-4": "Clumod, four blades"}
 
 ON_THE_SHEET = ("cuboid", "disc", "fmd", "clumod-1", "clumod-4", "fmd+disc+cuboid")
 
@@ -34,6 +44,30 @@ def main(folder: Path, sheet: Path, names: Sequence[str] = (*NAMES, *SETUPS)) ->
     contact_sheet([folder / f"{name}.png" for name in shown], sheet, about)
 
 
+def flexible_bodies(folder: Path) -> None:
+    """Draw the first 11 modes of Clumod with four blades, and dynamic masses as in the paper's Figs. 7 to 9, into `folder`."""
+    four = flexible("clumod-4", "beam", Asked(count=30))
+    draw_sheet(four, folder, "modes-clumod-4.png", about=json.dumps(frequencies("clumod-4")))
+    drawn = [curve(name) for name in SIDE_BY_SIDE]
+    title = "Dynamic mass about F: flat for what is rigid, resonances for what is not"
+    note = note_on(drawn[0].mass, "F", "in each article's frame")
+    about = json.dumps({name: frequencies(name) for name in SIDE_BY_SIDE})
+    side_by_side(title, drawn, folder / "dynamic-mass.png", note, about)
+
+
+def curve(name: str) -> Curve:
+    """The dynamic mass of the article `name` about F, 4 to 32 Hz, by its beam model."""
+    model = flexible(name, "beam", Asked(count=30))
+    point = reference_point("F", name)[1]
+    H, at_rest = (dynamic_mass(model, f, point) for f in (lines(BAND, STEP), np.zeros(1)))
+    return Curve(name=SIDE_BY_SIDE[name], mass=H, rigid=at_rest.matrix[0].real, modes=model.modes)
+
+
+def frequencies(name: str) -> list[float]:
+    """The first 11 eigenfrequencies [Hz] of the article `name` by its beam model."""
+    return [float(f) for f in flexible(name, "beam", Asked(count=11)).modes.frequency]
+
+
 def figures(article: Article) -> dict[str, Any]:
     """What a picture of `article` shows: its parts with their materials, and its inertia."""
     parts = [[part.name, part.material.name, part.counted] for part in article.parts]
@@ -44,3 +78,4 @@ if __name__ == "__main__":
     given = [Path(argument) for argument in sys.argv[1:]]
     folder, sheet = (*given, *DEFAULTS[len(given) :])
     main(folder, sheet)
+    flexible_bodies(sheet.parent)

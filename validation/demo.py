@@ -59,6 +59,9 @@ STEPS = (
         command=f"python examples/bicycles.py --data {shlex.quote(str(DATA))}",
         needs=DATA / "bicycle_pendulum",
     ),
+    Step(title="Eigenfrequencies of Clumod, beside those in print", command="massline modes clumod-4"),
+    Step(title="What a base-excitation test of it should see, with plots", command="massline dynamic-mass clumod-1 --plot"),
+    Step(title="How far these predictions can be trusted: closed forms, benchmarks, rates", command="massline verify"),
     Step(title="Your own article: a STEP assembly and two meshes", command="python examples/own_article.py out/own-article"),
     Step(title="... with a material for each body", command="massline reference out/own-article --view"),
 )

@@ -363,12 +363,12 @@ def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> N
 def test_nothing_is_said_without_a_screen() -> None:
     """A process of its own without DISPLAY: neither VTK nor Mesa writes to standard error."""
     code = (
-        "from validation.pictures.scene import _shot\n"
+        "from validation.pictures.scene import shot\n"
         "from validation.pictures.window import off_screen\n"
         "from validation.pictures.view import fitted\n"
         "import numpy as np\n"
         "with off_screen():\n"
-        "    assert _shot(fitted(np.eye(3), (32, 24), 2), lambda plotter: None).min() == 255\n"
+        "    assert shot(fitted(np.eye(3), (32, 24), 2), lambda plotter: None).min() == 255\n"
     )
     quiet = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
     ended = subprocess.run([sys.executable, "-P", "-c", code], env=quiet, capture_output=True, text=True, check=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -12,10 +12,16 @@ from geometry.routes import DEFAULT_CHORD
 from validation import changed
 from validation.article_reference import Asked, is_file
 
+if TYPE_CHECKING:
+    from validation.flexible import model as flexible_model
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 CHORDS = (1e-7, 0.1)
 """Smallest and largest chord error of a mesh [m]: finer, OCC's own tolerance is reached; coarser, no round body is left."""
+
+ELEMENT_SIZES = (1e-4, 1.0)
+"""Smallest and largest element size of a solid model [m]: finer, no machine holds it; coarser, no article has room for it."""
 
 FRAME = click.option(
     "--frame",
@@ -23,6 +29,22 @@ FRAME = click.option(
     help='Your own frame, seen from the article\'s: origin, then turns, "0 0 45 mm; z 90 deg"; or a TOML file with [frame].',
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead.")
+
+SET = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Your own dimension of a built-in part, in the unit of its file in geometry/articles, such as "
+    "fmd.load_cell.moving_fraction=0.6. May be repeated.",
+)
+MODEL = click.option(
+    "--model",
+    default="beam",
+    show_default=True,
+    metavar="MODEL",
+    help="beam (milliseconds), solid (meshed CAD) or exudyn (solved by exudyn itself).",
+)
 
 
 def measurement(command: Command) -> Command:
@@ -46,17 +68,58 @@ def asked(command: Command) -> Command:
             metavar="LENGTH",
             help=f"Chord error of the mesh route.  [default: {DEFAULT_CHORD * 1e6:g} um; in your own STEP 1e-4 of a body's size]",
         ),
-        click.option(
-            "--set",
-            "settings",
-            multiple=True,
-            metavar="KEY=VALUE",
-            help="Your own dimension of a built-in part, in the unit of its file in geometry/articles, such as "
-            "fmd.load_cell.moving_fraction=0.6. May be repeated.",
-        ),
+        SET,
     ):
         command = option(command)
     return command
+
+
+def flexible(command: Command) -> Command:
+    """How a flexible model is made: ``--model``, ``--damping``, ``--size``, ``--set``, ``--unit``, ``--material``."""
+    for option in (
+        click.option("--material", metavar="NAME", help="Material of your own CAD file, for every body that has none."),
+        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
+        SET,
+        click.option("--size", metavar="LENGTH", help='Element size of the solid model, for example "20 mm".'),
+        click.option(
+            "--damping",
+            "damping_ratio",
+            type=float,
+            metavar="RATIO",
+            help="Damping ratio of every mode, instead of the model's own.",
+        ),
+        MODEL,
+    ):
+        command = option(command)
+    return command
+
+
+def flexible_asked(
+    *,
+    count: int,
+    damping_ratio: float | None,
+    size: str | None,
+    settings: Sequence[str],
+    unit: str | None,
+    material: str | None,
+) -> flexible_model.Asked:
+    """The options of `flexible`, checked.
+
+    Raises
+    ------
+    BadInput : one of them is out of its range, or no length.
+    """
+    from fem.damping import Damping
+    from validation.flexible.model import Asked
+
+    return Asked(
+        count=count,
+        damping=None if damping_ratio is None else Damping(ratio=damping_ratio),
+        size=None if size is None else _length(size, "--size", ELEMENT_SIZES, '"20 mm"'),
+        changes=changed.read(settings),
+        unit=unit,
+        material=material,
+    )
 
 
 def reading(chord: str | None, unit: str | None, material: str | None, settings: Sequence[str]) -> Asked:
@@ -84,18 +147,22 @@ def require_articles(names: Sequence[str]) -> None:
 
 
 def _chord(text: str) -> float:
+    return _length(text, "--chord", CHORDS, '"2 um"')
+
+
+def _length(text: str, option: str, limits: tuple[float, float], example: str) -> float:
+    """A length [m] within `limits`."""
     from geometry.quantities import quantity
 
+    def refused(problem: str) -> BadInput:
+        return BadInput(source=option, problem=problem, remedy=f"Write for example {example}")
+
     try:
-        size = float(quantity(text, "length", source="--chord", field="").nominal_value)
+        size = float(quantity(text, "length", source=option, field="").nominal_value)
     except BadInput as error:
-        raise _no_chord(error.problem) from None
+        raise refused(error.problem) from None
     if size <= 0:
-        raise _no_chord(f"must be positive, found {text}")
-    if not CHORDS[0] * (1 - 1e-9) <= size <= CHORDS[1] * (1 + 1e-9):  # 0.1 um and 100 mm, whichever way they are rounded
-        raise _no_chord(f"must be from {CHORDS[0] * 1e6:g} um to {CHORDS[1]:g} m, found {text}")
+        raise refused(f"must be positive, found {text}")
+    if not limits[0] * (1 - 1e-9) <= size <= limits[1] * (1 + 1e-9):  # whichever way 0.1 um and 100 mm are rounded
+        raise refused(f"must be from {limits[0] * 1e6:g} um to {limits[1]:g} m, found {text}")
     return size
-
-
-def _no_chord(problem: str) -> BadInput:
-    return BadInput(source="--chord", problem=problem, remedy='Write for example "2 um"')

@@ -4,7 +4,8 @@
 """
 
 from validation.pictures.bodies import DrawnBody, drawn_bodies
-from validation.pictures.contact import contact_sheet, said_about
+from validation.pictures.contact import contact_sheet
+from validation.pictures.files import said_about
 from validation.pictures.page import picture
 
 __all__ = ["DrawnBody", "contact_sheet", "drawn_bodies", "picture", "said_about"]

@@ -7,10 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.errors import BadInput
-from validation.pictures.files import save
-
-ABOUT = "Comment"
-"""The key of a PNG's own words."""
+from validation.pictures.files import ABOUT, save
 
 COLUMNS = 2
 TILE = (800, 600)
@@ -21,7 +18,7 @@ COLOURS = 255
 def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
 
-    A PNG carries the words `about`, which `said_about` reads again.
+    A PNG carries the words `about`, which `validation.pictures.said_about` reads again.
 
     Raises
     ------
@@ -40,14 +37,6 @@ def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
     more = {"pnginfo": _noted(about)} if path.suffix == ".png" and about else {}
     save(path, lambda temporary: finished.save(temporary, optimize=True, **more))
-
-
-def said_about(path: Path) -> str:
-    """The words that a sheet was written with; empty without any."""
-    from PIL import Image
-
-    with Image.open(path) as sheet:
-        return str(sheet.info.get(ABOUT, ""))
 
 
 def _noted(about: str) -> Any:

@@ -30,3 +30,15 @@ def save(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill the picture; an interruption leaves the old one or none."""
     require_format(path)
     write_with(path, write)
+
+
+ABOUT = "Comment"
+"""The key of a PNG's own words."""
+
+
+def said_about(path: Path) -> str:
+    """The words that a PNG was written with; empty without any."""
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        return str(picture.info.get(ABOUT, ""))

@@ -50,15 +50,19 @@ def rendered(view: View, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid, arro
     CheckFailed : nothing can be rendered on this machine.
     """
     with off_screen():
-        whole = _shot(view, lambda plotter: _all(plotter, bodies, ellipsoid, arrows))
-        on_top = _shot(view, lambda plotter: _arrows(plotter, arrows), transparent=True)
+        whole = shot(view, lambda plotter: _all(plotter, bodies, ellipsoid, arrows))
+        on_top = shot(view, lambda plotter: _arrows(plotter, arrows), transparent=True)
     alpha = SEEN_THROUGH * on_top[..., 3:] / 255.0
     blended = whole * (1 - alpha) + on_top[..., :3] * alpha
-    return np.round(_averaged(blended)).astype(np.uint8)
+    return np.round(averaged(blended)).astype(np.uint8)
 
 
-def _shot(view: View, draw: Any, transparent: bool = False) -> npt.NDArray[np.uint8]:
-    """One rendering, `SUPERSAMPLING` times finer than the view; with an alpha channel when `transparent`."""
+def shot(view: View, draw: Any, transparent: bool = False, peels: int = PEELS) -> npt.NDArray[np.uint8]:
+    """One rendering, `SUPERSAMPLING` times finer than the view; with an alpha channel when `transparent`.
+
+    `draw` puts things into the plotter it is given; `peels` layers of translucent surfaces are sorted, 0 where there are none.
+    To be called inside of `off_screen`.
+    """
     import pyvista
 
     width, height = view.size
@@ -70,8 +74,8 @@ def _shot(view: View, draw: Any, transparent: bool = False) -> npt.NDArray[np.ui
         _light(plotter)
         draw(plotter)
         _look(plotter, view)
-        if not transparent:
-            plotter.enable_depth_peeling(PEELS, 0.0)
+        if peels and not transparent:
+            plotter.enable_depth_peeling(peels, 0.0)
         return np.asarray(plotter.screenshot(return_img=True, transparent_background=transparent))
     finally:
         plotter.close()
@@ -155,6 +159,7 @@ def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
         plotter.add_mesh(mesh, color=arrow.colour, ambient=0.45, diffuse=0.6, specular=0.1)
 
 
-def _averaged(image: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def averaged(image: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """`image`, `SUPERSAMPLING` times finer than wanted, at the size wanted."""
     height, width = (length // SUPERSAMPLING for length in image.shape[:2])
     return np.asarray(image.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3).mean(axis=(1, 3)))

@@ -33,7 +33,7 @@ def values(table: ReferenceTable) -> Grid:
     """What every column says, with its tolerance where it has one that is more than rounding."""
     names = tuple(table.columns)
     body = [tuple(_value(table, column, k) for k in range(len(QUANTITIES))) for column in names]
-    lines = tuple(zip(*((_labels(), *(_aligned(column) for column in body))), strict=True))
+    lines = tuple(zip(*((_labels(), *(aligned(column) for column in body))), strict=True))
     return Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
 
 
@@ -64,7 +64,7 @@ def deviations(table: ReferenceTable) -> Grid:
     ]
     verdicts = tuple(verdict(table, k) for k in all_k)
     header = [text for name in compared for text in (name, "tol.")]
-    lines = tuple(zip(*((_labels(), *(_aligned(cells) for cells in body), verdicts)), strict=True))
+    lines = tuple(zip(*((_labels(), *(aligned(cells) for cells in body), verdicts)), strict=True))
     return Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
 
 
@@ -164,7 +164,7 @@ def number(value: float, decimals: int) -> str:
     return text.lstrip("-") if float(text) == 0 else text
 
 
-def _aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
+def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
     """`cells` padded so that their decimal points stand below each other."""
     parts = [at_point(cell) for cell in cells]
     left, right = (max(len(part[side]) for part in parts) for side in (0, 1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from validation.output import PIPED_WIDTH, page_width
@@ -27,17 +28,22 @@ def render(table: ReferenceTable, width: int | None = None) -> str:
 
     No figure is cut or broken: words wrap, and a table that is still too wide is continued below itself.
     """
+    return page(table.article, grids(table), notes(table), width)
+
+
+def page(title: str, grids: Iterable[Grid], notes: Iterable[str] = (), width: int | None = None) -> str:
+    """A title, tables and the notes below them as plain text of `width` columns; None is `page_width`."""
     from rich.console import Console
     from rich.padding import Padding
     from rich.text import Text
 
     console = Console(width=width or page_width(), color_system=None, force_terminal=False)
     with console.capture() as capture:
-        console.print(Text(table.article), Text("═" * min(len(table.article), console.width)), sep="\n")
-        for grid in grids(table):
+        console.print(Text(title), Text("═" * min(len(title), console.width)), sep="\n")
+        for grid in grids:
             for part in parts(grid, console.width):
                 console.print(_table(part))
-        for note in notes(table):
+        for note in notes:
             console.print(Padding(Text(note), (0, 0, 0, 2)))
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
 

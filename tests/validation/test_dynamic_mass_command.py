@@ -1,0 +1,233 @@
+"""`massline dynamic-mass`: what is printed, what a program reads, what is drawn and written, and how it ends."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.articles import built_in
+from geometry.dynamic_mass import DynamicMass
+from geometry.frames import rigid_transformation_6
+from validation import cli
+from validation.flexible import curves_file
+from validation.flexible.dynamic_mass import apart, lines, reference_point
+from validation.flexible.dynamic_mass_table import lines_grid, peaks
+from validation.pictures.curves import Curve, side_by_side
+from validation.tables.text import page
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """``run(*arguments)`` in an empty folder: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        code = cli.run(list(arguments))
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
+
+    return call
+
+
+def matrices(said: dict[str, Any]) -> np.ndarray:
+    return np.array(said["re"]) + 1j * np.array(said["im"])
+
+
+def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
+    code, out, err = run("dynamic-mass", "clumod-1", "--model", "beam", "--json")
+    said = json.loads(out)
+    assert (code, err) == (cli.DONE, "")
+    assert (said["article"], said["model"], said["about"]) == ("clumod-1", "beam", "article")
+    f, H = np.array(said["frequency_hz"]), matrices(said)
+    assert (f[0], f[-1], len(f)) == (4.0, 32.0, 561)
+    assert H.shape == (561, 6, 6)
+    assert_allclose(np.diff(f), 0.05, rtol=1e-9)
+    assert_allclose(H, H.transpose(0, 2, 1), atol=1e-9 * np.abs(H).max())  # reciprocity
+
+
+def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(run: Run) -> None:
+    said = {
+        about: json.loads(run("dynamic-mass", "clumod-4", "--json", "--band", "0", "1", "--step", "1", "--about", about)[1])
+        for about in ("article", "F", "10 -20 300 mm")
+    }
+    assert [one["about"] for one in said.values()] == ["article", "F", "point"]
+    rigid = matrices(said["article"])[0]
+    assert_allclose(rigid.imag, 0, atol=1e-12)
+    for one in said.values():
+        point = 1e-3 * np.array(one["reference_point_mm"])
+        T = rigid_transformation_6(-point)
+        assert_allclose(matrices(one)[0], T.T @ rigid @ T, atol=1e-9 * np.abs(rigid).max())  # rounding
+    assert said["article"]["reference_point_mm"] == [0, 0, 0]
+
+
+def test_f_is_the_fmd_s_own_origin_and_lies_below_what_stands_on_it() -> None:
+    seat = built_in("fmd").seat
+    assert seat is not None
+    assert reference_point("F", "fmd+clumod-1")[1].tolist() == [0, 0, 0]
+    assert_allclose(reference_point("F", "clumod-1")[1], -seat.position)
+
+
+def test_the_cuboid_is_flat_and_clumod_is_not(run: Run) -> None:
+    """Paper, Figs. 7 to 9: straight lines for the Cuboid, resonances for Clumod."""
+    flat, one = (json.loads(run("dynamic-mass", name, "--json")[1]) for name in ("disc+cuboid", "clumod-1"))
+    diagonal = {key: np.abs(matrices(said)[:, range(6), range(6)]) for key, said in (("flat", flat), ("one", one))}
+    # the first mode of the block lies a decade above the band, so its amplification is about (32 / 350)², 1 %
+    assert (np.ptp(diagonal["flat"], axis=0) / diagonal["flat"][0]).max() < 0.02
+    assert (diagonal["one"].max(axis=0) / diagonal["one"][0])[:5].min() > 5
+    assert flat["peaks"] == []
+    assert len(one["peaks"]) >= 5
+
+
+def test_beside_exudyn_the_curves_agree_off_resonance(run: Run) -> None:
+    code, out, _ = run("dynamic-mass", "clumod-1", "--against", "exudyn", "--json")
+    said = json.loads(out)
+    assert code == cli.DONE
+    assert said["against"] == "exudyn"
+    # a frequency known to 1e-4 shows as that times 2 f / (f - f_r), some 70 at the edge of a resonance
+    assert all(block["off_resonance_percent"] < 0.5 for block in said["apart"])
+
+
+def test_what_is_written_is_what_was_computed(run: Run, tmp_path: Path) -> None:
+    said = json.loads(run("dynamic-mass", "clumod-1", "--json", "--step", "1", "--out", "H.npz")[1])
+    assert run("dynamic-mass", "clumod-1", "--step", "1", "--out", "deep/H.csv")[0] == cli.DONE
+    with np.load(tmp_path / "H.npz", allow_pickle=False) as stored:
+        assert_allclose(stored["matrix"], matrices(said), rtol=0, atol=0)
+        assert stored["frequency_hz"].tolist() == said["frequency_hz"]
+    text = (tmp_path / "deep" / "H.csv").read_text(encoding="utf-8").splitlines()
+    header, *rows = csv.reader(line for line in text if not line.startswith("#"))
+    assert header[:3] == ["frequency_hz", "re_x_x", "im_x_x"]
+    values = np.array(rows, dtype=float)
+    assert_allclose(values[:, 1::2] + 1j * values[:, 2::2], matrices(said).reshape(-1, 36), rtol=0, atol=0)
+
+
+def test_an_interrupted_file_is_not_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    H = DynamicMass(frequency=np.array([4.0]), matrix=np.eye(6)[None])
+    monkeypatch.setattr(np, "savez_compressed", lambda *a, **k: (_ for _ in ()).throw(KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        curves_file.write(tmp_path / "H.npz", H, "stone")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_plots_show_curves_and_say_where_they_are(run: Run, tmp_path: Path) -> None:
+    from PIL import Image
+
+    code, _, err = run("dynamic-mass", "clumod-1", "--plot", "--step", "0.5")
+    assert code == cli.DONE
+    for name in ("dynamic-mass-clumod-1-beam.png", "dynamic-mass-clumod-1-beam-6x6.png"):
+        assert f"wrote out/{name}" in err
+        with Image.open(tmp_path / "out" / name) as picture:
+            pixels = np.asarray(picture.convert("RGB")).astype(int)
+        blue = (np.abs(pixels - [0x24, 0x56, 0xC4]).sum(axis=2) < 40).sum()
+        assert blue > 2000
+        assert pixels[:6].min() > 240  # nothing is cut off at the edge
+
+
+def test_articles_stand_side_by_side(tmp_path: Path) -> None:
+    from PIL import Image
+
+    from validation.flexible.model import Asked, flexible
+
+    model = flexible("clumod-1", "beam", Asked(count=5))
+    f = np.linspace(4, 32, 29)
+    H = DynamicMass(frequency=f, matrix=np.tile(model.modes.rigid_mass.astype(complex), (29, 1, 1)))
+    curve = Curve(name="one", mass=H, rigid=model.modes.rigid_mass, modes=model.modes)
+    side_by_side("Two", [curve, curve], tmp_path / "two.png")
+    with Image.open(tmp_path / "two.png") as picture:
+        assert np.asarray(picture.convert("L")).std() > 10
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["clumod-1", "--band", "32", "4"], "found 32 to 4 Hz"),
+        (["clumod-1", "--band", "-4", "32"], "found -4 to 32 Hz"),
+        (["clumod-1", "--band", "4", "inf"], "found 4 to inf Hz"),
+        (["clumod-1", "--band", "nan", "32"], "found nan"),
+        (["clumod-1", "--step", "0"], "must be positive"),
+        (["clumod-1", "--step", "1e-9"], "lines"),
+        (["clumod-1", "--about", "G"], "Give F, article, or a point"),
+        (["clumod-1", "--about", "0 0 45"], "--about"),
+        (["clumod-1", "--out", "H.xls"], ".csv or .npz"),
+        (["clumod-1", "--model", "bem"], "Did you mean beam?"),
+        (["clumod-1", "--against", "bem"], "`--against`"),
+        (["clumod-7"], "no built-in article is called 'clumod-7'"),
+        (["clumod-1", "--modes", "0"], "found 0"),
+        (["clumod-1", "--modes", "1000"], "found 1000"),
+        (["clumod-1", "--damping", "1.5"], "below 1"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_input_is_refused_in_words_before_anything_is_written(
+    arguments: list[str], words: str, run: Run, tmp_path: Path
+) -> None:
+    code, out, err = run("dynamic-mass", *arguments)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert words in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_band_beyond_the_modes_kept_is_warned_of(run: Run) -> None:
+    code, _, err = run("dynamic-mass", "clumod-1", "--modes", "3", "--step", "4")
+    assert code == cli.DONE
+    assert "the last of 3 modes kept" in err
+    assert "--modes" in err
+    assert run("dynamic-mass", "clumod-1", "--step", "4")[2] == ""
+
+
+def test_an_undamped_line_on_a_mode_is_a_failed_check_in_words(run: Run) -> None:
+    f = json.loads(run("modes", "clumod-1", "--json", "--count", "1")[1])["frequency_hz"][0]
+    code, _, err = run("dynamic-mass", "clumod-1", "--damping", "0", "--band", repr(f), "40", "--step", "1")
+    assert code in (cli.DONE, cli.FAILED_CHECK)  # whether rounding hits the pole is luck; a traceback it never is
+    assert "Traceback" not in err
+
+
+def test_the_difference_is_told_apart_off_and_at_resonance() -> None:
+    f = lines((4.0, 20.0), 0.5)
+    first = np.tile(np.eye(6, dtype=complex), (len(f), 1, 1))
+    second = first.copy()
+    second[f == 10.0, 0, 0] = 3.0
+    second[f == 15.0, 4, 4] = 1.02
+    pair = (DynamicMass(frequency=f, matrix=matrix) for matrix in (first, second))
+    force, coupling, moment = apart(*pair, np.array([10.1]))
+    assert (force.at_resonance, force.at_frequency, force.off_resonance) == (2.0, 10.0, 0.0)
+    assert moment.off_resonance == pytest.approx(0.02)
+    assert (moment.off_frequency, moment.at_resonance) == (15.0, 0.0)
+    assert coupling.off_resonance == 0.0
+
+
+def test_a_peak_is_where_the_mode_is() -> None:
+    f = lines((4.0, 32.0), 0.05)
+    H = np.zeros((len(f), 6, 6), dtype=complex)
+    H[:, range(6), range(6)] = 1.0
+    H[:, 2, 2] += f**2 / (12.0**2 - f**2 + 2j * 0.01 * 12.0 * f)
+    (peak,) = peaks(DynamicMass(frequency=f, matrix=H), np.ones(6))
+    assert peak.axis == 2
+    assert peak.frequency == pytest.approx(12.0, abs=0.05)
+    assert peak.magnitude == pytest.approx(50.0, rel=0.02)  # 1 / (2 zeta)
+
+
+GOLDEN = """\
+stone
+═════
+
+ |H|        x [kg]   y [kg]   z [kg]   α [kg m²]   β [kg m²]   γ [kg m²]
+ ───────────────────────────────────────────────────────────────────────
+ rigid      12.000   12.000   12.000       0.500       0.600       0.250
+ 4.00 Hz    12.000   12.000   12.000       0.500       0.600       0.250
+ 18.00 Hz   12.000   12.000   12.000       0.500       0.600       0.250
+ 32.00 Hz   12.000   12.000   12.000       0.500       0.600       0.250
+
+"""
+
+
+def test_a_small_table_reads_so() -> None:
+    rigid = np.diag([12.0, 12.0, 12.0, 0.5, 0.6, 0.25])
+    H = DynamicMass(frequency=lines((4.0, 32.0), 14.0), matrix=np.tile(rigid.astype(complex), (3, 1, 1)))
+    assert page("stone", [lines_grid(H, np.diag(rigid))], width=132) == GOLDEN

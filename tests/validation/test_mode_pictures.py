@@ -1,0 +1,270 @@
+"""Mode shapes drawn: the CAD surface rides on the model, sheet and GIF show something, the glTF moves as the mode."""
+
+import json
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.modes import Modes
+from geometry.arrays import Array
+from geometry.articles import built_in
+from geometry.errors import BadInput
+from geometry.frames import rigid_transformation
+from validation import cli
+from validation.flexible.model import Asked, Flexible, flexible
+from validation.flexible.motion import displacement, has_rotations
+from validation.flexible.places import nearest_part
+from validation.pictures.bodies import DrawnBody
+from validation.pictures.gltf import CYCLE, glb
+from validation.pictures.mode_scene import REACH
+from validation.pictures.mode_sheet import DrawnMode, mode_sheet
+from validation.pictures.moving import MovingBody, bendable, sharp_edges
+
+FRAMES = 4
+
+
+@pytest.fixture(scope="module")
+def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """The folder that ``massline modes cuboid --shapes --mode 1`` wrote into."""
+    with pytest.MonkeyPatch.context() as patch:
+        folder = tmp_path_factory.mktemp("shapes")
+        patch.chdir(folder)
+        patch.setattr("validation.pictures.mode_sheet.FRAMES", FRAMES)
+        assert cli.run(["modes", "cuboid", "--count", "2", "--shapes", "--mode", "1"]) == cli.DONE
+        yield folder / "out"
+
+
+def cube(edge: float = 1.0) -> DrawnBody:
+    """A cube of `edge` [m] standing on the origin."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) * edge
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]
+    faces += [[1, 5, 7], [1, 7, 3]]
+    return DrawnBody(name="cube", material="steel", vertices=corners, faces=np.array(faces))
+
+
+def swaying() -> DrawnMode:
+    """A cube that sways along x, its foot at rest."""
+    body = bendable(cube(), 0.3)
+    sway = np.outer(body.vertices[:, 2] ** 2, [3.0, 0.0, 0.0])
+    moving = MovingBody(name="cube", vertices=body.vertices, faces=body.faces, edges=sharp_edges(body), displacement=sway)
+    return DrawnMode(number=3, frequency=12.5, text="sways", bodies=(moving,))
+
+
+# --- the surface rides on the model -------------------------------------------------------------------------------------------
+
+
+def rigid_modes(model: Flexible) -> Array:
+    """The six rigid motions of the base as if they were shapes (N, 6)."""
+    assert model.structure is not None
+    return np.asarray(model.structure.rigid)
+
+
+@pytest.mark.parametrize("name", ["clumod-4", "disc+cuboid"])
+def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name: str) -> None:
+    model = flexible(name, "beam", Asked(count=1))
+    assert model.structure is not None
+    article = built_in(name)
+    points = np.random.default_rng(1).uniform([-0.6, -0.6, 0], [0.6, 0.6, 1.6], (200, 3))
+    moved = displacement(model.structure, rigid_modes(model), article, points, nearest_part(article, points))
+    assert_allclose(moved, [rigid_transformation(point) for point in points], atol=1e-9)  # rounding of metres
+
+
+def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do() -> None:
+    model = flexible("clumod-4", "beam", Asked(count=6))
+    assert model.structure is not None
+    assert has_rotations(model.structure)
+    article = built_in("clumod-4")
+    owner = nearest_part(article, model.structure.points)
+    names = [part.name for part in article.counted_parts]
+    own = owner == names.index("upper-long")
+    moved = displacement(model.structure, model.modes.shapes, article, model.structure.points[own], owner[own])
+    expected = model.modes.shapes[model.structure.translations[own]]
+    assert_allclose(moved, expected, atol=1e-9 * np.abs(expected).max())  # rounding
+
+
+def test_the_layers_of_a_sandwich_move_together_and_the_mast_ends_where_it_is_held() -> None:
+    model = flexible("clumod-4", "beam", Asked(count=1))
+    assert model.structure is not None
+    article = built_in("clumod-4")
+    names = [part.name for part in article.counted_parts]
+    foot, tip = np.array([[0.0, 0.029, 0.034]]), np.array([[0.0, 0.4, 1.586]])
+    mast = displacement(model.structure, model.modes.shapes, article, foot, np.array([names.index("mast")]))
+    layers = [
+        displacement(model.structure, model.modes.shapes, article, tip, np.array([names.index(f"upper-short-{layer}")]))
+        for layer in ("bottom", "silicone", "top")
+    ]
+    assert np.abs(mast).max() < 1e-3 * np.abs(layers[0]).max()
+    assert_allclose(layers[1], layers[0], rtol=1e-6)
+    assert_allclose(layers[2], layers[0], rtol=1e-6)
+
+
+def test_what_is_halved_keeps_its_surface_and_its_edges() -> None:
+    import pyvista
+
+    fine = bendable(cube(), 0.2)
+    mesh = pyvista.PolyData(np.array(fine.vertices), np.column_stack([np.full(len(fine.faces), 3), fine.faces]).ravel())
+    assert_allclose([mesh.volume, mesh.area], [1.0, 6.0], rtol=1e-6)  # VTK keeps points in single precision
+    ends = fine.vertices[sharp_edges(fine)]
+    lengths = np.linalg.norm(np.diff(ends, axis=1)[:, 0], axis=1)
+    assert_allclose(lengths.sum(), 12.0, rtol=1e-6)
+    assert lengths.max() <= 0.2 * (1 + 1e-6)
+
+
+# --- what is written ----------------------------------------------------------------------------------------------------------
+
+
+def test_all_files_are_there_and_nothing_else(drawn: Path) -> None:
+    assert sorted(path.name for path in drawn.iterdir()) == [
+        "modes-cuboid-beam-1.gif",
+        "modes-cuboid-beam-1.glb",
+        "modes-cuboid-beam.png",
+    ]
+
+
+def test_the_sheet_shows_bodies_in_the_colours_of_their_motion(drawn: Path) -> None:
+    from PIL import Image
+
+    with Image.open(drawn / "modes-cuboid-beam.png") as sheet:
+        pixels = np.asarray(sheet.convert("RGB")).astype(int)
+    red = (pixels[..., 0] > 150) & (pixels[..., 1] < 80) & (pixels[..., 2] < 80)
+    blue = (pixels[..., 2] > 150) & (pixels[..., 0] < 90)
+    assert red[100:600].sum() > 500  # what moves most
+    assert blue[100:600].sum() > 500  # what moves little
+    border = np.concatenate([pixels[:4].reshape(-1, 3), pixels[:, -4:].reshape(-1, 3)])
+    assert border.min() > 250  # nothing is clipped at the edge of the sheet
+
+
+def test_the_gif_moves_endlessly(drawn: Path) -> None:
+    from PIL import Image
+
+    with Image.open(drawn / "modes-cuboid-beam-1.gif") as gif:
+        assert gif.n_frames == FRAMES
+        assert gif.info["loop"] == 0
+        frames = []
+        for k in range(FRAMES):
+            gif.seek(k)
+            frames.append(np.asarray(gif.convert("RGB")).astype(int))
+    assert np.abs(frames[1] - frames[3]).max() > 100  # one end of the swing and the other
+    assert np.abs(frames[0] - frames[1]).max() > 100
+
+
+def test_no_mode_is_nothing_to_draw(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="no mode to draw"):
+        mode_sheet("stone", [], tmp_path / "sheet.png")
+
+
+# --- glTF ---------------------------------------------------------------------------------------------------------------------
+
+
+def tree_of(content: bytes) -> tuple[dict[str, Any], bytes]:
+    """The JSON and the binary chunk of a ``.glb``, lengths and magic numbers checked."""
+    magic, version, length = struct.unpack_from("<III", content)
+    assert (magic, version, length) == (0x46546C67, 2, len(content))
+    size, kind = struct.unpack_from("<II", content, 12)
+    assert (kind, size % 4) == (0x4E4F534A, 0)
+    second, binary = struct.unpack_from("<II", content, 20 + size)
+    assert (binary, second % 4) == (0x004E4942, 0)
+    assert 28 + size + second == len(content)
+    return json.loads(content[20 : 20 + size]), content[28 + size :]
+
+
+def test_every_slice_of_the_file_lies_within_it_and_says_its_bounds() -> None:
+    tree, binary = tree_of(glb("cube", swaying()))
+    widths = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
+    sizes = {5126: 4, 5125: 4, 5121: 1}
+    for accessor in tree["accessors"]:
+        view = tree["bufferViews"][accessor["bufferView"]]
+        assert view["byteOffset"] % 4 == 0
+        assert view["byteLength"] == accessor["count"] * widths[accessor["type"]] * sizes[accessor["componentType"]]
+        assert view["byteOffset"] + view["byteLength"] <= len(binary)
+        if "min" in accessor:
+            values = np.frombuffer(binary, "<f4", view["byteLength"] // 4, view["byteOffset"]).reshape(accessor["count"], -1)
+            assert values.min(axis=0).tolist() == accessor["min"]
+            assert values.max(axis=0).tolist() == accessor["max"]
+    assert tree["asset"]["extras"]["frequency_hz"] == 12.5
+
+
+def test_another_program_reads_the_body_at_rest_with_its_colours(tmp_path: Path) -> None:
+    import trimesh
+
+    (tmp_path / "cube.glb").write_bytes(glb("cube", swaying()))
+    scene = trimesh.load(tmp_path / "cube.glb", process=False)
+    body = scene.geometry["cube"]
+    assert_allclose(body.volume, 1.0, rtol=1e-6)  # single precision
+    assert len(np.unique(body.visual.vertex_attributes["color"], axis=0)) > 3
+    # z up becomes y up: the cube stands on y = 0 and reaches back along -z
+    assert_allclose(scene.bounds, [[0, 0, -1], [1, 1, 0]], atol=1e-6)
+
+
+def test_vtk_plays_the_animation_as_the_mode_swings(tmp_path: Path) -> None:
+    """An oracle that knows nothing of our writer: VTK applies the weights of the animation to the morph targets."""
+    import pyvista
+    from vtkmodules.vtkIOGeometry import vtkGLTFReader
+
+    mode = swaying()
+    (tmp_path / "cube.glb").write_bytes(glb("cube", mode))
+    reader = vtkGLTFReader()
+    reader.SetFileName(str(tmp_path / "cube.glb"))
+    reader.ApplyDeformationsToGeometryOn()
+    reader.UpdateInformation()
+    assert reader.GetNumberOfAnimations() == 1
+    assert reader.GetAnimationDuration(0) == pytest.approx(CYCLE)
+    reader.EnableAnimation(0)
+    reader.SetFrameRate(120)
+    reader.UpdateInformation()
+
+    def points(time: float) -> Array:
+        reader.UpdateTimeStep(time)
+        return np.vstack([leaf.points for leaf in leaves(pyvista.wrap(reader.GetOutput()))])
+
+    n = len(mode.bodies[0].vertices)
+    swing = points(CYCLE / 4)[:n] - points(0.0)[:n]
+    # the largest displacement is drawn as a share of the cube's diagonal; x stays x when z becomes y
+    assert_allclose(np.abs(swing).max(), REACH * np.sqrt(3), rtol=1e-3)  # key frames are 1/32 of a cycle apart
+    assert_allclose(swing[:, 0], REACH * np.sqrt(3) * mode.bodies[0].vertices[:, 2] ** 2, atol=1e-3)
+    assert_allclose(points(3 * CYCLE / 4)[:n] - points(0.0)[:n], -swing, atol=1e-3)
+
+
+def leaves(block: Any) -> Iterator[Any]:
+    import pyvista
+
+    for entry in block:
+        if isinstance(entry, pyvista.MultiBlock):
+            yield from leaves(entry)
+        elif entry is not None:
+            yield entry
+
+
+def test_a_mode_that_does_not_move_is_written_at_rest() -> None:
+    mode = swaying()
+    still = MovingBody(
+        name="cube",
+        vertices=mode.bodies[0].vertices,
+        faces=mode.bodies[0].faces,
+        edges=mode.bodies[0].edges,
+        displacement=np.zeros_like(mode.bodies[0].vertices),
+    )
+    tree, _ = tree_of(glb("cube", DrawnMode(number=1, frequency=1.0, text="", bodies=(still,))))
+    assert tree["accessors"][1]["max"] == [0, 0, 0]
+
+
+def test_modal_data_alone_cannot_be_drawn() -> None:
+    from validation.flexible.drawing import drawn_modes
+
+    modes = Modes(
+        frequency=np.array([5.0]),
+        damping_ratio=np.array([0.01]),
+        participation=np.zeros((6, 1)),
+        rigid_mass=np.eye(6),
+        residual=np.zeros((6, 6)),
+        reference_point=np.zeros(3),
+        shapes=np.zeros((0, 1)),
+        viscous=np.array([[0.6]]),
+    )
+    with pytest.raises(BadInput, match="no shape that could be drawn"):
+        drawn_modes(Flexible(article="bench", model="own", modes=modes), [1])

@@ -1,0 +1,185 @@
+"""`massline modes`: what is printed, what a program reads, what is drawn, and how it ends."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.modes import Modes
+from geometry import multibody
+from geometry.articles import built_in
+from validation import cli
+from validation.flexible.effective_mass import movable
+from validation.flexible.model import Asked, Flexible, flexible
+from validation.flexible.modes_table import grid, notes
+from validation.published.modes import claims
+from validation.tables.text import page
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """``run(*arguments)`` in an empty folder: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        code = cli.run(list(arguments))
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def clumod() -> Flexible:
+    return flexible("clumod-1", "beam", Asked(count=12))
+
+
+def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
+    code, out, err = run("modes", "clumod-4", "--json")
+    said = json.loads(out)
+    assert (code, err) == (cli.DONE, "")
+    assert (said["article"], said["model"]) == ("clumod-4", "beam")
+    assert len(said["frequency_hz"]) == len(said["damping_ratio"]) == len(said["effective_mass"]) == 20
+    assert {len(row) for row in said["effective_mass"]} == {6}
+    assert np.all(np.diff(said["frequency_hz"]) >= 0)
+
+
+def test_no_axis_carries_more_than_the_rigid_body(run: Run) -> None:
+    said = json.loads(run("modes", "clumod-4", "--json", "--count", "60")[1])
+    carried = np.sum(said["effective_mass"], axis=0)
+    assert np.all(carried <= np.array(said["effective_mass_of_all_modes"]) * (1 + 1e-9))  # rounding
+    assert np.all(np.array(said["effective_mass_of_all_modes"]) <= np.array(said["rigid_mass"]) * (1 + 1e-9))
+    rigid = multibody.inertia(built_in("clumod-4"))
+    assert_allclose(said["rigid_mass"], np.diag(rigid.mass_matrix), rtol=1e-3)  # the bar of the beam model's inertia
+
+
+def test_what_modes_can_carry_is_the_sum_over_all_of_them() -> None:
+    whole = flexible("cuboid", "beam", Asked(count=500))
+    assert whole.structure is not None
+    assert len(whole.modes.frequency) == len(whole.structure.free)
+    assert_allclose(movable(whole.structure), whole.modes.effective_mass.sum(axis=0), rtol=1e-7)  # conjugate gradients
+
+
+def test_the_table_names_what_moves_and_the_published_modes(run: Run) -> None:
+    code, out, _ = run("modes", "clumod-1", "--count", "6")
+    assert code == cli.DONE
+    assert "lower-1 z, ends together" in out
+    assert "lowest mode at 11.6 Hz" in out
+    assert "carried by the base itself" in out
+
+
+def test_a_dimension_of_the_users_moves_the_frequencies(run: Run) -> None:
+    def bending(*more: str) -> float:
+        said = json.loads(run("modes", "clumod-1", "--json", *more)[1])
+        pairs = zip(said["frequency_hz"], said["what_moves"], strict=True)
+        return next(f for f, what in pairs if "lower-1 z, ends together" in what["text"])
+
+    # the blade of 1.1 m becomes one of 0.7 m: its frequency goes with 1 / length², the hub's reach taken off
+    assert bending("--set", "clumod.blade.lower-1.length_mm=700") > 2 * bending()
+
+
+def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
+    said = json.loads(run("modes", "clumod-4", "--json", "--damping", "0.02")[1])
+    assert_allclose(said["damping_ratio"], 0.02, rtol=1e-12)  # rounding
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["clumod-9"], "Did you mean clumod-4?"),
+        (["clumod-1", "--model", "bem"], "Did you mean beam?"),
+        (["clumod-1", "--against", "sold"], "Did you mean solid?"),
+        (["clumod-1", "--count", "0"], "between 1 and 500, found 0"),
+        (["clumod-1", "--count", "100000"], "found 100000"),
+        (["clumod-1", "--damping", "1"], "below 1"),
+        (["clumod-1", "--damping", "-0.1"], "found -0.1"),
+        (["clumod-1", "--damping", "nan"], "found nan"),
+        (["clumod-1", "--mode", "40"], "modes 1 to 20 are computed, found 40"),
+        (["clumod-1", "--mode", "0"], "found 0"),
+        (["clumod-1", "--model", "solid", "--size", "-3 mm"], "must be positive"),
+        (["clumod-1", "--model", "solid", "--size", "3"], "--size"),
+        (["clumod-1", "--set", "clumod.mast.lenght=3"], "there is no 'lenght'"),
+        (["mine.step"], "--model solid"),
+        (["mine.step", "--model", "exudyn"], "--model solid"),
+        (["mine.step", "--model", "solid"], "no such file"),
+        (["mine.h5"], "no such file"),
+        (["mine.h5", "--against", "beam"], "behind --against"),
+        (["mine.h5", "--set", "clumod.mast.top_mm=1500"], "states its own"),
+        (["clumod-1", "--size", "20 mm"], "add --model solid"),
+        (["clumod-1", "--material", "steel"], "a built-in article states its own"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_input_is_refused_in_words(arguments: list[str], words: str, run: Run) -> None:
+    code, out, err = run("modes", *arguments)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert words in err
+    assert "Traceback" not in err
+
+
+def modal_data() -> Flexible:
+    """Two modes of a body of 2 kg on a base of 1 kg, in round figures."""
+    frequency = np.array([5.0, 12.5])
+    omega = 2 * np.pi * frequency
+    participation = np.zeros((6, 2))
+    participation[0], participation[4] = [1.0, 0.5], [0.25, -0.5]
+    modes = Modes(
+        frequency=frequency,
+        damping_ratio=np.array([0.01, 0.02]),
+        participation=participation,
+        rigid_mass=np.diag([3.0, 3.0, 3.0, 1.0, 1.0, 0.5]),
+        residual=np.zeros((6, 6)),
+        reference_point=np.zeros(3),
+        shapes=np.zeros((0, 2)),
+        viscous=np.diag(2 * np.array([0.01, 0.02]) * omega),
+    )
+    return Flexible(article="bench", model="own", modes=modes)
+
+
+GOLDEN = """\
+bench: own model
+════════════════
+
+ mode    f [Hz]   ζ [%]   x [kg]   y [kg]   z [kg]   α [kg m²]   β [kg m²]   γ [kg m²]   what moves
+ ─────────────────────────────────────────────────────────────────────────────────────────────────────────
+ 1        5.000    1.00    1.000    0        0           0           0.062       0
+ 2       12.500    2.00    0.250    0        0           0           0.250       0
+ Σ                         1.250    0        0           0           0.312       0       sum of 2 modes
+ rigid                     3.000    3.000    3.000       1.000       1.000       0.500   the whole article
+
+  Base held. Effective masses about the article's origin: [kg] along x, y, z, [kg m²] about them (α, β, γ).
+"""
+
+
+def test_a_small_table_reads_so() -> None:
+    model = modal_data()
+    assert page("bench: own model", [grid(model)], notes(model), width=132) == GOLDEN
+
+
+def test_a_claim_in_print_fails_when_a_mode_is_elsewhere_and_is_open_without_enough_modes() -> None:
+    as_printed = np.array([5.70, 6.3, 6.4, 7.0, 12.2, 12.3, 12.3, 12.4, 12.7, 12.8, 15.5, 38.5])
+    assert [claim.holds for claim in claims("clumod-4", as_printed)] == [True] * 4
+    assert [claim.holds for claim in claims("clumod-4", as_printed * 1.02)] == [False, False, False, True]
+    assert [claim.holds for claim in claims("clumod-4", as_printed[:8])] == [True, None, None, None]
+    assert claims("cuboid", as_printed) == ()
+
+
+def test_beside_exudyn_the_frequencies_are_its_own(run: Run) -> None:
+    code, out, _ = run("modes", "clumod-1", "--against", "exudyn", "--count", "5", "--json")
+    said = json.loads(out)
+    assert code == cli.DONE
+    assert said["against"]["model"] == "exudyn"
+    # exudyn extrapolates from two of its own meshes, the beam has one: 1e-3 is ten times what is seen, and far below a bar of 1 %
+    assert_allclose(said["against"]["frequency_hz"], said["frequency_hz"], rtol=1e-3)
+    assert "agree in all 5 modes" in said["against"]["text"]
+
+
+def test_a_model_without_shapes_says_so_when_they_are_wanted(run: Run) -> None:
+    code, _, err = run("modes", "clumod-1", "--model", "exudyn", "--count", "3", "--shapes")
+    assert code == cli.BAD_INPUT
+    assert "no shape that could be drawn" in err

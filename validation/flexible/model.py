@@ -1,0 +1,225 @@
+"""From a name on the command line to a flexible model of it: beam, solid or exudyn, or what a user's own file holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.damping import DEFAULT_RATIO, Damping, equivalent_ratio, per_mode
+from fem.modes import Modes
+from fem.users_model.reading import is_model, load
+from geometry import keys
+from geometry.article import Article
+from geometry.articles import built_in, changes_of
+from geometry.errors import BadInput
+from validation import article_reference
+from validation.article_reference import is_file, require_use
+
+if TYPE_CHECKING:
+    from fem.structure import Structure
+    from geometry.user_article import UserArticle
+
+MODELS = ("beam", "solid", "exudyn")
+
+OWN = "own"
+"""What the model in a user's own file is called."""
+
+MOST_MODES = 500
+"""More are no help: what they leave behind is in the residual."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """How a flexible model is to be made.
+
+    Attributes
+    ----------
+    count : how many modes to keep
+    damping : None for what the model itself says: the loss factors of its parts, else one ratio for every mode
+    size : element size of the solid model [m]; None for its own
+    material, unit : of the user's own CAD
+    changes : the user's own dimensions of built-in articles, see `validation.changed`
+    """
+
+    count: int = 20
+    damping: Damping | None = None
+    size: float | None = None
+    material: str | None = None
+    unit: str | None = None
+    changes: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.count <= MOST_MODES:
+            raise BadInput(
+                source="number of modes",
+                problem=f"must lie between 1 and {MOST_MODES}, found {self.count}",
+                remedy="What truncated modes contribute below the last one kept is in the residual mass",
+            )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Flexible:
+    """An article with one flexible model of it.
+
+    Attributes
+    ----------
+    article : its name
+    model : one of `MODELS`, or `OWN`
+    modes : fixed-base modes about the article's origin
+    structure : what they were computed from; None where only modal data are known
+    drawn : what the model is of, with its surface; None for a user's own model
+    notes : what must be known to read the figures, each a sentence
+    """
+
+    article: str
+    model: str
+    modes: Modes
+    structure: Structure | None = None
+    drawn: Article | UserArticle | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def article_of_primitives(self) -> Article | None:
+        """What is drawn, if it is made of primitives: a built-in article or a stack of them."""
+        return self.drawn if isinstance(self.drawn, Article) else None
+
+
+def require_model(name: str, model: str, option: str = "--model") -> str:
+    """Name of the `model` asked for, which must be one of `MODELS`, or a file with one, and able to describe the article `name`.
+
+    Raises
+    ------
+    BadInput : it is not.
+    """
+    if is_model(name) and option == "--against":
+        raise BadInput(
+            source=name,
+            field=option,
+            problem=f"of what a file of your own models, no {model} model can be made",
+            remedy="Name the built-in article or the STEP file first, and your model behind --against",
+        )
+    if is_model(name) or is_model(model):
+        return OWN
+    keys.one_of(model, MODELS, source=f"article {name}", where=option)
+    if not is_file(name):
+        built_in(name)
+    elif model != "solid":
+        raise BadInput(
+            source=name,
+            field=option,
+            problem=f"a {model} model is made of the dimensions of built-in articles, and a CAD file has none",
+            remedy="Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)",
+        )
+    return model
+
+
+def require_used(name: str, models: Collection[str], asked: Asked) -> None:
+    """Refuse what was `asked` for of the article `name` and none of `models` can use.
+
+    Raises
+    ------
+    BadInput : a unit or a material of a built-in article, a dimension of a file, any of them of a model of the user's own,
+        an element size without a solid model.
+    """
+    if is_model(name):
+        given = {"--unit": asked.unit, "--material": asked.material, "--set": asked.changes, "--size": asked.size}
+        for option in (option for option, value in given.items() if value):
+            raise BadInput(source=option, problem=f"{name} is a model that states its own", remedy="Leave it out")
+        return
+    require_use([name], article_reference.Asked(unit=asked.unit, material=asked.material, changes=asked.changes))
+    if asked.size is not None and "solid" not in models:
+        raise BadInput(
+            source="--size",
+            problem=f"only the solid model has elements of a size, found {' and '.join(models)}",
+            remedy="Leave it out, or add --model solid",
+        )
+
+
+def flexible(name: str, model: str, asked: Asked) -> Flexible:
+    """The `model` of the article `name` with the modes asked for; either may be a file with a model of the user's own.
+
+    Raises
+    ------
+    BadInput : no such article or model, or one that this model cannot describe.
+    """
+    known = require_model(name, model)
+    return _MAKERS[known](model if is_model(model) else name, asked)
+
+
+def _beam(name: str, asked: Asked) -> Flexible:
+    from fem import beam
+
+    changes = changes_of(name, asked.changes)
+    return _solved(name, "beam", beam.structure(name, changes), built_in(name, changes), asked)
+
+
+def _solid(name: str, asked: Asked) -> Flexible:
+    from fem.solid import model
+
+    article = _users_article(name, asked) if is_file(name) else built_in(name, changes_of(name, asked.changes))
+    structure = model.structure(article, size=asked.size)
+    found = _solved(article.name if is_file(name) else name, "solid", structure, article, asked)
+    return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
+
+
+def _exudyn(name: str, asked: Asked) -> Flexible:
+    from fem.flexible_body import articles
+
+    changes = changes_of(name, asked.changes)
+    modes = articles.modes(name, asked.count, changes)
+    own = "Modes of exudyn's own beam elements, by its own eigen-solution, extrapolated from two meshes."
+    return Flexible(
+        article=name, model="exudyn", modes=_damped(modes, asked.damping), drawn=built_in(name, changes), notes=(own,)
+    )
+
+
+def _damped(modes: Modes, damping: Damping | None) -> Modes:
+    """`modes` with another damping, given per mode; as they are for None."""
+    if damping is None:
+        return modes
+    omega = 2 * np.pi * modes.frequency
+    C = per_mode(damping, omega)
+    ratio = equivalent_ratio(C, np.zeros_like(C), omega)
+    return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
+
+
+def _users_article(name: str, asked: Asked) -> UserArticle:
+    from geometry import user_article
+
+    return user_article.load(name, unit=asked.unit, material=asked.material)
+
+
+def _own(path: str, asked: Asked) -> Flexible:
+    found = load(path)
+    if isinstance(found.model, Modes):
+        return Flexible(
+            article=found.name, model=OWN, modes=_damped(found.model, asked.damping), notes=("Modal data as they were given.",)
+        )
+    return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
+
+
+def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: Asked) -> Flexible:
+    if model == "solid":
+        from fem.solid.solved import fixed_base  # remembers what takes minutes
+    else:
+        from fem.modes import fixed_base
+
+    modes = fixed_base(structure, asked.count, damping=asked.damping)
+    return Flexible(
+        article=name, model=model, modes=modes, structure=structure, drawn=drawn, notes=_damping_notes(structure, modes, asked)
+    )
+
+
+def _damping_notes(structure: Structure, modes: Modes, asked: Asked) -> tuple[str, ...]:
+    if asked.damping is not None:
+        return ()
+    if structure.loss_factors and structure.part_stiffness:
+        listed = ", ".join(f"{name} {eta:g}" for name, eta in structure.loss_factors.items())
+        return (f"Damping from the loss factors of the parts: {listed}.",)
+    return (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
+
+
+_MAKERS: Mapping[str, Callable[[str, Asked], Flexible]] = {"beam": _beam, "solid": _solid, "exudyn": _exudyn, OWN: _own}

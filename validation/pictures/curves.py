@@ -1,0 +1,252 @@
+"""Dynamic masses drawn as structural-dynamics engineers read them: magnitude (logarithmic) above phase, over frequency.
+
+The rigid body's line is drawn in, since the way a curve leaves it is the whole story, and every resonance is marked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.modes import Modes
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray, DynamicMass
+from validation.pictures.files import ABOUT, require_format, save
+from validation.pictures.palette import FAINT, INK, PAPER
+
+LABELS = ("x", "y", "z", "α", "β", "γ")
+DPI = 110
+CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
+"""Of the models in a panel, first to third."""
+
+AXES = ("#c8283c", "#1f8a4c", "#2456c4")
+"""Of x, y, z and of α, β, γ where they share a panel."""
+
+WIDTHS = (2.8, 1.9, 1.1)
+"""Of these: where curves coincide, all of them are seen."""
+
+NOTHING = 1e-6
+"""An entry smaller than this share of its block's largest is nothing: symmetry makes it zero, rounding or a mesh almost."""
+
+SHOWS = 1e-3
+"""Share of the rigid body that a mode must carry along an axis to be marked there."""
+
+ROOM_FOR_A_FIGURE = 0.075
+"""Of the width of a panel."""
+
+DASHES = ("-", "--", ":")
+
+Axes = Any
+Figure = Any
+"""Matplotlib's; the library is imported inside the functions."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Curve:
+    """A dynamic mass to be drawn.
+
+    Attributes
+    ----------
+    name : of the model or the article
+    mass : on the lines to be drawn
+    rigid : (6, 6) mass matrix of the rigid body about the same point
+    modes : eigenfrequencies, and how much each shows on an axis
+    """
+
+    name: str
+    mass: DynamicMass
+    rigid: Array
+    modes: Modes
+
+
+def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> None:
+    """Write a picture of the six diagonal entries of `curves`, each magnitude over phase.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = _figure(15.0, 10.2)
+    grid = figure.add_gridspec(5, 3, height_ratios=(3, 1.15, 0.42, 3, 1.15), hspace=0.09, wspace=0.2, **_ROOM)
+    for i in range(6):
+        top, column = 3 * (i // 3), i % 3
+        upper = figure.add_subplot(grid[top, column])
+        lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
+        _entry(upper, lower, curves, i, i)
+        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=4)
+        _mark(upper, curves[0], (i,))
+        upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
+        lower.set_ylabel("phase [°]", fontsize=9.5)
+        if i >= 3:
+            lower.set_xlabel("frequency [Hz]", fontsize=9.5)
+        if i == 0:
+            upper.legend(fontsize=8.5, loc="best", framealpha=0.85)
+    _finish(figure, title, note, path)
+
+
+def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> None:
+    """Write a picture of all 36 entries of `curves`, magnitude over phase; rows are loads, columns base motions.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = _figure(20.0, 19.0)
+    outer = figure.add_gridspec(6, 6, hspace=0.22, wspace=0.3, left=0.05, right=0.985, top=0.935, bottom=0.05)
+    for i in range(6):
+        for j in range(6):
+            inner = outer[i, j].subgridspec(2, 1, height_ratios=(2.6, 1), hspace=0.07)
+            upper = figure.add_subplot(inner[0])
+            lower = figure.add_subplot(inner[1], sharex=upper)
+            _entry(upper, lower, curves, i, j)
+            label = f"$H_{{{LABELS[i]}{LABELS[j]}}}$ [{unit(i, j)}]"
+            upper.set_title(label, fontsize=9.5, loc="left", pad=2.5)
+            for axes in (upper, lower):
+                axes.tick_params(labelsize=7)
+            if i == 5:
+                lower.set_xlabel("frequency [Hz]", fontsize=8.5)
+            if (i, j) == (0, 0):
+                upper.legend(fontsize=7, loc="best", framealpha=0.85)
+    _finish(figure, title, note, path)
+
+
+def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = "", about: str = "") -> None:
+    """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
+
+    A PNG carries the words `about`, which `validation.pictures.said_about` reads again.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = _figure(4.6 * len(articles) + 1.0, 9.6)
+    grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.07, **_ROOM)
+    rows: dict[int, list[Axes]] = {0: [], 3: []}
+    for column, curve in enumerate(articles):
+        for top, entries in ((0, (0, 1, 2)), (3, (3, 4, 5))):
+            upper = figure.add_subplot(grid[top, column], sharey=rows[top][0] if rows[top] else None)
+            lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
+            rows[top].append(upper)
+            for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
+                _line(upper, lower, curve, i, i, colour, DASHES[0], LABELS[i], width)
+                upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
+            _dress(upper, lower, curve.mass.frequency)
+            upper.tick_params(labelleft=column == 0)
+            lower.tick_params(labelleft=column == 0)
+            _mark(upper, curve, entries)
+            if top == 0:
+                upper.set_title(curve.name, fontsize=13, weight="bold", color=INK, pad=14)
+            if column == 0:
+                upper.set_ylabel(f"|H| [{unit(entries[0], entries[0])}]", fontsize=10)
+                lower.set_ylabel("phase [°]", fontsize=10)
+                upper.legend(fontsize=9, loc="upper right", ncols=3, framealpha=0.85, handlelength=1.4)
+            if top == 3:
+                lower.set_xlabel("frequency [Hz]", fontsize=10)
+    for row in rows.values():
+        _at_least_a_decade(row[0])
+    _finish(figure, title, note, path, about)
+
+
+def unit(row: int, column: int) -> str:
+    """Unit of an entry of H."""
+    return ("kg", "kg m", "kg m²")[(row >= 3) + (column >= 3)]
+
+
+_ROOM = {"left": 0.06, "right": 0.985, "top": 0.895, "bottom": 0.085}
+
+
+def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) -> None:
+    """One entry of H of every curve, with the rigid body's line of the first."""
+    rigid = abs(curves[0].rigid[i, j])
+    if all(_vanishes(curve.mass.matrix, i, j) for curve in curves):
+        for axes in (upper, lower):
+            axes.set(xticks=[], yticks=[])
+            for side in axes.spines.values():
+                side.set_color("#d9dde3")
+        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
+        return
+    for curve, colour, dash in zip(curves, CURVES, DASHES, strict=False):
+        _line(upper, lower, curve, i, j, colour, dash, curve.name)
+    if rigid > NOTHING * np.abs(curves[0].rigid).max():
+        upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
+    _dress(upper, lower, curves[0].mass.frequency)
+    _at_least_a_decade(upper)
+
+
+def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
+    rows, columns = (slice(0, 3) if k < 3 else slice(3, 6) for k in (i, j))
+    return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
+
+
+def _line(upper: Axes, lower: Axes, curve: Curve, i: int, j: int, colour: str, dash: str, label: str, width: float = 1.3) -> None:
+    f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
+    upper.semilogy(f, np.abs(H), color=colour, linestyle=dash, linewidth=width, label=label)
+    lower.plot(f, _phase(H), color=colour, linestyle=dash, linewidth=width)
+
+
+def _phase(H: ComplexArray) -> Array:
+    """Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase."""
+    phase = np.degrees(np.angle(H))
+    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 270)
+    phase[jumps] = np.nan
+    return np.asarray(phase)
+
+
+def _dress(upper: Axes, lower: Axes, f: Array) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    upper.set_xlim(f[0], f[-1])
+    lower.set_ylim(-195, 195)
+    lower.set_yticks([-180, -90, 0, 90, 180])
+    lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))
+    upper.tick_params(labelbottom=False)
+    for axes in (upper, lower):
+        axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
+        axes.tick_params(labelsize=8.5, colors=INK)
+    upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
+    upper.set_axisbelow(True)
+
+
+def _at_least_a_decade(upper: Axes) -> None:
+    """What is flat is to look flat."""
+    low, high = upper.get_ylim()
+    if high < 10 * low:
+        middle = np.sqrt(low * high)
+        upper.set_ylim(middle / 10, middle * 10)
+
+
+def _mark(upper: Axes, curve: Curve, entries: Sequence[int]) -> None:
+    """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where they fit."""
+    low, high = upper.get_xlim()
+    whole = np.diag(curve.rigid)[list(entries)]
+    shows = np.any(curve.modes.effective_mass[:, list(entries)] > SHOWS * whole, axis=1)
+    last = -np.inf
+    for f in curve.modes.frequency[shows & (curve.modes.frequency > low) & (curve.modes.frequency < high)]:
+        upper.axvline(f, ymin=0.965, color=FAINT, linewidth=1.0)
+        if f - last > ROOM_FOR_A_FIGURE * (high - low):
+            upper.text(f, 1.012, f"{f:.1f}", transform=upper.get_xaxis_transform(), ha="center", fontsize=7.2, color=FAINT)
+            last = f
+
+
+def _figure(width: float, height: float) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Page
+
+    figure = Page(figsize=(width, height), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
+    width, height = figure.get_size_inches()
+    figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
+    figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)
+    more = {"metadata": {ABOUT: about}} if about else {}
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
