@@ -99,7 +99,7 @@ def with_whole_walls(plan: Plan, inner: float, outer: float) -> Plan:
     radius = np.hypot(*plan.points.T)
     middle = np.hypot(*plan.centres.T)
     halves = np.flatnonzero((inner < middle) & (middle < outer))
-    on_middle = np.isclose(radius, (inner + outer) / 2, rtol=0, atol=0.1 * (outer - inner))
+    on_middle = np.abs(radius - (inner + outer) / 2) < 0.1 * (outer - inner)
     edges: dict[tuple[int, ...], list[Integers]] = {}
     for quad in plan.quads[halves]:
         side = next(n for n in range(4) if on_middle[quad[n]] and on_middle[quad[(n + 1) % 4]])
