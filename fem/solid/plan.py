@@ -24,7 +24,7 @@ LEAST_ON_A_CIRCLE = 8
 
 QUARTERS = 4
 
-FRAME = 1.3
+FRAME = 1.25
 """Side of the square around a small hole over its diameter."""
 
 
@@ -200,7 +200,7 @@ def _divisions(model: Any, curve: int, size: float, around: int, walls: Array) -
     if np.any(np.isclose(radius, walls)):
         whole: float = around
     else:
-        whole = LEAST_ON_A_CIRCLE if 2 * radius < size else max(around, 4 * np.pi * radius / size)
+        whole = LEAST_ON_A_CIRCLE if 2 * radius < size else max(around, 6 * np.pi * radius / size)
     return max(1, round(whole * (high - low) / (4 * np.pi)))
 
 
