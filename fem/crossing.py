@@ -80,7 +80,9 @@ def pieces(blades: Sequence[str], d: Dimensions) -> Iterator[Piece]:
     yield _foot(d, sleeve)
     for group in _neighbours(d, sleeve):
         low, high = _collars(group[0])[0] - sleeve, _collars(group[-1])[1] + sleeve
-        yield _crossing(d, group, tuple(b["name"] for b in group if b["name"] in blades), low, min(high, d["mast"]["top"]))
+        piece = _crossing(d, group, tuple(b["name"] for b in group if b["name"] in blades), low, min(high, d["mast"]["top"]))
+        if piece.ports:  # bare collars at the end of the mast carry nothing
+            yield piece
 
 
 def beam_flexibility(piece: Piece) -> Array:

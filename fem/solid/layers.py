@@ -85,6 +85,22 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
     return _joined(pieces, tuple(u.name for u in uprights))
 
 
+def foot_height(parts: Sequence[Part]) -> float | None:
+    """Height [m] at which a thin upright tube and all else that stands on it leave the one part below; None if that is not so.
+
+    Such an article can be meshed in two plans that share the tube's ring: a flange with its holes, a mast with its blades.
+    """
+    try:
+        uprights = sorted((upright(part) for part in parts), key=lambda u: u.bottom)
+    except BadInput:
+        return None
+    if len(uprights) < 2:
+        return None
+    foot, first, *others = uprights
+    stands = abs(first.bottom - foot.top) < SAME and all(u.bottom > foot.top + SAME for u in others)
+    return foot.top if stands and _walls([first]) else None
+
+
 def upright(part: Part) -> Upright:
     """`part` as prisms.
 
@@ -131,7 +147,7 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
     prisms = [prism for u in group for prism in (*u.solids, *u.voids)]
     feet = [prism for u in all_parts for prism in (*u.solids, *u.voids) if _touches(prism, group)]
     plan = covered([prism.outline for prism in (*prisms, *feet)], size, around)
-    for inner, outer in _walls(all_parts, size):
+    for inner, outer in _walls(all_parts):
         plan = with_whole_walls(plan, inner, outer)
     heights = _heights(group, size)
     numbers = {u.name: number for number, u in enumerate(all_parts)}
@@ -145,7 +161,7 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
     return _stacked(plan, levels, chosen)
 
 
-def _walls(uprights: Sequence[Upright], size: float) -> list[tuple[float, float]]:
+def _walls(uprights: Sequence[Upright]) -> list[tuple[float, float]]:
     """Inner and outer radius [m] of thin tubes about the axis."""
     tubes = [
         (void.outline.size[0] / 2, solid.outline.size[0] / 2)

@@ -9,12 +9,18 @@ import numpy as np
 from fem.solid import cache, packed, soundness
 from fem.solid.bodies import AnyArticle, Body, bodies
 from fem.solid.elasticity import Matrices, assemble
+from fem.solid.layers import foot_height, hexahedra
 from fem.solid.mesh import Integers, SolidMesh
 from fem.solid.sizing import LARGEST, Sizing
 from fem.solid.tetrahedra import tetrahedra
 from fem.structure import Structure
+from geometry.article import Article
+from geometry.errors import BadInput
 from geometry.frames import rigid_transformation
 from geometry.materials import Material
+
+PLATE_SIZE, FOOT_SIZE = 0.035, 0.04
+"""Width of a hexahedron [m] in plates and, at the least, in the foot, before it is divided by the fineness."""
 
 
 def structure(
@@ -26,7 +32,9 @@ def structure(
     largest: int = LARGEST,
     cached: bool = True,
 ) -> Structure:
-    """`article` as curved ten-node tetrahedra on its mounting face, the plane z = min of its counted parts, about its origin.
+    """`article` as a solid on its mounting face, the plane z = min of its counted parts, about its origin.
+
+    A tube with plates on a flange is meshed with hexahedra (`fem.solid.layers`), everything else with curved tetrahedra.
 
     Parameters
     ----------
@@ -45,8 +53,23 @@ def structure(
     """
     sizing = Sizing(size=size, fineness=fineness, refinement=refinement, largest=largest)
     found = bodies(article)
-    made = mesh(found, sizing, cached=cached)
+    made = _hexahedra(article, sizing) or mesh(found, sizing, cached=cached)
     return of_mesh(made, {body.name: body.material for body in found}, cached=cached)
+
+
+def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
+    """Hexahedra of an article that consists of a foot and a tube with plates, None of any other."""
+    if not isinstance(article, Article) or (cut := foot_height(article.counted_parts)) is None:
+        return None
+    size = (sizing.size or PLATE_SIZE) / sizing.fineness
+    made = hexahedra(article.counted_parts, sizes=(max(size, FOOT_SIZE / sizing.fineness), size), cuts=(cut,))
+    if 3 * len(made.points) > sizing.largest:
+        raise BadInput(
+            source=f"article {article.name}",
+            problem=f"hexahedra of {1e3 * size:.3g} mm make {3 * len(made.points)} degrees of freedom, at most {sizing.largest} fit",
+            remedy="Use larger elements, or allow more",
+        )
+    return made
 
 
 def mesh(found: tuple[Body, ...], sizing: Sizing, *, cached: bool = True) -> SolidMesh:
