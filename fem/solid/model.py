@@ -63,10 +63,11 @@ def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
         return None
     size = (sizing.size or PLATE_SIZE) / sizing.fineness
     made = hexahedra(article.counted_parts, sizes=(max(size, FOOT_SIZE / sizing.fineness), size), cuts=(cut,))
-    if 3 * len(made.points) > sizing.largest:
+    unknowns = 3 * len(made.points)
+    if unknowns > sizing.largest:
         raise BadInput(
             source=f"article {article.name}",
-            problem=f"hexahedra of {1e3 * size:.3g} mm make {3 * len(made.points)} degrees of freedom, at most {sizing.largest} fit",
+            problem=f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {sizing.largest} are allowed",
             remedy="Use larger elements, or allow more",
         )
     return made
