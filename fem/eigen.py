@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +26,9 @@ DENSE = 250
 
 SEEN = 1e-12
 """Share of the largest theta below which rounding decides: frequencies beyond a million times the lowest are not given."""
+
+CONVERGED = 1e-10
+"""Relative residual at which Lanczos may stop; the eigenvalues are then right to its square."""
 
 SEARCH_STEPS = 20
 MISSED = 1.001
@@ -103,9 +105,7 @@ def _by_lapack(K: Sparse, M: Sparse, count: int, shift: float) -> Eigenpairs:
     return _sorted(shift + 1 / theta[best], vectors[:, best] / np.sqrt(theta[best]))
 
 
-def _by_lanczos(
-    K: Sparse, M: Sparse, count: int, shift: float, factoriser: str | None, progress: Progress, subspace: int | None = None
-) -> Eigenpairs:
+def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str | None, progress: Progress) -> Eigenpairs:
     from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
     try:
@@ -117,7 +117,8 @@ def _by_lanczos(
     start = solve(M @ np.random.default_rng(0).standard_normal(size))  # M first: a massless direction has no place in it
     inverse = LinearOperator(K.shape, matvec=solve, dtype=np.float64)
     try:
-        values, vectors = eigsh(K, count, M=M, sigma=shift, OPinv=inverse, v0=start, ncv=min(size, max(2 * count + 1, 20)))
+        ncv = min(size, max(2 * count + 1, 20))
+        values, vectors = eigsh(K, count, M=M, sigma=shift, OPinv=inverse, v0=start, ncv=ncv, tol=CONVERGED)
     except ArpackNoConvergence as error:
         raise CheckFailed(
             f"The eigenvalue iteration found {len(error.eigenvalues)} of {count} modes and stopped. Ask for fewer modes, or "
@@ -184,7 +185,7 @@ def _sorted(values: Array, vectors: Array, factor: Factor | None = None) -> Eige
     return Eigenpairs(values=values[order], vectors=vectors * signs, factor=factor)
 
 
-def _floats(detail: Any = None) -> CheckFailed:
+def _floats() -> CheckFailed:
     return CheckFailed(
         "The stiffness resists no motion of at least one part of the structure: it floats freely or a joint of it swings. "
         "Hold it, connect it, or ask for a floating body."
