@@ -141,8 +141,8 @@ def require_used(name: str, models: Collection[str], asked: Asked) -> None:
             raise BadInput(source=option, problem=f"{name} is a model that states its own", remedy="Leave it out")
         return
     require_use([name], article_reference.Asked(unit=asked.unit, material=asked.material, changes=asked.changes))
-    for option, given, part in (("--joints", asked.joints, "clumod"), ("--cells", asked.cells, "fmd")):
-        if given and (not {"beam", "exudyn"} & set(models) or part not in name):
+    for option, wanted, part in (("--joints", asked.joints, "clumod"), ("--cells", asked.cells, "fmd")):
+        if wanted and (not {"beam", "exudyn"} & set(models) or part not in name):
             raise BadInput(
                 source=option,
                 problem=f"beam models with {part} have it, found {name} as {' and '.join(models)}",
