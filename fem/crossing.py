@@ -45,8 +45,8 @@ class Piece:
     dimensions : as of a Clumod that ends where the piece ends; its flange reaches up to the lower end, unless `foot`
     blades : names of those whose roots belong to the piece
     ports : its free ends
-    base : (3,) [m] the middle of its held section
-    foot : whether the flange itself belongs to it
+    base : (3,) [m] where its lowest beam begins, which moves with what holds the piece
+    foot : whether the flange itself belongs to it, held at its underside
     """
 
     dimensions: Dimensions
@@ -68,7 +68,7 @@ def joints(blades: Sequence[str], d: Dimensions, *, size: float = 0.02) -> tuple
 
 def joint(piece: Piece, d: Dimensions, size: float) -> Joint:
     """What the solid `piece` adds to the stiffness of its beams, between its lower end and its ports."""
-    added = np.linalg.inv(solid_flexibility(piece, size)) - np.linalg.inv(beam_flexibility(piece))
+    added = np.linalg.inv(_kept_flexibility(piece, size)) - np.linalg.inv(beam_flexibility(piece))
     T = np.hstack([-np.vstack([rigid_transformation_6(place(port, d) - piece.base) for port in piece.ports]), np.eye(len(added))])
     held = Port(member=MAST, at=float(piece.base[2]))
     return Joint(ports=(held, *piece.ports), stiffness=T.T @ ((added + added.T) / 2) @ T)
@@ -104,6 +104,24 @@ def solid_flexibility(piece: Piece, size: float) -> Array:
     held = hold(solid)
     B = np.hstack([_mean(solid, piece, port) for port in piece.ports])[held.free]
     return np.asarray(B.T @ factorise(held.stiffness, definite=True).solve(B))
+
+
+def _kept_flexibility(piece: Piece, size: float) -> Array:
+    """`solid_flexibility`, remembered on disk by the drawing of the piece and its materials."""
+    from fem.solid import cache
+    from fem.solid.bodies import bodies
+
+    drawn = [
+        [body.name, body.fingerprint, body.material.youngs_modulus, body.material.poisson_ratio]
+        for body in bodies(clumod.build(piece.blades, piece.dimensions))
+    ]
+    ports = [[port.member, port.at] for port in piece.ports]
+    name = cache.key("flexibility", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
+    kept = cache.load(name)
+    if kept is None:
+        kept = {"flexibility": solid_flexibility(piece, size)}
+        cache.store(name, kept)
+    return kept["flexibility"]
 
 
 def place(port: Port, d: Dimensions) -> Array:
@@ -149,7 +167,9 @@ def _mean(solid: Structure, piece: Piece, port: Port) -> Array:
 def _foot(d: Dimensions, sleeve: float) -> Piece:
     top = d["flange"]["height"] + sleeve
     own = {**copy.deepcopy(d), "blade": [], "mast": {**d["mast"], "top": top}}
-    return Piece(dimensions=own, blades=(), ports=(Port(member=MAST, at=top),), base=np.zeros(3), foot=True)
+    return Piece(
+        dimensions=own, blades=(), ports=(Port(member=MAST, at=top),), base=np.array([0.0, 0.0, d["flange"]["height"]]), foot=True
+    )
 
 
 def _crossing(d: Dimensions, group: list[Dimensions], blades: tuple[str, ...], low: float, high: float) -> Piece:

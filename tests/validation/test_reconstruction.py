@@ -12,7 +12,6 @@ from geometry.errors import CheckFailed
 from validation import reconstruction
 from validation.reconstruction import (
     FREQUENCY_SOLVED,
-    FREQUENCY_TOLERANCE,
     SHIPPED,
     Problem,
     changed,
@@ -45,8 +44,10 @@ def test_shipped_dimensions_meet_every_inertia_and_frequency(posed: Problem) -> 
 
 def _require_solved(file: Path, posed: Problem) -> None:
     wishes, inertias = misfit(replace(posed, start=tomllib.loads(file.read_text(encoding="utf-8"))), np.zeros(len(posed.free)))
-    assert np.abs(inertias).max() < 0.2  # of its bar, a share of it being the rounding to a tenth of a micrometre
-    assert np.abs(wishes).max() * FREQUENCY_TOLERANCE < FREQUENCY_SOLVED
+    assert (
+        np.abs(inertias).max() < 0.5
+    )  # of its bar: what the rounding of a thin blade's thickness to a tenth of a micrometre takes
+    assert np.abs(wishes[len(posed.free) :]).max() < FREQUENCY_SOLVED
 
 
 def test_cad_detail_alone_would_miss_the_published_inertias(posed: Problem) -> None:
@@ -54,13 +55,15 @@ def test_cad_detail_alone_would_miss_the_published_inertias(posed: Problem) -> N
     assert np.abs(inertias).max() > 100
 
 
-def test_equal_dimensions_stay_equal(posed: Problem) -> None:
-    blades = changed(posed, np.linspace(-0.1, 0.1, len(posed.free)))["blade"]
-    assert blades[0]["width_mm"] == blades[1]["width_mm"]
-    assert blades[0]["thickness_mm"] == blades[1]["thickness_mm"]
+def test_both_lower_blades_change_alike(posed: Problem) -> None:
+    start, blades = posed.start["blade"], changed(posed, np.linspace(-0.1, 0.1, len(posed.free)))["blade"]
+    for key in ("width_mm", "thickness_mm"):
+        assert blades[0][key] != start[0][key]
+        assert blades[0][key] / start[0][key] == pytest.approx(blades[1][key] / start[1][key], rel=1e-12)
 
 
 def test_a_solve_that_does_not_end_says_how_far_it_was(posed: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reconstruction, "ITERATIONS", 1)
+    monkeypatch.setattr(reconstruction, "STARTS", 2)
     with pytest.raises(CheckFailed, match="not solved in 1 iterations: a frequency is off by"):
         solve(posed, np.random.default_rng(0))

@@ -75,11 +75,13 @@ def asked(command: Command) -> Command:
 
 
 def flexible(command: Command) -> Command:
-    """How a flexible model is made: ``--model``, ``--damping``, ``--size``, ``--set``, ``--unit``, ``--material``."""
+    """How a flexible model is made: ``--model``, ``--damping``, ``--size``, ``--joints``, ``--cells``, ``--set`` and others."""
     for option in (
         click.option("--material", metavar="NAME", help="Material of your own CAD file, for every body that has none."),
         click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
         SET,
+        click.option("--cells", is_flag=True, help="The FMD's load cells as springs of assumed stiffness (beam, exudyn)."),
+        click.option("--joints", is_flag=True, help="Correct Clumod's beams by local solid models of its joints (beam, exudyn)."),
         click.option("--size", metavar="LENGTH", help='Element size of the solid model, for example "20 mm".'),
         click.option(
             "--damping",
@@ -99,6 +101,8 @@ def flexible_asked(
     count: int,
     damping_ratio: float | None,
     size: str | None,
+    joints: bool,
+    cells: bool,
     settings: Sequence[str],
     unit: str | None,
     material: str | None,
@@ -116,6 +120,8 @@ def flexible_asked(
         count=count,
         damping=None if damping_ratio is None else Damping(ratio=damping_ratio),
         size=None if size is None else _length(size, "--size", ELEMENT_SIZES, '"20 mm"'),
+        joints=joints,
+        cells=cells,
         changes=changed.read(settings),
         unit=unit,
         material=material,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from fem.users_model.reading import is_model, load
 from geometry import keys
 from geometry.article import Article
 from geometry.articles import built_in, changes_of
+from geometry.articles.dimensions import load as load_dimensions
 from geometry.errors import BadInput
 from validation import article_reference
 from validation.article_reference import is_file, require_use
@@ -40,6 +41,8 @@ class Asked:
     count : how many modes to keep
     damping : None for what the model itself says: the loss factors of its parts, else one ratio for every mode
     size : element size of the solid model [m]; None for its own
+    joints : whether local solid models correct the joints of Clumod's beams
+    cells : whether the FMD's load cells are springs, of assumed stiffness
     material, unit : of the user's own CAD
     changes : the user's own dimensions of built-in articles, see `validation.changed`
     """
@@ -47,6 +50,8 @@ class Asked:
     count: int = 20
     damping: Damping | None = None
     size: float | None = None
+    joints: bool = False
+    cells: bool = False
     material: str | None = None
     unit: str | None = None
     changes: Mapping[str, float] = field(default_factory=dict)
@@ -125,11 +130,24 @@ def require_used(name: str, models: Collection[str], asked: Asked) -> None:
         an element size without a solid model.
     """
     if is_model(name):
-        given = {"--unit": asked.unit, "--material": asked.material, "--set": asked.changes, "--size": asked.size}
+        given: dict[str, object] = {
+            "--unit": asked.unit,
+            "--material": asked.material,
+            "--set": asked.changes,
+            "--size": asked.size,
+        }
+        given |= {"--joints": asked.joints, "--cells": asked.cells}
         for option in (option for option, value in given.items() if value):
             raise BadInput(source=option, problem=f"{name} is a model that states its own", remedy="Leave it out")
         return
     require_use([name], article_reference.Asked(unit=asked.unit, material=asked.material, changes=asked.changes))
+    for option, wanted, part in (("--joints", asked.joints, "clumod"), ("--cells", asked.cells, "fmd")):
+        if wanted and (not {"beam", "exudyn"} & set(models) or part not in name):
+            raise BadInput(
+                source=option,
+                problem=f"beam models with {part} have it, found {name} as {' and '.join(models)}",
+                remedy="Leave it out, or name such an article and --model beam or exudyn",
+            )
     if asked.size is not None and "solid" not in models:
         raise BadInput(
             source="--size",
@@ -153,7 +171,25 @@ def _beam(name: str, asked: Asked) -> Flexible:
     from fem import beam
 
     changes = changes_of(name, asked.changes)
-    return _solved(name, "beam", beam.structure(name, changes), built_in(name, changes), asked)
+    found = _solved(name, "beam", beam.structure(name, changes, **_frame(name, asked)), built_in(name, changes), asked)
+    return replace(found, notes=(*_frame_notes(asked), *found.notes))
+
+
+def _frame(name: str, asked: Asked) -> dict[str, Any]:
+    """What is added to the beams of a built-in article."""
+    from fem import beam, crossing
+
+    added: dict[str, Any] = {"cells": beam.load_cells(changes_of("fmd", asked.changes))} if asked.cells else {}
+    if asked.joints:
+        clumod = next(part for part in name.split("+") if part in beam.BLADES)
+        added["joints"] = crossing.joints(beam.BLADES[clumod], load_dimensions("clumod", changes_of(clumod, asked.changes)))
+    return added
+
+
+def _frame_notes(asked: Asked) -> tuple[str, ...]:
+    joints = "Joints of Clumod corrected by local solid models of its crossings and of the mast's foot."
+    cells = "Load cells of the FMD as springs of assumed stiffness; the base is below them."
+    return (*([joints] if asked.joints else []), *([cells] if asked.cells else []))
 
 
 def _solid(name: str, asked: Asked) -> Flexible:
@@ -169,10 +205,14 @@ def _exudyn(name: str, asked: Asked) -> Flexible:
     from fem.flexible_body import articles
 
     changes = changes_of(name, asked.changes)
-    modes = articles.modes(name, asked.count, changes)
+    modes = articles.modes(name, asked.count, changes, **_frame(name, asked))
     own = "Modes of exudyn's own beam elements, by its own eigen-solution, extrapolated from two meshes."
     return Flexible(
-        article=name, model="exudyn", modes=_damped(modes, asked.damping), drawn=built_in(name, changes), notes=(own,)
+        article=name,
+        model="exudyn",
+        modes=_damped(modes, asked.damping),
+        drawn=built_in(name, changes),
+        notes=(own, *_frame_notes(asked)),
     )
 
 
