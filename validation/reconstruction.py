@@ -226,6 +226,8 @@ def _started(details: dict[str, Any], reconstruction: dict[str, Any]) -> dict[st
         blade |= {f"{key}_mm": start[f"{key}_m"] * 1e3 for key in ("z", "length", "width", "thickness")}
         _shorten(blade, dimensions["hubs"]["outer_diameter_mm"])
         blade["hub_height_mm"] = _hub_height(dimensions, blade, hub, reconstruction["material"]["rho_kg_m3"])
+    first, second = dimensions["blade"][:2]
+    second |= {key: first[key] for key in ("width_mm", "thickness_mm")}  # which nearly equal lengths had parted
     return dimensions
 
 
