@@ -116,7 +116,7 @@ def test_the_load_that_dynamic_mass_asks_for_gives_exudyns_block_that_accelerati
 def test_frequencies_to_50_hz_are_those_of_the_beam_model(
     name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
 ) -> None:
-    """Measured: 2e-5 in the first eleven modes; 4.5e-3 at 40 Hz, where the sandwich twists and exudyn's clamp holds its warping."""
+    """Measured: 2e-5 in the first eleven modes; 4.5e-3 at 40 Hz, where the sandwich twists and a clamp holds its warping."""
     ours, exudyns = by_us[name].frequency, by_exudyn[name].frequency
     count = int(np.sum(ours < 50))
     assert count == TO_50_HZ[name]
