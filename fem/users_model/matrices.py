@@ -81,7 +81,7 @@ def _viscous(contents: Contents, M: Sparse, dofs: DofMap, units: UnitSystem) -> 
 
 
 def _require_internal(contents: Contents, name: str, A: Sparse, dofs: DofMap) -> None:
-    """Damping acts within the structure: a rigid motion meets none. Only so does the base feel what the free part is damped by."""
+    """Damping acts within the structure: a rigid motion meets none, so that only the free part need be known."""
     met, could = np.abs(A @ dofs.rigid).max(axis=0), (abs(A) @ np.abs(dofs.rigid)).max(axis=0)
     share = met / np.maximum(could, np.finfo(np.float64).tiny)
     worst = int(np.argmax(share))
