@@ -25,7 +25,7 @@ import numpy as np
 
 from geometry import atomic
 
-FORMAT = 1
+FORMAT = 2
 """Of the entries; a change of what is stored or computed counts it up, and older ones are no longer found."""
 
 LARGEST = 4 * 2**30

@@ -90,6 +90,12 @@ def jacobians(mesh: SolidMesh) -> Array:
     return np.concatenate(found) if found else np.zeros((0, 0))
 
 
+def volumes(mesh: SolidMesh) -> Array:
+    """Volume (c,) [m³] of every cell, exact for curved ones; negative where a cell is inside out."""
+    W, _, _ = _reference(mesh.cells.shape[1])
+    return np.asarray(jacobians(mesh) @ W)
+
+
 def _unusable(material: Material, part: str, field: str, problem: str) -> BadInput:
     remedy = (
         "Name one that has both, such as steel (207e9 Pa and 0.3) or aluminium (70e9 Pa and 0.33), or state your own in an "

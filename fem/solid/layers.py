@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from fem.solid import soundness
 from fem.solid.mesh import LOCAL_HEX27, Integers, SolidMesh
 from fem.solid.plan import Outline, Plan, covered, with_whole_walls
 from geometry.arrays import Array
@@ -45,6 +46,11 @@ class Prism:
     bottom: float
     top: float
 
+    @property
+    def volume(self) -> float:
+        """[m³]."""
+        return float(np.prod(self.outline.size)) * (np.pi / 4 if self.outline.round else 1.0) * (self.top - self.bottom)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Upright:
@@ -53,6 +59,11 @@ class Upright:
     name: str
     solids: tuple[Prism, ...]
     voids: tuple[Prism, ...]
+
+    @property
+    def volume(self) -> float:
+        """[m³]; every void lies in the material and none in another (`geometry.shapes`)."""
+        return sum(prism.volume for prism in self.solids) - sum(prism.volume for prism in self.voids)
 
     @property
     def bottom(self) -> float:
@@ -73,6 +84,7 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
     Raises
     ------
     BadInput : a part that does not stand upright, or one that reaches through a cut.
+    CheckFailed : cells inside out, or a part that they do not fill.
     """
     uprights = [upright(part) for part in parts]
     limits = [-np.inf, *cuts, np.inf]
@@ -82,7 +94,10 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
         if (group := [u for u in uprights if low - SAME <= u.bottom and u.top <= high + SAME])
     ]
     _require_all(uprights, [part for _, _, part in pieces])
-    return _joined(pieces, tuple(u.name for u in uprights))
+    made = _joined(pieces, tuple(u.name for u in uprights))
+    soundness.require_upright(made)
+    soundness.require_filled(made, [u.volume for u in uprights])
+    return made
 
 
 def foot_height(parts: Sequence[Part]) -> float | None:
@@ -230,7 +245,7 @@ def _quad_place() -> Integers:
 
 
 def _require_all(uprights: Sequence[Upright], found: Sequence[Integers]) -> None:
-    there = set(np.concatenate(found).tolist())
+    there = {int(number) for numbers in found for number in np.unique(numbers)}
     for number, u in enumerate(uprights):
         if number not in there:
             raise BadInput(

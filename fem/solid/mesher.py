@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.solid import packed, re_entrant, sizing
+from fem.solid import packed, re_entrant, sizing, soundness
 from fem.solid.gmsh_session import session
 from fem.solid.mesh import Integers, SolidMesh
 from fem.solid.sizing import Sizing, Volume
@@ -70,7 +70,7 @@ def tetrahedra(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
     Raises
     ------
     BadInput : bodies that share volume, or more degrees of freedom than `sizes` allows.
-    Unmeshable : gmsh fails, or elements stay inverted.
+    Unmeshable : gmsh fails, elements stay inverted, or they do not fill the drawing.
     """
     with session() as gmsh:
         model = _model(gmsh, names, folder)
@@ -135,7 +135,18 @@ def _mesh(model: _Model, sizes: Sizing) -> SolidMesh:
         curves = re_entrant.curves(model.gmsh)
     _generate(model, sizes, curves)
     _bend(model)
-    return _read(model)
+    made = _read(model)
+    _require_filled(model, made)
+    return made
+
+
+def _require_filled(model: _Model, made: SolidMesh) -> None:
+    """Refuse a mesh that is not as large as OCC says its bodies are."""
+    drawn = np.zeros(len(model.names))
+    for volume in model.volumes:
+        drawn[model.owner[volume.tag]] += MM**3 * volume.volume
+    if words := soundness.unfilled(made, drawn):
+        raise Unmeshable(words)
 
 
 def _generate(model: _Model, sizes: Sizing, curves: Sequence[int]) -> None:

@@ -12,10 +12,10 @@ from fem.solid.elasticity import Matrices, assemble
 from fem.solid.layers import foot_height, hexahedra
 from fem.solid.mesh import Integers, SolidMesh
 from fem.solid.sizing import LARGEST, Sizing
-from fem.solid.tetrahedra import tetrahedra
+from fem.solid.tetrahedra import FINER, tetrahedra
 from fem.structure import Structure
 from geometry.article import Article
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import rigid_transformation
 from geometry.materials import Material
 
@@ -61,16 +61,28 @@ def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
     """Hexahedra of an article that consists of a foot and a tube with plates, None of any other."""
     if not isinstance(article, Article) or (cut := foot_height(article.counted_parts)) is None:
         return None
-    size = (sizing.size or PLATE_SIZE) / sizing.fineness
-    made = hexahedra(article.counted_parts, sizes=(max(size, FOOT_SIZE / sizing.fineness), size), cuts=(cut,))
+    failures: list[str] = []
+    for finer in FINER:
+        size = (sizing.size or PLATE_SIZE) / (finer * sizing.fineness)
+        foot = max(size, FOOT_SIZE / (finer * sizing.fineness))
+        try:
+            made = hexahedra(article.counted_parts, sizes=(foot, size), cuts=(cut,))
+        except CheckFailed as failure:
+            failures.append(str(failure))
+            continue
+        _require_affordable(article, made, size, sizing.largest)
+        return made
+    raise CheckFailed(f"no valid mesh of hexahedra after {len(FINER)} attempts: {failures[-1]}", failures=tuple(failures))
+
+
+def _require_affordable(article: Article, made: SolidMesh, size: float, largest: int) -> None:
     unknowns = 3 * len(made.points)
-    if unknowns > sizing.largest:
+    if unknowns > largest:
         raise BadInput(
             source=f"article {article.name}",
-            problem=f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {sizing.largest} are allowed",
+            problem=f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {largest} are allowed",
             remedy="Use larger elements, or allow more",
         )
-    return made
 
 
 def mesh(found: tuple[Body, ...], sizing: Sizing, *, cached: bool = True) -> SolidMesh:

@@ -1,4 +1,4 @@
-"""What a mesh must be to stand on a base: a face to be held at, every body joined to it by faces, no cell inside out."""
+"""What a mesh must be: a face to be held at, every body joined to it by faces, no cell inside out, all the volume drawn."""
 
 from __future__ import annotations
 
@@ -7,13 +7,17 @@ from itertools import combinations
 
 import numpy as np
 
-from fem.solid.elasticity import jacobians
+from fem.solid.elasticity import jacobians, volumes
 from fem.solid.mesh import LOCAL_HEX27, Integers, SolidMesh
 from geometry.arrays import Array
 from geometry.errors import BadInput, CheckFailed
 
 ON_THE_PLANE = 1e-6
 """Distance from the base plane, as a share of the article's size, within which a node lies on it."""
+
+VOLUME = 1e-3
+"""Share of a part's volume that its cells may miss. Arcs of degree 2 miss 1.6e-4 of a circle at twelve of them, 8e-4 at eight;
+plane faces miss nothing."""
 
 _TETRAHEDRON = tuple(combinations(range(4), 3))
 _HEXAHEDRON = tuple(
@@ -82,6 +86,33 @@ def require_upright(mesh: SolidMesh) -> None:
         f"{len(bad)} of {len(mesh.cells)} elements are inverted, the worst in {places}. Give a smaller element size",
         elements=bad,
     )
+
+
+def require_filled(mesh: SolidMesh, drawn: Sequence[float]) -> None:
+    """Refuse a mesh that is not as large as its drawing; arguments as of `unfilled`.
+
+    Raises
+    ------
+    CheckFailed : which parts, and how much of each is missing or too much.
+    """
+    if words := unfilled(mesh, drawn):
+        raise CheckFailed(f"{words}. Give a smaller element size")
+
+
+def unfilled(mesh: SolidMesh, drawn: Sequence[float] | Array) -> str:
+    """Which parts' cells are not as large as drawn, in words; nothing when all are.
+
+    Cells far larger than the curvature of a face can be upright and yet cut a part off: a rod has lost 41 % of its volume so.
+
+    Parameters
+    ----------
+    drawn : (parts,) volume [m³] of each part, from its drawing and not from a mesh
+    """
+    found = np.bincount(mesh.part, weights=volumes(mesh), minlength=len(mesh.parts))
+    error = found / np.asarray(drawn) - 1
+    bad = np.flatnonzero(~(np.abs(error) <= VOLUME))
+    said = [f"{abs(error[k]):.2%} of {mesh.parts[k]} {'are missing' if error[k] < 0 else 'are too much'}" for k in bad]
+    return f"the elements do not fill the drawing: {', '.join(said)} ({VOLUME:.1%} allowed)" if said else ""
 
 
 def _on_the_plane(mesh: SolidMesh) -> np.ndarray:

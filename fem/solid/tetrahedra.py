@@ -39,7 +39,8 @@ def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh
     Raises
     ------
     BadInput : bodies that share volume, or more degrees of freedom than `sizes` allows.
-    CheckFailed : no valid mesh after several attempts; the message says which body, or how many elements are inverted and where.
+    CheckFailed : no valid mesh after several attempts; the message says which body, or how many elements are inverted and where,
+        or how much of which body is missing.
     """
     sizes = sizes or Sizing()
     with tempfile.TemporaryDirectory() as folder:

@@ -36,7 +36,7 @@ BENDING = BETA**2 / (2 * np.pi * LENGTH**2) * np.sqrt(BAR.bending_y / BAR.mass)
 TURN = rotation_about("x", 0.4) @ rotation_about("y", -0.8) @ rotation_about("z", 1.1)
 BLOCK = Inertia.from_cog(3.0, [0.11, -0.23, 0.37], TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
 COUNT = 30
-TO_50_HZ = {"clumod-1": 5, "clumod-4": 16}
+TO_50_HZ = {"clumod-1": 5, "clumod-4": 20}
 
 
 @pytest.fixture(scope="module")
@@ -116,12 +116,12 @@ def test_the_load_that_dynamic_mass_asks_for_gives_exudyns_block_that_accelerati
 def test_frequencies_to_50_hz_are_those_of_the_beam_model(
     name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
 ) -> None:
-    """Measured: 3e-5 in the first eleven modes; 1.2e-3 at 46 Hz, where the sandwich bends a second time."""
+    """Measured: 2e-5 in the first eleven modes; 4.5e-3 at 40 Hz, where the sandwich twists and a clamp holds its warping."""
     ours, exudyns = by_us[name].frequency, by_exudyn[name].frequency
     count = int(np.sum(ours < 50))
     assert count == TO_50_HZ[name]
     assert_allclose(exudyns[:11][:count], ours[:11][:count], rtol=1e-4)
-    assert_allclose(exudyns[:count], ours[:count], rtol=2e-3)
+    assert_allclose(exudyns[:count], ours[:count], rtol=5e-3)
 
 
 @pytest.mark.parametrize("name", ["cuboid", "clumod-1", "clumod-4"])
@@ -209,10 +209,10 @@ def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
         [side * rigid_transformation_6([0.0, 0.0, 1.0] - place) for side, place in zip((-1, 1), places, strict=True)]
     )
     joint = Joint(ports=ports, stiffness=relative.T @ np.diag([2e2, 2e2, 2e2, 2.0, 2.0, 2.0]) @ relative)
-    ours = fixed_base(beam.structure("clumod-4", elements=24, joints=[joint]), 8).frequency
-    without = fixed_base(beam.structure("clumod-4", elements=24), 8).frequency
+    ours = fixed_base(beam.structure("clumod-4", elements=24, joints=[joint]), 10).frequency
+    without = fixed_base(beam.structure("clumod-4", elements=24), 10).frequency
     assert np.max(ours / without) > 1.005
-    assert_allclose(flexible_body.modes("clumod-4", 8, joints=[joint]).frequency, ours, rtol=5e-4)
+    assert_allclose(flexible_body.modes("clumod-4", 10, joints=[joint]).frequency, ours, rtol=5e-4)
 
 
 def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:
