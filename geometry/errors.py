@@ -22,7 +22,8 @@ class BadInput(ValueError):
         self.problem = problem
         self.remedy = remedy
         place = f"{source}: `{field}`" if field else source
-        super().__init__(f"{place}: {problem}. {remedy}".rstrip(". ") + ".")
+        text = f"{place}: {problem}. {remedy}".rstrip(". ")
+        super().__init__(text if text.endswith("?") else f"{text}.")
 
 
 class CheckFailed(RuntimeError):

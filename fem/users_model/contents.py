@@ -141,6 +141,7 @@ class Contents:
             place = ", ".join(map(str, bad[0]))
             problem = f"holds {len(bad)} value(s) that are not finite, the first at [{place}]"
             raise self.refused(name, problem, "Look for what went wrong where it was made; 0 is the first index")
-        if np.size(array) and np.abs(array).max() > LARGEST:
-            problem = f"holds {np.abs(array).max():.3g}, which no structure has in any unit"
+        largest = float(np.abs(array).max(initial=0))
+        if largest > LARGEST:
+            problem = f"holds {largest:.3g}, which no structure has in any unit"
             raise self.refused(name, problem, "Write it again; the file may be damaged")

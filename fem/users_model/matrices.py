@@ -32,6 +32,9 @@ OPTIONAL = (
 GROUNDED = 1e-5
 """Largest (f_rigid / f_1)²: f_rigid is what K gives the free rigid body, f_1 the lowest frequency with the interface held."""
 
+EXTERNAL = 1e-4
+"""Share of a damping matrix's terms that may be left when a rigid motion makes them cancel: single precision, printed digits."""
+
 NEGATIVE_MASS = 1e-6
 """What the base itself carries may be this share of the rigid mass below nothing: rounding."""
 
@@ -72,7 +75,20 @@ def _viscous(contents: Contents, M: Sparse, dofs: DofMap, units: UnitSystem) -> 
     if "viscous" not in contents:
         return None
     C = _sized(contents, "viscous", M.shape[0])
-    return _symmetric(contents, "viscous", _converted(C, dofs.scale, units.energy * units.time), dofs, M.diagonal())
+    C = _symmetric(contents, "viscous", _converted(C, dofs.scale, units.energy * units.time), dofs, M.diagonal())
+    _require_internal(contents, "viscous", C, dofs)
+    return C
+
+
+def _require_internal(contents: Contents, name: str, A: Sparse, dofs: DofMap) -> None:
+    """Damping acts within the structure: a rigid motion meets none, so that only the free part need be known."""
+    met, could = np.abs(A @ dofs.rigid).max(axis=0), (abs(A) @ np.abs(dofs.rigid)).max(axis=0)
+    share = met / np.maximum(could, np.finfo(np.float64).tiny)
+    worst = int(np.argmax(share))
+    if share[worst] > EXTERNAL:
+        problem = f"damps the rigid motions ({name} @ rigid must be 0), most along {MOTIONS[worst]}"
+        remedy = "Write the damping within the structure, without dampers to ground; check the coordinates and the order of rows"
+        raise contents.refused(name, problem, remedy)
 
 
 def _sized(contents: Contents, name: str, n: int) -> Sparse:
@@ -116,6 +132,7 @@ def _losses(
             raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
         S = _sized(contents, "structural", dofs.scale.size)
         S = _symmetric(contents, "structural", _converted(S, dofs.scale, description.units.energy), dofs, M.diagonal())
+        _require_internal(contents, "structural", S, dofs)
         # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
         diagonal = K.diagonal()
         g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))

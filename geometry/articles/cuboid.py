@@ -12,6 +12,8 @@ def build(dimensions: Dimensions | None = None) -> Article:
     """The Cuboid from `dimensions` (`cuboid.toml` by default); origin in the middle of the underside, z up [m]."""
     d = dimensions or load("cuboid")
     t = d["threads"]
+    if t["depth"] > d["size"][2]:
+        raise ValueError(f"`depth` of the threads must lie within the height, {d['size'][2]:g} m, found {t['depth']:g} m")
     shape = Shape(
         solids=(upright(Box(size=d["size"]), bottom=0.0),),
         voids=drilled(rectangle(*t["pitch"]), diameter=t["diameter"], bottom=0.0, depth=t["depth"]),

@@ -221,6 +221,12 @@ def test_a_viscous_matrix_damps_the_structure(arrays: dict[str, np.ndarray], sav
     assert_allclose(modes.damping_ratio, 1e-6 * np.pi * modes.frequency, rtol=1e-8)
 
 
+def test_a_matrix_in_single_precision_is_read(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
+    """And without a warning of numpy: the greatest number that is believed does not fit into it."""
+    found = users_model.load(saved(arrays | {"mass": arrays["mass"].astype(np.float32)}, ending=".npz"))
+    assert_allclose(found.model.rigid_mass[0, 0], 2.51, atol=0.02)
+
+
 def test_a_file_that_says_nothing_of_damping_leaves_it_open(bracket_files: Path) -> None:
     found = users_model.load(bracket_files / "bracket.h5")
     assert found.damping is None

@@ -114,6 +114,8 @@ SPOILT: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
     "nobody reads it": (lambda a: a.update(massess=np.eye(2)), "massess", ("unknown",)),
     "not rigid": (bump("mass", 31, 31, 0.5), "mass", ("not the mass matrix of a rigid body",)),
     "too much structural damping": (lambda a: a.update(structural=9 * a["stiffness"]), "structural", ("loss factor",)),
+    "dampers to ground": (lambda a: a.update(viscous=1e-6 * np.diag(np.diag(a["stiffness"]))), "viscous", ("@ rigid",)),
+    "lossy ground": (lambda a: a.update(structural=0.01 * np.diag(np.diag(a["stiffness"]))), "structural", ("@ rigid",)),
     "viscous too small": (lambda a: a.update(viscous=np.eye(4)), "viscous", ("4 x 4", "60 x 60")),
 }
 

@@ -60,3 +60,8 @@ def test_a_list_of_blades_is_a_table_of_them() -> None:
 def test_a_list_of_numbers_is_no_number(key: str, message: str) -> None:
     with pytest.raises(BadInput, match=message):
         built_in("cuboid", {key: 1.0})
+
+
+def test_a_thread_is_no_deeper_than_the_block_that_it_is_cut_into() -> None:
+    with pytest.raises(BadInput, match=r"threads.*0\.4 m, found 5 m"):
+        built_in("cuboid", {"cuboid.threads.depth_mm": 5000.0})

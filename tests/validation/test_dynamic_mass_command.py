@@ -231,3 +231,26 @@ def test_a_small_table_reads_so() -> None:
     rigid = np.diag([12.0, 12.0, 12.0, 0.5, 0.6, 0.25])
     H = DynamicMass(frequency=lines((4.0, 32.0), 14.0), matrix=np.tile(rigid.astype(complex), (3, 1, 1)))
     assert page("stone", [lines_grid(H, np.diag(rigid))], width=132) == GOLDEN
+
+
+def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Clumod's first mode is so near the left end of the band that its figure lies below the title."""
+    from matplotlib.figure import Figure
+
+    from fem import beam
+    from fem.dynamic_mass import modal
+    from fem.modes import fixed_base
+    from validation.pictures import curves
+
+    pages: list[Figure] = []
+    modes = fixed_base(beam.structure("clumod-4"), 20)
+    mass = modal(modes, np.linspace(4, 32, 57))
+    monkeypatch.setattr(curves, "_finish", lambda figure, *rest: pages.append(figure))
+    curves.diagonal("x", [Curve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
+    (figure,) = pages
+    figure.canvas.draw()
+    figures = [(axes, text) for axes in figure.axes for text in axes.texts]
+    assert figures
+    for axes, text in figures:
+        title: Any = getattr(axes, "_left_title")  # noqa: B009 - matplotlib has no public way to it
+        assert not title.get_window_extent().overlaps(text.get_window_extent())

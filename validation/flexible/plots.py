@@ -20,8 +20,12 @@ def draw(found: Curves, folder: Path) -> tuple[Path, ...]:
     paths = folder / f"{stem}.png", folder / f"{stem}-6x6.png"
     note = note_on(found.masses[0], found.about)
     diagonal(f"{found.article}: dynamic mass, diagonal", drawn, paths[0], note)
-    full(f"{found.article}: dynamic mass, rows loads, columns base motions", drawn, paths[1], note)
+    full(f"{found.article}: dynamic mass, rows loads, columns base motions", drawn, paths[1], note.removesuffix(TICKS))
     return paths
+
+
+TICKS = " Ticks on the upper edge: eigenfrequencies [Hz]."
+"""Said where there are such ticks: the full grid has none."""
 
 
 def note_on(H: DynamicMass, about: str, frame: str = "in the article's frame") -> str:
@@ -30,5 +34,5 @@ def note_on(H: DynamicMass, about: str, frame: str = "in the article's frame") -
     name = {"article": "the article's origin", "F": "F"}.get(about, "the point")
     return (
         f"Blocked: all six base motions prescribed; loads of the table on the article, about {name}, ({point}) mm {frame}. "
-        "Dashed: the rigid body. Ticks on the upper edge: eigenfrequencies [Hz]."
+        f"Dashed: the rigid body.{TICKS}"
     )

@@ -38,6 +38,9 @@ SHOWS = 1e-3
 ROOM_FOR_A_FIGURE = 0.075
 """Of the width of a panel."""
 
+TITLE_ABOVE_FIGURES = 13
+"""Points between a panel and its title, so that the figures of `_mark` stand below it."""
+
 DASHES = ("-", "--", ":")
 
 Axes = Any
@@ -78,7 +81,7 @@ def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") ->
         upper = figure.add_subplot(grid[top, column])
         lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
         _entry(upper, lower, curves, i, i)
-        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=4)
+        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         _mark(upper, curves[0], (i,))
         upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
         lower.set_ylabel("phase [°]", fontsize=9.5)
