@@ -61,3 +61,17 @@ def test_pictures_of_flexible_bodies_show_the_articles_as_they_are_now(root: Pat
     for name, frequencies in then.items():
         # a thousandth: no eye sees it, and every change of a dimension that matters shows
         assert program["frequencies"](name) == pytest.approx(frequencies, rel=1e-3), "draw it again: python examples/pictures.py"
+
+
+def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
+    printed = io.StringIO()
+    runpy.run_path(str(root / "examples" / "convergence.py"))["main"](Console(file=printed, width=160))
+    text = printed.getvalue()
+    rows = re.findall(r"│ +(\d) │ plate +│ +([\d.]+) │ +([\d.]+) │ +([\d.]+) │", text)
+    assert [row[0] for row in rows] == ["1", "2"]
+    for _, coarse, _, fine in rows:
+        assert float(fine) < float(coarse)  # conforming elements are too stiff
+    assert re.search(r"the worst, mode \d at [\d.]+ Hz \(plate\), is [\d.]+% from its", text)
