@@ -29,7 +29,7 @@ def posed(shared: Path) -> Problem:
 
 
 def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(posed: Problem, tmp_path: Path) -> None:
-    """From dimensions that are off by some thousandths, an inertia by tens of its bar: the whole way takes three times as long."""
+    """From dimensions some thousandths off, inertias by tens of a bar: the whole way takes three times as long."""
     again = tmp_path / "clumod.toml"
     shipped = replace(posed, start=tomllib.loads(SHIPPED.read_text(encoding="utf-8")))
     detuned = replace(posed, start=changed(shipped, np.random.default_rng(0).normal(scale=2e-3, size=len(posed.free))))
