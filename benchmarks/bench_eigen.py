@@ -156,15 +156,18 @@ def _alone(held: HeldBase, name: str) -> tuple[str, str]:
 
 def _one(folder: Path, name: str) -> None:
     """Seconds of one eigen-solution and the bytes it adds to the peak of this process, on standard output."""
-    import resource
-
     from scipy.sparse import load_npz
 
     K, M = (load_npz(folder / f"{matrix}.npz") for matrix in ("K", "M"))
-    before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.perf_counter()
+    before, start = _peak(), time.perf_counter()
     eigen.lowest(K, M, COUNT, factoriser=name)
-    seconds, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    sys.stdout.write(f"{seconds} {1024 * (after - before)}\n")
+    sys.stdout.write(f"{time.perf_counter() - start} {_peak() - before}\n")
+
+
+def _peak() -> float:
+    """Peak memory [B] of this process; Linux only, for `getrusage` counts what the process that started it had."""
+    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("VmHWM:"))
 
 
 if __name__ == "__main__":

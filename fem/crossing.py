@@ -20,7 +20,7 @@ from fem.beam_clumod import plan as beams
 from fem.factorisers import factorise
 from fem.frame import assemble
 from fem.held_base import hold
-from fem.structure import Structure
+from fem.structure import Integers, Structure
 from geometry.arrays import Array
 from geometry.articles import clumod
 from geometry.articles.dimensions import Dimensions
@@ -31,6 +31,9 @@ STUB = 0.75
 
 SLEEVE = 1.0
 """Length of mast beyond the collars, in diameters of the mast."""
+
+SAME = 1e-7
+"""Nodes closer to a cut than this [m] lie in it."""
 
 ELEMENTS = 24
 """Of a half-blade in the local beam model, which shall be exact."""
@@ -116,7 +119,7 @@ def _kept_flexibility(piece: Piece, size: float) -> Array:
         for body in bodies(clumod.build(piece.blades, piece.dimensions))
     ]
     ports = [[port.member, port.at] for port in piece.ports]
-    name = cache.key("flexibility", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
+    name = cache.key("flexibility of ports", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
     kept = cache.load(name)
     if kept is None:
         kept = {"flexibility": solid_flexibility(piece, size)}
@@ -147,20 +150,38 @@ def _mean(solid: Structure, piece: Piece, port: Port) -> Array:
     """Weights (N, 6) whose products with the displacements are the mean motion of the port's section.
 
     The motion is that of the rigid section nearest to the displacements, every node weighted with its share of the cells' mass.
+    Of a sandwich it is the mean of the motions of its two faces, each about its own middle: a beam's moment bends the faces and
+    does not make them slide, which is another degree of freedom.
     """
-    d = piece.dimensions
-    axis = 2 if port.member == MAST else int(np.argmax(np.abs(place(port, d)[:2])))
-    middle = place(port, d)
-    nodes = np.flatnonzero(np.abs(solid.points[:, axis] - middle[axis]) < 1e-7)
-    dofs = solid.translations[nodes]
-    if port.member != MAST:  # of a plane through all blades, the one blade's section only
-        thickness = next(blade["thickness"] for blade in d["blade"] if blade["name"] == port.member)
-        dofs = dofs[np.abs(solid.points[nodes, 2] - middle[2]) < thickness / 2 + 1e-7]
-    own = dofs.ravel()
+    middle = place(port, piece.dimensions)
+    axis = 2 if port.member == MAST else int(np.argmax(np.abs(middle[:2])))
+    nodes = np.flatnonzero(np.abs(solid.points[:, axis] - middle[axis]) < SAME)
+    if port.member == MAST:
+        return _of_section(solid, nodes, middle)
+    faces = _faces(next(blade for blade in piece.dimensions["blade"] if blade["name"] == port.member))
+    heights = solid.points[nodes, 2] - middle[2]
+    sections = [(nodes[(low - SAME < heights) & (heights < high + SAME)], (low + high) / 2) for low, high in faces]
+    return np.asarray(
+        sum(_of_section(solid, own, middle + np.array([0.0, 0.0, height])) for own, height in sections) / len(sections)
+    )
+
+
+def _faces(blade: Dimensions) -> list[tuple[float, float]]:
+    """Heights [m] between which the plates of a blade lie, from its middle: one plate, or two faces."""
+    outer = blade["thickness"] / 2
+    if "layer" not in blade:
+        return [(-outer, outer)]
+    inner = blade["layer"]["thickness"] / 2
+    return [(-outer, -inner), (inner, outer)]
+
+
+def _of_section(solid: Structure, nodes: Integers, middle: Array) -> Array:
+    """Weights (N, 6) of the mean motion, about `middle` (3,) [m], of the section that consists of `nodes`."""
+    own = solid.translations[nodes].ravel()
     R = solid.rigid[own] @ np.linalg.inv(rigid_transformation_6(middle))
-    weights = (solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1)[own]
+    weighted = np.asarray(solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1)[own, None] * R
     result = np.zeros((len(solid.rigid), 6))
-    result[own] = (weights[:, None] * R) @ np.linalg.inv(R.T @ (weights[:, None] * R))
+    result[own] = weighted @ np.linalg.inv(R.T @ weighted)
     return result
 
 

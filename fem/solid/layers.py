@@ -245,7 +245,7 @@ def _quad_place() -> Integers:
 
 
 def _require_all(uprights: Sequence[Upright], found: Sequence[Integers]) -> None:
-    there = set(np.concatenate(found).tolist())
+    there = {int(number) for numbers in found for number in np.unique(numbers)}
     for number, u in enumerate(uprights):
         if number not in there:
             raise BadInput(

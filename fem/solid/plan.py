@@ -77,7 +77,8 @@ class Plan:
 def covered(outlines: Iterable[Outline], size: float, around: int) -> Plan:
     """The mesh of everything that `outlines` enclose, edges about `size` [m] long, circles of at least `around` edges."""
     distinct = list({outline.key: outline for outline in outlines}.values())
-    small = [outline for outline in distinct if outline.round and outline.size[0] < size]
+    walls = {circle.key for ring in _thin_rings(distinct, size) for circle in ring}
+    small = [outline for outline in distinct if outline.round and outline.size[0] < size and outline.key not in walls]
     with session() as gmsh:
         drawn = [_face(gmsh.model.occ, outline) for outline in [*distinct, *map(_frame, small)]]
         drawn += [_spoke(gmsh.model.occ, *ring, turn) for ring in _thin_rings(distinct, size) for turn in range(QUARTERS)]
@@ -218,6 +219,7 @@ def _read(gmsh: Any) -> Plan:
 
 def _counter_clockwise(points: Array, quads: Integers) -> Integers:
     a, b, c = (points[quads[:, corner]] for corner in (0, 1, 3))
-    turned = np.cross(b - a, c - a) < 0
+    (x1, y1), (x2, y2) = (b - a).T, (c - a).T
+    turned = x1 * y2 - x2 * y1 < 0
     quads[turned] = quads[turned][:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
     return quads

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.solid import mesher, model, tetrahedra
+from fem.solid import mesher, model, sizing, soundness, tetrahedra
 from fem.solid.bodies import bodies
-from fem.solid.elasticity import jacobians
+from fem.solid.elasticity import volumes
 from fem.solid.mesh import LOCAL_TET10, SolidMesh
 from fem.solid.sizing import Sizing
 from fem.structure import Structure
@@ -77,11 +77,7 @@ def straight(mesh: SolidMesh) -> SolidMesh:
 
 
 def volume(mesh: SolidMesh) -> float:
-    from skfem.quadrature import get_quadrature
-    from skfem.refdom import RefTet
-
-    _, weights = get_quadrature(RefTet, 5)
-    return float((jacobians(mesh) @ weights).sum())
+    return float(volumes(mesh).sum())
 
 
 def test_curved_edges_lose_volume_with_the_fourth_power_of_the_size_and_straight_ones_with_the_second() -> None:
@@ -227,14 +223,34 @@ def test_a_gmsh_that_ends_its_process_is_a_failed_attempt(monkeypatch: pytest.Mo
 
 
 def test_inverted_elements_are_counted_and_placed() -> None:
-    from fem.solid import soundness
-
     mesh = tetrahedra.tetrahedra(bodies(article(block((0.1, 0.1, 0.1)))), Sizing(size=0.1))
     cells = mesh.cells.copy()
     cells[3] = cells[3][[1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
     with pytest.raises(CheckFailed, match=rf"1 of {len(cells)} elements are inverted, the worst in block at \(") as caught:
         soundness.require_upright(replace(mesh, cells=cells))
     assert_array_equal(caught.value.evidence["elements"], [3])
+
+
+def test_a_slender_rod_keeps_its_volume() -> None:
+    """It had lost 41 % of it, no element inverted, when only the edges of its curved face were divided and not the face."""
+    mesh = tetrahedra.tetrahedra(bodies(article(rod(0.05, 0.6))))
+    assert_allclose(volume(mesh), np.pi / 4 * 0.05**2 * 0.6, rtol=1e-4)
+
+
+def test_cells_as_large_as_a_rod_is_thick_are_a_failed_attempt(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """With curvature left out of account every element is upright, and the rod is not all there."""
+    monkeypatch.setattr(sizing, "_curved_faces", lambda *_: {})
+    (body,) = bodies(article(rod(0.05, 0.6)))
+    body.write(tmp_path / "0.brep")
+    with pytest.raises(mesher.Unmeshable, match=r"do not fill the drawing: \d\.\d+% of rod are missing \(0\.1% allowed\)"):
+        mesher.tetrahedra(tmp_path, ["rod"], Sizing(size=0.05))
+
+
+def test_straight_edges_would_be_seen() -> None:
+    mesh = tetrahedra.tetrahedra(bodies(article(rod())), Sizing(size=1))
+    exact = [np.pi / 4 * 0.1**2 * 0.1]
+    assert soundness.unfilled(mesh, exact) == ""
+    assert "of rod are missing" in soundness.unfilled(straight(mesh), exact)
 
 
 def test_gmsh_is_put_away_after_an_error_and_refused_when_in_use() -> None:
