@@ -85,7 +85,7 @@ class Problem:
     Attributes
     ----------
     start : dimensions to stay near, as in `clumod.toml`, in mm
-    free : keys of every free dimension; several that change alike count as one
+    free : keys of every free dimension; one may name several equal ones
     freedom : (n,) relative tolerance of each
     inertias : published mass, CoG z and three moments of four blades and of one, SI
     frequencies : of the beam-level model [Hz], four blades and one
@@ -206,7 +206,7 @@ def write(posed: Problem, change: Array, path: Path) -> None:
 
 
 def _free_dimensions() -> Iterator[tuple[Path_, ...]]:
-    """Free dimensions; width and thickness of both lower blades, equal in the reconstruction, change alike."""
+    """Free dimensions; both lower blades share one width and one thickness, as in the reconstruction."""
     yield from (((("flange", key)),) for key in ("diameter_mm", "height_mm"))
     yield from (((("mast", key)),) for key in ("outer_diameter_mm", "inner_diameter_mm"))
     yield from ((("blade", n, key),) for key in ("z_mm", "length_mm", "hub_height_mm") for n in range(4))

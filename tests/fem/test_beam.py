@@ -204,7 +204,7 @@ SPRING = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0
     ("ports", "stiffness", "said"),
     [
         (("upper-log", 0.1), SPRING, "there is no 'upper-log'. Did you mean upper-long"),
-        (("lower-1", 0.02), SPRING, "lower-1 is no beam at 20 mm. Its beam goes from 48"),
+        (("lower-1", 0.02), SPRING, "lower-1 is no beam at 20 mm. Its beam goes from 46"),
         (("lower-1", 2.0), SPRING, "no beam at 2000 mm"),
         (("mast", -0.1), SPRING, "mast is no beam at -100 mm"),
         (("mast", 0.5), SPRING + np.eye(12, k=1), "must be symmetric"),

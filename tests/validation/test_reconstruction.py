@@ -29,8 +29,12 @@ def posed(shared: Path) -> Problem:
 
 
 def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(posed: Problem, tmp_path: Path) -> None:
+    """From dimensions some thousandths off, inertias by tens of a bar: the whole way takes three times as long."""
     again = tmp_path / "clumod.toml"
-    write(posed, solve(posed, np.random.default_rng(0)), again)
+    shipped = replace(posed, start=tomllib.loads(SHIPPED.read_text(encoding="utf-8")))
+    detuned = replace(posed, start=changed(shipped, np.random.default_rng(0).normal(scale=2e-3, size=len(posed.free))))
+    assert np.abs(misfit(detuned, np.zeros(len(posed.free)))[1]).max() > 10
+    write(detuned, solve(detuned, np.random.default_rng(0)), again)
     _require_solved(again, posed)
     before, after = (path.read_text(encoding="utf-8").splitlines() for path in (SHIPPED, again))
     changed_lines = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
@@ -55,11 +59,10 @@ def test_cad_detail_alone_would_miss_the_published_inertias(posed: Problem) -> N
     assert np.abs(inertias).max() > 100
 
 
-def test_both_lower_blades_change_alike(posed: Problem) -> None:
-    start, blades = posed.start["blade"], changed(posed, np.linspace(-0.1, 0.1, len(posed.free)))["blade"]
+def test_equal_dimensions_stay_equal(posed: Problem) -> None:
+    blades = changed(posed, np.linspace(-0.1, 0.1, len(posed.free)))["blade"]
     for key in ("width_mm", "thickness_mm"):
-        assert blades[0][key] != start[0][key]
-        assert blades[0][key] / start[0][key] == pytest.approx(blades[1][key] / start[1][key], rel=1e-12)
+        assert blades[0][key] == blades[1][key] != posed.start["blade"][0][key]
 
 
 def test_a_solve_that_does_not_end_says_how_far_it_was(posed: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
