@@ -3,7 +3,7 @@
 Degrees of freedom with the same neighbours (the three of a node) are merged. The graph of what is left is dissected: a
 breadth-first search from one end falls into levels, the last nodes of the smallest level near the middle are the separator, both
 halves are dissected again (George, SIAM J. Numer. Anal. 10, 1973). A separator of s rows whose piece touches b rows of earlier
-separators fills s (s + 1) / 2 + s b entries of the Cholesky factor. Minimum degree does a little better; with that allowed for, the
+separators fills s (s + 1) / 2 + s b entries of the Cholesky factor. Minimum degree does a little better; that allowed for, the
 sum lies within a factor of 1.4 of what SuperLU fills on bars, plates and blocks of hexahedra and curved tetrahedra.
 """
 
