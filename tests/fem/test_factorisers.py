@@ -79,19 +79,19 @@ def test_the_best_that_is_installed_is_picked(monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.parametrize("shape", [(6, 6, 60), (40, 30, 3), (13, 13, 13), (4, 4, 200), (45, 45, 2)])
-def test_the_fill_is_foreseen_to_a_factor_of_1_6(shape: tuple[int, int, int]) -> None:
+def test_the_fill_is_foreseen_to_a_factor_of_1_4(shape: tuple[int, int, int]) -> None:
     """Bars, plates and a block in the pattern of eight-noded hexahedra, against what SuperLU fills."""
     one = [diags_array([np.ones(n - 1), np.ones(n), np.ones(n - 1)], offsets=[-1, 0, 1]) for n in shape]
     pattern = kron(kron(kron(one[0], one[1]), one[2]), np.ones((3, 3)), format="csc")
     K = csc_array(pattern + 100 * eye_array(pattern.shape[0]))
     lu = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
-    assert 0.9 < memory.predicted_entries(K) / lu.L.nnz < 1.6
+    assert 1 / 1.4 < memory.predicted_entries(K) / lu.L.nnz < 1.4
 
 
 def test_fill_of_a_chain_and_of_a_full_matrix_is_known() -> None:
     chain = diags_array([np.ones(999), np.ones(1000), np.ones(999)], offsets=[-1, 0, 1], format="csr")
     assert 2000 < memory.predicted_entries(chain) < 2000 * 12  # small pieces count as dense by half
-    assert memory.predicted_entries(csc_array(np.ones((100, 100)))) == pytest.approx(100 * 101 / 2, rel=0.55)  # one piece
+    assert memory.predicted_entries(csc_array(np.ones((100, 100)))) == pytest.approx(100 * 101 / 2, rel=0.65)  # one piece
 
 
 def test_factors_that_would_not_fit_are_refused_with_the_way_out(monkeypatch: pytest.MonkeyPatch, block: Block) -> None:
