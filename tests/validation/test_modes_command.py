@@ -1,5 +1,6 @@
 """`massline modes`: what is printed, what a program reads, what is drawn, and how it ends."""
 
+import importlib.util
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -183,3 +184,31 @@ def test_a_model_without_shapes_says_so_when_they_are_wanted(run: Run) -> None:
     code, _, err = run("modes", "clumod-1", "--model", "exudyn", "--count", "3", "--shapes")
     assert code == cli.BAD_INPUT
     assert "no shape that could be drawn" in err
+
+
+@pytest.fixture(scope="module")
+def bracket(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example of a user's model, in npz."""
+    folder = tmp_path_factory.mktemp("own")
+    spec = importlib.util.spec_from_file_location("own_model", Path(__file__).parents[2] / "examples" / "own_model.py")
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    example.write(folder)
+    return folder / "bracket.npz"
+
+
+def with_matrix(bracket: Path, folder: Path, name: str, share: float) -> str:
+    """The bracket with a damping matrix that is a share of its stiffness."""
+    with np.load(bracket, allow_pickle=False) as stored:
+        arrays = dict(stored)
+    np.savez(folder / "damped.npz", **arrays, **{name: share * arrays["stiffness"]})
+    return str(folder / "damped.npz")
+
+
+def test_a_model_of_the_users_whose_modes_do_not_swing_is_refused(bracket: Path, run: Run, tmp_path: Path) -> None:
+    code, out, err = run("modes", with_matrix(bracket, tmp_path, "viscous", 1e-2))
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert "damped.npz: `viscous`" in err
+    assert "damping ratio" in err

@@ -238,7 +238,12 @@ def _own(path: str, asked: Asked) -> Flexible:
         return Flexible(
             article=found.name, model=OWN, modes=_damped(found.model, asked.damping), notes=("Modal data as they were given.",)
         )
-    return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
+    try:
+        return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
+    except BadInput as error:
+        if asked.damping is not None or error.source != "damping":
+            raise
+        raise BadInput(source=path, field=error.field, problem=error.problem, remedy=error.remedy) from None  # it is the file's
 
 
 def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: Asked) -> Flexible:
