@@ -26,7 +26,7 @@ from validation.commands import options
 def command(
     article: str,
     as_json: bool,
-    model: str,
+    model: str | None,
     against: str | None,
     band: tuple[float, float],
     step: float,
@@ -42,12 +42,13 @@ def command(
     """
     from validation.flexible import curves_file
     from validation.flexible.curves import Question, curves, report
+    from validation.flexible.model import chosen
 
     if out is not None:
         curves_file.require_ending(out)
     question = Question(
         article=article,
-        models=(model,) if against is None else (model, against),
+        models=chosen(article, model, against),
         band=band,
         step=step,
         about=about,

@@ -40,10 +40,8 @@ SET = click.option(
 )
 MODEL = click.option(
     "--model",
-    default="beam",
-    show_default=True,
     metavar="MODEL",
-    help="beam (milliseconds), solid (meshed CAD) or exudyn (solved by exudyn itself).",
+    help="beam (milliseconds; the default), solid (meshed CAD) or exudyn (solved by exudyn itself).",
 )
 
 
