@@ -3,6 +3,7 @@
 import importlib.util
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from fem.modes import Modes
 from geometry import multibody
 from geometry.articles import built_in
 from validation import cli
+from validation.flexible.bodies import another_body
 from validation.flexible.effective_mass import movable
 from validation.flexible.model import Asked, Flexible, flexible
 from validation.flexible.modes_table import grid, notes
@@ -217,3 +219,22 @@ def test_a_model_of_the_users_whose_modes_do_not_swing_is_refused(bracket: Path,
     assert (code, out) == (cli.BAD_INPUT, "")
     assert "damped.npz: `viscous`" in err
     assert "damping ratio" in err
+
+
+def test_a_comparison_of_different_bodies_begins_with_saying_so(bracket: Path, run: Run) -> None:
+    code, out, _ = run("modes", "cuboid", "--count", "3", "--against", str(bracket))
+    assert code == cli.DONE
+    after = out.split("own beside beam")[1]
+    assert 0 < after.index("different bodies") < after.index("own and beam part")
+    said = json.loads(run("modes", "cuboid", "--count", "3", "--against", str(bracket), "--json")[1])
+    assert said["against"]["text"].startswith("These are different bodies: ")
+    assert "2.512 kg (own model of bracket)" in said["against"]["text"]
+    printed = run("dynamic-mass", "cuboid", "--step", "7", "--against", str(bracket))[1]
+    assert printed.index("different bodies") < printed.index("Blocked")
+
+
+def test_models_of_one_body_are_compared_without_that_word(clumod: Flexible) -> None:
+    lighter = replace(clumod, modes=replace(clumod.modes, rigid_mass=0.991 * clumod.modes.rigid_mass))
+    assert another_body(clumod, lighter) == ""
+    lighter = replace(clumod, modes=replace(clumod.modes, rigid_mass=0.989 * clumod.modes.rigid_mass))
+    assert "different bodies" in another_body(clumod, lighter)
