@@ -107,8 +107,11 @@ def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
         (["clumod-1", "--model", "solid", "--size", "-3 mm"], "must be positive"),
         (["clumod-1", "--model", "solid", "--size", "3"], "--size"),
         (["clumod-1", "--set", "clumod.mast.lenght=3"], "there is no 'lenght'"),
-        (["mine.step"], "--model solid"),
-        (["mine.step", "--model", "exudyn"], "--model solid"),
+        (["mine.step"], "mine.step: there is no such file"),
+        (["mine.step", "--model", "exudyn"], "mine.step: there is no such file"),
+        (["mine.toml"], "mine.toml: there is no such file"),
+        (["/dev/null"], "it is a device"),
+        (["."], "the folder holds neither"),
         (["mine.step", "--model", "solid"], "no such file"),
         (["mine.h5", "--model", "solid"], "model of your own already"),
         (["mine.h5", "--model", "beam"], "model of your own already"),
@@ -128,6 +131,17 @@ def test_bad_input_is_refused_in_words(arguments: list[str], words: str, run: Ru
     assert (code, out) == (cli.BAD_INPUT, "")
     assert words in err
     assert "Traceback" not in err
+
+
+def test_of_a_file_it_is_said_first_whether_it_can_be_read_and_then_which_model_fits(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "mine.step").touch()
+    (tmp_path / "notes.txt").touch()
+    for model, words in (("beam", "a beam model is made of"), ("exudyn", "an exudyn model is made of")):
+        code, _, err = run("modes", "mine.step", "--model", model)
+        assert code == cli.BAD_INPUT
+        assert words in err
+        assert "Use --model solid" in err
+        assert "ends in .txt cannot be read" in run("modes", "notes.txt", "--model", model)[2]
 
 
 def modal_data() -> Flexible:

@@ -41,8 +41,8 @@ def command(
     A rigid body has the flat line of its mass matrix; flexible ones leave it at their resonances.
     """
     from validation.flexible import curves_file
+    from validation.flexible.chosen import chosen
     from validation.flexible.curves import Question, curves, report
-    from validation.flexible.model import chosen
 
     if out is not None:
         curves_file.require_ending(out)

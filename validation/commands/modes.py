@@ -37,7 +37,8 @@ def command(
     ARTICLE is a built-in part or a stack of them (clumod-4, fmd+clumod-1), a STEP file or article.toml of your own (solid
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
-    from validation.flexible.model import chosen, flexible, require_model, require_used
+    from validation.flexible.chosen import chosen
+    from validation.flexible.model import flexible, require_model, require_used
     from validation.flexible.shapes import require_drawable, require_mode
     from validation.progress import shown
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,9 +24,6 @@ if TYPE_CHECKING:
     from geometry.user_article import UserArticle
 
 MODELS = ("beam", "solid", "exudyn")
-
-DEFAULT = "beam"
-"""The model of an article for which none is asked."""
 
 OWN = "own"
 """What the model in a user's own file is called."""
@@ -115,42 +111,19 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     keys.one_of(model, MODELS, source=f"article {name}", where=option)
     if not is_file(name):
         built_in(name)
-    elif model != "solid":
+        return model
+    from geometry.user_article import require_file
+
+    require_file(name)
+    if model != "solid":
+        article = "an" if model.startswith("e") else "a"
         raise BadInput(
             source=name,
             field=option,
-            problem=f"a {model} model is made of the dimensions of built-in articles, and a CAD file has none",
+            problem=f"{article} {model} model is made of the dimensions of built-in articles, and a CAD file has none",
             remedy="Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)",
         )
     return model
-
-
-def chosen(name: str, model: str | None, against: str | None = None) -> tuple[str, ...]:
-    """The models of the article `name` that are set side by side; `model` is None where the user gave none.
-
-    Raises
-    ------
-    BadInput : a model asked for of a file that is one itself, or the same model twice.
-    """
-    if model is not None and is_model(name):
-        raise BadInput(
-            source=name,
-            field="--model",
-            problem=f"is a model of your own already, of which no {model} model can be made",
-            remedy="Leave it out; to set both side by side name the article first and your model behind --against",
-        )
-    first = DEFAULT if model is None else model
-    if against is None:
-        return (first,)
-    same_file = is_model(first) and is_model(against) and Path(first).resolve() == Path(against).resolve()
-    if not is_model(name) and (against == first or same_file):
-        raise BadInput(
-            source=name,
-            field="--against",
-            problem=f"would set the {against} model beside itself",
-            remedy=f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own",
-        )
-    return first, against
 
 
 def require_used(name: str, models: Collection[str], asked: Asked) -> None:
