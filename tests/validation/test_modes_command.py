@@ -97,8 +97,8 @@ def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
         (["clumod-9"], "Did you mean clumod-4?"),
         (["clumod-1", "--model", "bem"], "Did you mean beam?"),
         (["clumod-1", "--against", "sold"], "Did you mean solid?"),
-        (["clumod-1", "--count", "0"], "between 1 and 500, found 0"),
-        (["clumod-1", "--count", "100000"], "found 100000"),
+        (["clumod-1", "--count", "0"], "--count: must lie between 1 and 500, found 0. Ask for 20."),
+        (["clumod-1", "--count", "100000"], "found 100000. What the modes beyond"),
         (["clumod-1", "--damping", "1"], "below 1"),
         (["clumod-1", "--damping", "-0.1"], "found -0.1"),
         (["clumod-1", "--damping", "nan"], "found nan"),
@@ -252,3 +252,13 @@ def test_models_of_one_body_are_compared_without_that_word(clumod: Flexible) -> 
     assert another_body(clumod, lighter) == ""
     lighter = replace(clumod, modes=replace(clumod.modes, rigid_mass=0.989 * clumod.modes.rigid_mass))
     assert "different bodies" in another_body(clumod, lighter)
+
+
+def test_names_that_only_the_reader_of_a_users_model_gave_are_not_printed(bracket: Path, run: Run, tmp_path: Path) -> None:
+    """A structural matrix, as a share of K, comes in as two: what is damped, and the rest."""
+    code, out, _ = run("modes", with_matrix(bracket, tmp_path, "structural", 1e-2), "--count", "4")
+    assert code == cli.DONE
+    assert "0.50" in out  # a loss factor of 1 %
+    assert "damped" not in out
+    assert "rest" not in out
+    assert "what moves" in out

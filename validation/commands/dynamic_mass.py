@@ -52,7 +52,7 @@ def command(
         band=band,
         step=step,
         about=about,
-        asked=options.flexible_asked(count=count, **asked),
+        asked=options.flexible_asked(count=count, counted="--modes", **asked),
     )
     found = curves(question, quiet=as_json)
     for warning in found.warnings:

@@ -44,7 +44,7 @@ def command(
 
     models = chosen(article, model, against)
     names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
-    question = options.flexible_asked(count=count, **asked)
+    question = options.flexible_asked(count=count, counted="--count", **asked)
     require_used(article, names, question)
     if shapes or moving is not None:
         require_drawable(article, names[0])

@@ -57,12 +57,19 @@ class Asked:
     changes: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not 1 <= self.count <= MOST_MODES:
-            raise BadInput(
-                source="number of modes",
-                problem=f"must lie between 1 and {MOST_MODES}, found {self.count}",
-                remedy="What truncated modes contribute below the last one kept is in the residual mass",
-            )
+        require_count(self.count, "number of modes")
+
+
+def require_count(count: int, source: str) -> None:
+    """Refuse a number of modes that is none, or too large to be of use; `source` is what it was given as.
+
+    Raises
+    ------
+    BadInput : it lies outside 1 to `MOST_MODES`.
+    """
+    if not 1 <= count <= MOST_MODES:
+        remedy = "Ask for 20" if count < 1 else "What the modes beyond the last one kept contribute is in the residual mass"
+        raise BadInput(source=source, problem=f"must lie between 1 and {MOST_MODES}, found {count}", remedy=remedy)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
