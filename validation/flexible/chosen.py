@@ -23,7 +23,7 @@ def chosen(name: str, model: str | None, against: str | None = None) -> tuple[st
         raise BadInput(
             source=name,
             field="--model",
-            problem=f"is a model of your own already, of which no {model} model can be made",
+            problem=f"the file is a model of your own already, of which no {model} model can be made",
             remedy="Leave it out; to set both side by side name the article first and your model behind --against",
         )
     first = DEFAULT if model is None else model
@@ -34,7 +34,7 @@ def chosen(name: str, model: str | None, against: str | None = None) -> tuple[st
         raise BadInput(
             source=name,
             field="--against",
-            problem=f"would set the {against} model beside itself",
+            problem=f"the {against} model would stand beside itself",
             remedy=f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own",
         )
     return first, against
