@@ -26,6 +26,9 @@ DEFAULT_RATIO = 0.003
 
 ROUNDING = 1e-9
 
+FEEDS = 1e-6
+"""Share of the largest loss below which a negative one is what single precision and printed digits leave of zero."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Damping:
@@ -75,7 +78,8 @@ def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes:
 
     Raises
     ------
-    BadInput : a ratio or modal matrix of another number of modes, a matrix of another size, a part that the structure has not.
+    BadInput : a ratio or modal matrix of another number of modes, a matrix of another size, a part that the structure has not;
+        C or S that feeds energy into a motion of these modes, a mode that does not oscillate (ratio of 1 and above).
     """
     C = per_mode(damping, omega)
     if damping.viscous is not None:
@@ -83,6 +87,9 @@ def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes:
     S = np.zeros_like(C)
     for K in _lossy(damping, structure):
         S = S + _symmetric(shapes.T @ (K @ shapes))
+    _require_losses(C, np.sqrt(omega), "viscous")
+    _require_losses(S, omega, "structural")
+    _require_oscillating(C, S, omega)
     return C, S
 
 
@@ -164,6 +171,28 @@ def _modal(damping: Damping, count: int) -> Array:
             "Ask for as many modes as it has rows",
         )
     return matrix
+
+
+def _require_losses(matrix: Array, scale: Array, name: str) -> None:
+    """Refuse an indefinite modal matrix; `scale` (n,) makes a loss factor of what is on its diagonal, whatever the frequency."""
+    loss = np.linalg.eigvalsh(matrix / np.outer(scale, scale))
+    if loss.min(initial=0.0) < -FEEDS * np.abs(loss).max(initial=0.0):
+        problem = f"it must not feed energy in, found a motion of the modes with the loss factor {loss.min():.3g}"
+        raise _bad(
+            name, problem, "Check the signs of its entries beside the diagonal, and that it is damping and not gyroscopics"
+        )
+
+
+def _require_oscillating(viscous: Array, structural: Array, omega: Array) -> None:
+    ratio = equivalent_ratio(viscous, structural, omega)
+    if ratio.max(initial=0.0) < 1:
+        return
+    r = int(np.argmax(ratio >= 1))
+    problem = (
+        f"a mode must keep swinging, found the damping ratio {ratio[r]:.4g} for mode {r + 1} at {omega[r] / 2 / np.pi:.4g} Hz"
+    )
+    name = "viscous" if viscous[r, r] * omega[r] > structural[r, r] else "structural"
+    raise _bad(name, problem, "A ratio stays below 1: check the unit of its entries, or ask for fewer modes")
 
 
 def _symmetric(matrix: Array) -> Array:

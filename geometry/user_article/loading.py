@@ -45,16 +45,36 @@ def load(path: str | Path, *, unit: str | None = None, material: str | None = No
     ------
     BadInput : whatever is wrong with path, file, unit, material or mesh.
     """
-    path = Path(path)
-    if not path.exists():
-        raise BadInput(source=str(path), problem="there is no such file or folder", remedy="Check the path")
-    if path.is_dir():
-        path = _description_in(path)
+    path = require_file(path)
     given = None if material is None else made_of(material, "--material")
     if path.suffix.lower() == ".toml":
         return _described(path, unit, given, chord)
     parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given), chord)
     return _finished(path.stem, parts, f"{path.stem}: read from {path.name}.", warnings)
+
+
+def require_file(path: str | Path) -> Path:
+    """The file that `path` is or, of a folder, its ``article.toml``; nothing in it is looked at.
+
+    Raises
+    ------
+    BadInput : there is none, it is a device, or one of its ending cannot be an article.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise BadInput(source=str(path), problem="there is no such file or folder", remedy="Check the path")
+    if path.is_dir():
+        return _description_in(path)
+    if not path.is_file():
+        raise BadInput(source=str(path), problem="it is a device or a pipe, where a file is needed", remedy="Check the path")
+    if path.suffix.lower() not in ENDINGS:
+        raise _unreadable(path)
+    return path
+
+
+def _unreadable(path: Path) -> BadInput:
+    problem = f"a file that ends in {path.suffix.lower() or 'nothing'} cannot be read"
+    return BadInput(source=str(path), problem=problem, remedy=f"Give one of {', '.join(ENDINGS)}")
 
 
 def _described(path: Path, unit: str | None, material: Material | None, chord: float | None) -> UserArticle:
@@ -83,11 +103,7 @@ def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...],
         return parts, doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
     if ending in files.ENDINGS:
         return _from_mesh(entry)
-    raise BadInput(
-        source=str(entry.file),
-        problem=f"a file that ends in {ending or 'nothing'} cannot be read",
-        remedy=f"Give one of {', '.join(ENDINGS)}",
-    )
+    raise _unreadable(entry.file)
 
 
 # --- STEP -----------------------------------------------------------------------------------------------------------------

@@ -114,3 +114,32 @@ def test_the_wrong_size_is_refused(given: dict[str, object], words: str) -> None
 def test_matrices_that_are_no_damping_are_refused(given: dict[str, object], words: str) -> None:
     with pytest.raises(BadInput, match=words):
         Damping(**given)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"viscous": csr_array(3e-2 * pair().stiffness)}, r"`viscous`.*damping ratio 1\.5 for mode 1 at 15\.92 Hz"),
+        ({"viscous": csr_array(1e-2 * pair().stiffness), "ratio": 0.6}, "damping ratio 1.1 for mode 1"),
+        ({"loss_factors": {"a": 1.5}, "ratio": 0.5}, "`structural`.*damping ratio 1.25"),
+    ],
+)
+def test_a_mode_that_would_not_swing_is_refused(given: dict[str, object], words: str) -> None:
+    """k = 1e4 N/m on 1 kg is 100 rad/s: C = b K has the ratio 50 b."""
+    with pytest.raises(BadInput, match=words):
+        fixed_base(pair(), 2, damping=Damping(**given))
+
+
+def test_a_matrix_whose_diagonal_hides_that_it_feeds_energy_in_is_refused() -> None:
+    hidden = np.array([[2.0, -1, -1], [-1, 1, -2], [-1, -2, 1]])  # of the two masses: eigenvalues 3 and -1
+    with pytest.raises(BadInput, match=r"`viscous`.*feed energy in.*loss factor -0.01"):
+        fixed_base(pair(), 2, damping=Damping(viscous=csr_array(hidden)))
+    turned = replace(pair(), part_stiffness={"a": csr_array(1e4 * hidden)})
+    with pytest.raises(BadInput, match=r"`structural`.*feed energy in.*loss factor -0.1"):
+        fixed_base(turned, 2, damping=Damping(loss_factors={"a": 0.1}))
+
+
+def test_a_dashpot_between_two_masses_is_none_of_these() -> None:
+    """Its matrix is singular: one of the motions loses nothing, and rounding decides the sign."""
+    between = csr_array(np.array([[0.0, 0, 0], [0, 7, -7], [0, -7, 7]]))
+    assert_allclose(np.trace(fixed_base(pair(2.0), 2, damping=Damping(viscous=between)).viscous), 14.0, rtol=1e-12)

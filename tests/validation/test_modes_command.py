@@ -1,7 +1,9 @@
 """`massline modes`: what is printed, what a program reads, what is drawn, and how it ends."""
 
+import importlib.util
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ from fem.modes import Modes
 from geometry import multibody
 from geometry.articles import built_in
 from validation import cli
+from validation.flexible.bodies import another_body
 from validation.flexible.effective_mass import movable
 from validation.flexible.model import Asked, Flexible, flexible
 from validation.flexible.modes_table import grid, notes
@@ -94,8 +97,8 @@ def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
         (["clumod-9"], "Did you mean clumod-4?"),
         (["clumod-1", "--model", "bem"], "Did you mean beam?"),
         (["clumod-1", "--against", "sold"], "Did you mean solid?"),
-        (["clumod-1", "--count", "0"], "between 1 and 500, found 0"),
-        (["clumod-1", "--count", "100000"], "found 100000"),
+        (["clumod-1", "--count", "0"], "--count: must lie between 1 and 500, found 0. Ask for 20."),
+        (["clumod-1", "--count", "100000"], "found 100000. What the modes beyond"),
         (["clumod-1", "--damping", "1"], "below 1"),
         (["clumod-1", "--damping", "-0.1"], "found -0.1"),
         (["clumod-1", "--damping", "nan"], "found nan"),
@@ -104,9 +107,17 @@ def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
         (["clumod-1", "--model", "solid", "--size", "-3 mm"], "must be positive"),
         (["clumod-1", "--model", "solid", "--size", "3"], "--size"),
         (["clumod-1", "--set", "clumod.mast.lenght=3"], "there is no 'lenght'"),
-        (["mine.step"], "--model solid"),
-        (["mine.step", "--model", "exudyn"], "--model solid"),
+        (["mine.step"], "mine.step: there is no such file"),
+        (["mine.step", "--model", "exudyn"], "mine.step: there is no such file"),
+        (["mine.toml"], "mine.toml: there is no such file"),
+        (["/dev/null"], "it is a device"),
+        (["."], "the folder holds neither"),
         (["mine.step", "--model", "solid"], "no such file"),
+        (["mine.h5", "--model", "solid"], "model of your own already"),
+        (["mine.h5", "--model", "beam"], "model of your own already"),
+        (["clumod-1", "--against", "beam"], "beam model beside itself"),
+        (["clumod-1", "--model", "solid", "--against", "solid"], "Name another model: beam, exudyn"),
+        (["clumod-1", "--model", "mine.h5", "--against", "./mine.h5"], "beside itself"),
         (["mine.h5"], "no such file"),
         (["mine.h5", "--against", "beam"], "behind --against"),
         (["mine.h5", "--set", "clumod.mast.top_mm=1500"], "states its own"),
@@ -120,6 +131,17 @@ def test_bad_input_is_refused_in_words(arguments: list[str], words: str, run: Ru
     assert (code, out) == (cli.BAD_INPUT, "")
     assert words in err
     assert "Traceback" not in err
+
+
+def test_of_a_file_it_is_said_first_whether_it_can_be_read_and_then_which_model_fits(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "mine.step").touch()
+    (tmp_path / "notes.txt").touch()
+    for model, words in (("beam", "a beam model is made of"), ("exudyn", "an exudyn model is made of")):
+        code, _, err = run("modes", "mine.step", "--model", model)
+        assert code == cli.BAD_INPUT
+        assert words in err
+        assert "Use --model solid" in err
+        assert "ends in .txt cannot be read" in run("modes", "notes.txt", "--model", model)[2]
 
 
 def modal_data() -> Flexible:
@@ -183,3 +205,60 @@ def test_a_model_without_shapes_says_so_when_they_are_wanted(run: Run) -> None:
     code, _, err = run("modes", "clumod-1", "--model", "exudyn", "--count", "3", "--shapes")
     assert code == cli.BAD_INPUT
     assert "no shape that could be drawn" in err
+
+
+@pytest.fixture(scope="module")
+def bracket(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example of a user's model, in npz."""
+    folder = tmp_path_factory.mktemp("own")
+    spec = importlib.util.spec_from_file_location("own_model", Path(__file__).parents[2] / "examples" / "own_model.py")
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    example.write(folder)
+    return folder / "bracket.npz"
+
+
+def with_matrix(bracket: Path, folder: Path, name: str, share: float) -> str:
+    """The bracket with a damping matrix that is a share of its stiffness."""
+    with np.load(bracket, allow_pickle=False) as stored:
+        arrays = dict(stored)
+    np.savez(folder / "damped.npz", **arrays, **{name: share * arrays["stiffness"]})
+    return str(folder / "damped.npz")
+
+
+def test_a_model_of_the_users_whose_modes_do_not_swing_is_refused(bracket: Path, run: Run, tmp_path: Path) -> None:
+    code, out, err = run("modes", with_matrix(bracket, tmp_path, "viscous", 1e-2))
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert "damped.npz: `viscous`" in err
+    assert "damping ratio" in err
+
+
+def test_a_comparison_of_different_bodies_begins_with_saying_so(bracket: Path, run: Run) -> None:
+    code, out, _ = run("modes", "cuboid", "--count", "3", "--against", str(bracket))
+    assert code == cli.DONE
+    after = out.split("own beside beam")[1]
+    assert 0 < after.index("different bodies") < after.index("own and beam part")
+    said = json.loads(run("modes", "cuboid", "--count", "3", "--against", str(bracket), "--json")[1])
+    assert said["against"]["text"].startswith("These are different bodies: ")
+    assert "2.512 kg (own model of bracket)" in said["against"]["text"]
+    printed = run("dynamic-mass", "cuboid", "--step", "7", "--against", str(bracket))[1]
+    assert printed.index("different bodies") < printed.index("Blocked")
+
+
+def test_models_of_one_body_are_compared_without_that_word(clumod: Flexible) -> None:
+    lighter = replace(clumod, modes=replace(clumod.modes, rigid_mass=0.991 * clumod.modes.rigid_mass))
+    assert another_body(clumod, lighter) == ""
+    lighter = replace(clumod, modes=replace(clumod.modes, rigid_mass=0.989 * clumod.modes.rigid_mass))
+    assert "different bodies" in another_body(clumod, lighter)
+
+
+def test_names_that_only_the_reader_of_a_users_model_gave_are_not_printed(bracket: Path, run: Run, tmp_path: Path) -> None:
+    """A structural matrix, as a share of K, comes in as two: what is damped, and the rest."""
+    code, out, _ = run("modes", with_matrix(bracket, tmp_path, "structural", 1e-2), "--count", "4")
+    assert code == cli.DONE
+    assert "0.50" in out  # a loss factor of 1 %
+    assert "damped" not in out
+    assert "rest" not in out
+    assert "what moves" in out

@@ -26,7 +26,7 @@ from validation.commands import options
 def command(
     article: str,
     as_json: bool,
-    model: str,
+    model: str | None,
     against: str | None,
     band: tuple[float, float],
     step: float,
@@ -41,17 +41,18 @@ def command(
     A rigid body has the flat line of its mass matrix; flexible ones leave it at their resonances.
     """
     from validation.flexible import curves_file
+    from validation.flexible.chosen import chosen
     from validation.flexible.curves import Question, curves, report
 
     if out is not None:
         curves_file.require_ending(out)
     question = Question(
         article=article,
-        models=(model,) if against is None else (model, against),
+        models=chosen(article, model, against),
         band=band,
         step=step,
         about=about,
-        asked=options.flexible_asked(count=count, **asked),
+        asked=options.flexible_asked(count=count, counted="--modes", **asked),
     )
     found = curves(question, quiet=as_json)
     for warning in found.warnings:

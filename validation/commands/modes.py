@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def command(
     article: str,
     as_json: bool,
-    model: str,
+    model: str | None,
     against: str | None,
     count: int,
     shapes: bool,
@@ -37,21 +37,23 @@ def command(
     ARTICLE is a built-in part or a stack of them (clumod-4, fmd+clumod-1), a STEP file or article.toml of your own (solid
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
+    from validation.flexible.chosen import chosen
     from validation.flexible.model import flexible, require_model, require_used
     from validation.flexible.shapes import require_drawable, require_mode
     from validation.progress import shown
 
-    names = [require_model(article, model)] + ([] if against is None else [require_model(article, against, "--against")])
-    question = options.flexible_asked(count=count, **asked)
+    models = chosen(article, model, against)
+    names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
+    question = options.flexible_asked(count=count, counted="--count", **asked)
     require_used(article, names, question)
     if shapes or moving is not None:
         require_drawable(article, names[0])
     if moving is not None:
         require_mode(moving, count)
     found = []
-    for name, which in zip(names, (model, against), strict=False):
+    for name, which in zip(names, models, strict=True):
         with shown(f"modes of {article}, {name} model", quiet=as_json):
-            found.append(flexible(article, str(which), question))
+            found.append(flexible(article, which, question))
     _print(found[0], _compared(found), as_json)
     if shapes or moving is not None:
         _draw(found[0], shapes, moving, quiet=as_json)

@@ -40,10 +40,8 @@ SET = click.option(
 )
 MODEL = click.option(
     "--model",
-    default="beam",
-    show_default=True,
     metavar="MODEL",
-    help="beam (milliseconds), solid (meshed CAD) or exudyn (solved by exudyn itself).",
+    help="beam (milliseconds; the default), solid (meshed CAD) or exudyn (solved by exudyn itself).",
 )
 
 
@@ -99,6 +97,7 @@ def flexible(command: Command) -> Command:
 def flexible_asked(
     *,
     count: int,
+    counted: str,
     damping_ratio: float | None,
     size: str | None,
     joints: bool,
@@ -107,15 +106,16 @@ def flexible_asked(
     unit: str | None,
     material: str | None,
 ) -> flexible_model.Asked:
-    """The options of `flexible`, checked.
+    """The options of `flexible`, checked; `counted` is the option that `count` was given as.
 
     Raises
     ------
     BadInput : one of them is out of its range, or no length.
     """
     from fem.damping import Damping
-    from validation.flexible.model import Asked
+    from validation.flexible.model import Asked, require_count
 
+    require_count(count, counted)
     return Asked(
         count=count,
         damping=None if damping_ratio is None else Damping(ratio=damping_ratio),

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from validation.flexible.bodies import another_body
 from validation.flexible.mode_comparison import ALIKE, APART, Comparison
 from validation.flexible.modes_table import AXES, DECIMALS, NOTHING, UNITS, words
 from validation.rows import NONE
@@ -21,14 +22,18 @@ def grids(found: Comparison) -> tuple[Grid, ...]:
 
 
 def notes(found: Comparison) -> tuple[str, ...]:
-    """Where the models part, and what must be known to read the tables."""
+    """Whether the bodies are the same, where the models part, and what must be known to read the tables."""
     if not found.mac.size:
-        return where_they_part(found), "Matched in ascending order: a model without shapes on this article's points has no MAC."
+        return *_said(found), "Matched in ascending order: a model without shapes on this article's points has no MAC."
     return (
-        where_they_part(found),
+        *_said(found),
         "MAC: share of a mode's kinetic energy that moves as the other model says. In a cluster of close frequencies shapes mix "
         "at will; there `space` is the same for the direction that the two clusters have least in common.",
     )
+
+
+def _said(found: Comparison) -> tuple[str, ...]:
+    return tuple(filter(None, (another_body(found.first, found.second), where_they_part(found))))
 
 
 def where_they_part(found: Comparison) -> str:
@@ -110,5 +115,5 @@ def as_json(found: Comparison) -> dict[str, Any]:
         "mac": found.mac.tolist(),
         "cluster": found.cluster.tolist(),
         "mac_of_space": found.space.tolist() if found.mac.size else None,
-        "text": where_they_part(found),
+        "text": " ".join(_said(found)),
     }

@@ -10,6 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from validation.flexible import dynamic_mass_table as table
+from validation.flexible.bodies import another_body
 from validation.flexible.dynamic_mass import Apart, apart, beyond_the_modes, dynamic_mass, lines, reference_point
 from validation.flexible.model import Asked, Flexible, flexible, require_model, require_used
 
@@ -109,6 +110,7 @@ def _notes(found: Curves) -> tuple[str, ...]:
     compared = (table.apart_text(one, first.model, m.model) for one, m in zip(found.apart, found.models[1:], strict=True))
     kept = f"{len(first.modes.frequency)} modes and the residual mass of the others"
     return (
+        *filter(None, (another_body(first, other) for other in found.models[1:])),
         f"Blocked: all six base motions are prescribed. About {name}, ({point}) mm in the article's frame; {kept}.",
         f"{len(H.frequency)} lines, {H.frequency[0]:g} to {H.frequency[-1]:g} Hz; a peak between two lines is higher than shown.",
         *compared,

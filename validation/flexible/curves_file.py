@@ -20,8 +20,10 @@ def require_ending(path: Path) -> None:
 
     Raises
     ------
-    BadInput : it is not one of `ENDINGS`.
+    BadInput : no file is named, or its ending is not one of `ENDINGS`.
     """
+    if not path.name:
+        raise BadInput(source="--out", problem="no file is named", remedy="Give one, such as out/H.csv, or leave it out")
     if path.suffix.lower() not in ENDINGS:
         raise BadInput(
             source=str(path),

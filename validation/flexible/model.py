@@ -57,12 +57,19 @@ class Asked:
     changes: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not 1 <= self.count <= MOST_MODES:
-            raise BadInput(
-                source="number of modes",
-                problem=f"must lie between 1 and {MOST_MODES}, found {self.count}",
-                remedy="What truncated modes contribute below the last one kept is in the residual mass",
-            )
+        require_count(self.count, "number of modes")
+
+
+def require_count(count: int, source: str) -> None:
+    """Refuse a number of modes that is none, or too large to be of use; `source` is what it was given as.
+
+    Raises
+    ------
+    BadInput : it lies outside 1 to `MOST_MODES`.
+    """
+    if not 1 <= count <= MOST_MODES:
+        remedy = "Ask for 20" if count < 1 else "What the modes beyond the last one kept contribute is in the residual mass"
+        raise BadInput(source=source, problem=f"must lie between 1 and {MOST_MODES}, found {count}", remedy=remedy)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,11 +118,16 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     keys.one_of(model, MODELS, source=f"article {name}", where=option)
     if not is_file(name):
         built_in(name)
-    elif model != "solid":
+        return model
+    from geometry.user_article import require_file
+
+    require_file(name)
+    if model != "solid":
+        article = "an" if model.startswith("e") else "a"
         raise BadInput(
             source=name,
             field=option,
-            problem=f"a {model} model is made of the dimensions of built-in articles, and a CAD file has none",
+            problem=f"{article} {model} model is made of the dimensions of built-in articles, and a CAD file has none",
             remedy="Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)",
         )
     return model
@@ -238,7 +250,12 @@ def _own(path: str, asked: Asked) -> Flexible:
         return Flexible(
             article=found.name, model=OWN, modes=_damped(found.model, asked.damping), notes=("Modal data as they were given.",)
         )
-    return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
+    try:
+        return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
+    except BadInput as error:
+        if asked.damping is not None or error.source != "damping":
+            raise
+        raise BadInput(source=path, field=error.field, problem=error.problem, remedy=error.remedy) from None  # it is the file's
 
 
 def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: Asked) -> Flexible:

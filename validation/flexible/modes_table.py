@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
 from validation.flexible.effective_mass import movable
-from validation.flexible.model import Flexible
+from validation.flexible.model import OWN, Flexible
 from validation.flexible.words import Described, described
 from validation.published.modes import Claim, claims
 from validation.rows import NONE
@@ -42,7 +43,9 @@ def words(model: Flexible) -> tuple[Described, ...]:
     """Every mode of `model` in words; empty ones for modal data without a structure."""
     if model.structure is None:
         return tuple(Described(moving={}, strained={}, text="") for _ in model.modes.frequency)
-    return described(model.structure, model.modes, model.article_of_primitives)
+    # The parts of a user's own model are shares of its stiffness, which only its reader has given names.
+    structure = replace(model.structure, part_stiffness={}, loss_factors={}) if model.model == OWN else model.structure
+    return described(structure, model.modes, model.article_of_primitives)
 
 
 def _sums(model: Flexible, rigid: Array) -> list[tuple[str, ...]]:
