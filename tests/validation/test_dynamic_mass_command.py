@@ -201,12 +201,14 @@ def test_the_difference_is_told_apart_off_and_at_resonance() -> None:
     second = first.copy()
     second[f == 10.0, 0, 0] = 3.0
     second[f == 15.0, 4, 4] = 1.02
-    pair = (DynamicMass(frequency=f, matrix=matrix) for matrix in (first, second))
-    force, coupling, moment = apart(*pair, np.array([10.1]))
+    pair = [DynamicMass(frequency=f, matrix=matrix) for matrix in (first, second)]
+    force, coupling, moment = apart(*pair, np.array([10.1]), np.eye(6))
     assert (force.at_resonance, force.at_frequency, force.off_resonance) == (2.0, 10.0, 0.0)
     assert moment.off_resonance == pytest.approx(0.02)
     assert (moment.off_frequency, moment.at_resonance) == (15.0, 0.0)
     assert coupling.off_resonance == 0.0
+    heavy = apart(*pair, np.array([10.1]), 4 * np.eye(6))  # an antiresonance of a body four times as heavy
+    assert heavy[2].off_resonance == pytest.approx(0.005)
 
 
 def test_a_peak_is_where_the_mode_is() -> None:

@@ -245,10 +245,10 @@ def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run: Run
 
 
 def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_path: Path) -> None:
-    """Threads of 500 mm in a Cuboid of 400 mm: the spatial algebra subtracts more than there is."""
+    """Threads so wide that they reach through the Cuboid's sides: the spatial algebra subtracts more than there is."""
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(Inertia.from_cog(12.0, [0, 0, 0.2], np.eye(3)))), encoding="utf-8")
     for command in (("reference", "cuboid"), ("validate", "r.json", "--against", "cuboid")):
-        code, _, err = run(*command, "--set", "cuboid.threads.depth_mm=500")
+        code, _, err = run(*command, "--set", "cuboid.threads.diameter_mm=45")
         assert code == cli.FAILED_CHECK
         assert "cuboid: occ and pinocchio disagree" in err or "cuboid: trimesh and pinocchio disagree" in err
 

@@ -73,14 +73,15 @@ def curves(question: Question, *, quiet: bool = False) -> Curves:
         matrix=models[0].modes.rigid_mass[None].astype(complex),
         reference_point=models[0].modes.reference_point,
     )
+    rigid_mass = np.asarray(rigid.about(point).matrix[0].real)
     said = [beyond_the_modes(m, question.band[1], question.asked) for m in models]
     return Curves(
         article=question.article,
         about=about,
         models=tuple(models),
         masses=tuple(masses),
-        rigid=np.asarray(rigid.about(point).matrix[0].real),
-        apart=tuple(apart(masses[0], other, resonances) for other in masses[1:]),
+        rigid=rigid_mass,
+        apart=tuple(apart(masses[0], other, resonances, rigid_mass) for other in masses[1:]),
         warnings=tuple(dict.fromkeys(filter(None, said))),
     )
 

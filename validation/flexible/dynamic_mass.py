@@ -112,17 +112,23 @@ def beyond_the_modes(model: Flexible, high: float, asked: Asked) -> str:
     )
 
 
-def apart(first: DynamicMass, second: DynamicMass, resonances: Array) -> tuple[Apart, ...]:
-    """How far `first` and `second` are apart, on the same lines about the same point; `resonances` (k,) [Hz] are of both."""
+def apart(first: DynamicMass, second: DynamicMass, resonances: Array, rigid_mass: Array) -> tuple[Apart, ...]:
+    """How far `first` and `second` are apart, on the same lines about the same point; `resonances` (k,) [Hz] are of both.
+
+    `rigid_mass` (6, 6), about that point too, is what a difference is measured with where the dynamic mass itself is smaller: at
+    an antiresonance next to nothing is left to divide by.
+    """
     f = first.frequency
     near = np.any(np.abs(f[:, None] - resonances) < NEAR * resonances, axis=1) if len(resonances) else np.zeros(len(f), bool)
-    return tuple(_apart(name, f, near, _relative(first.matrix, second.matrix, block)) for name, block in BLOCKS.items())
+    return tuple(
+        _apart(name, f, near, _relative(first.matrix, second.matrix, rigid_mass, block)) for name, block in BLOCKS.items()
+    )
 
 
-def _relative(first: ComplexArray, second: ComplexArray, block: tuple[slice, slice]) -> Array:
-    """Largest difference (n,) in `block` over its largest entry, line by line."""
+def _relative(first: ComplexArray, second: ComplexArray, rigid: Array, block: tuple[slice, slice]) -> Array:
+    """Largest difference (n,) in `block`, line by line, over its largest entry there or in the rigid mass, the larger of both."""
     a, b = (H[:, block[0], block[1]].reshape(len(H), -1) for H in (first, second))
-    scale = np.maximum(np.abs(a).max(axis=1), np.finfo(np.float64).tiny)
+    scale = np.maximum(np.abs(a).max(axis=1), max(np.abs(rigid[block]).max(), np.finfo(np.float64).tiny))
     return np.asarray(np.abs(a - b).max(axis=1) / scale)
 
 

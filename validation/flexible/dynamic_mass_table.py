@@ -98,7 +98,7 @@ def apart_text(found: Sequence[Apart], first: str, second: str) -> str:
         return f"{second} and {first}: every line lies at a resonance."
     return (
         f"Off resonance {second} and {first} differ by at most {_percent(off.off_resonance, off.off_frequency)} of the largest "
-        f"entry of a block, in {off.block}."
+        f"entry of a block there or in the rigid body, in {off.block}."
     )
 
 

@@ -131,9 +131,9 @@ def _static_bar(mesh: Mesh) -> Found:
 
 
 def _modal_against_direct(mesh: Mesh) -> Found:
+    """Zero, and the largest difference over all lines in units of the rigid mass, which resonances do not make small."""
     _, modes = _article()
-    expected = _article_direct()
-    return Found(0.0, largest(modal(modes, ARTICLE_LINES).matrix - expected, expected))
+    return Found(0.0, largest(modal(modes, ARTICLE_LINES).matrix - _article_direct(), modes.rigid_mass[None]))
 
 
 def _asymmetry(mesh: Mesh) -> Found:
@@ -189,7 +189,7 @@ CHECKS: tuple[Check, ...] = (
     _zero(f"{ARTICLE}, 4 to 32 Hz: H against its transpose", "reciprocity: H is symmetric", 1e-9, _asymmetry),
     _zero(
         f"{ARTICLE}, {MODES} modes with residual, 4 to 32 Hz",
-        "direct solution of K + i omega C - omega² M",
+        "direct solution of K + i omega C - omega² M; of the rigid mass",
         1e-4,
         _modal_against_direct,
     ),
