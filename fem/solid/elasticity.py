@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from fem.moduli import moduli
 from fem.solid.mesh import Integers, SolidMesh
 from fem.structure import Sparse
 from geometry.arrays import Array
-from geometry.errors import BadInput
 from geometry.materials import Material
 
 QUADRATURE = {10: 5, 27: 5}
@@ -53,13 +53,13 @@ def assemble(mesh: SolidMesh, materials: Mapping[str, Material]) -> Matrices:
     ------
     BadInput : a material without a usable Young's modulus or Poisson's ratio.
     """
-    moduli = {name: lame(materials[name], name) for name in mesh.parts}
+    constants = {name: lame(materials[name], name) for name in mesh.parts}
     shares, mass = {}, _zero(mesh)
     for index, name in enumerate(mesh.parts):
         own = np.flatnonzero(mesh.part == index)
         K, M = _zero(mesh), _zero(mesh)
         for cells, volume, gradients, values in _batches(mesh, own):
-            K += _scattered(mesh, cells, _stiffness(gradients, volume, *moduli[name]))
+            K += _scattered(mesh, cells, _stiffness(gradients, volume, *constants[name]))
             M += _scattered(mesh, cells, _mass(values, volume, materials[name].density))
         shares[name], mass = K, mass + M
     return Matrices(stiffness=sum(shares.values(), _zero(mesh)), mass=mass, part_stiffness=shares)
@@ -70,18 +70,10 @@ def lame(material: Material, part: str = "part") -> tuple[float, float]:
 
     Raises
     ------
-    BadInput : no Young's modulus or not positive, no Poisson's ratio or not between -1 and 0.5.
+    BadInput : as `fem.moduli.moduli`; it names the `part`.
     """
-    E, nu = material.youngs_modulus, material.poisson_ratio
-    if E is None or nu is None:
-        raise _unusable(
-            material, part, "youngs_modulus" if E is None else "poisson_ratio", "an elastic part needs it, found none"
-        )
-    if not 0 < E < np.inf:
-        raise _unusable(material, part, "youngs_modulus", f"must be positive and finite, found {E:g} Pa")
-    if not -1 < nu < 0.5:
-        raise _unusable(material, part, "poisson_ratio", f"must lie between -1 and 0.5, found {nu:g}")
-    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+    E, mu = moduli(material, part)
+    return mu * (E - 2 * mu) / (3 * mu - E), mu
 
 
 def jacobians(mesh: SolidMesh) -> Array:
@@ -94,14 +86,6 @@ def volumes(mesh: SolidMesh) -> Array:
     """Volume (c,) [m³] of every cell, exact for curved ones; negative where a cell is inside out."""
     W, _, _ = _reference(mesh.cells.shape[1])
     return np.asarray(jacobians(mesh) @ W)
-
-
-def _unusable(material: Material, part: str, field: str, problem: str) -> BadInput:
-    remedy = (
-        "Name one that has both, such as steel (207e9 Pa and 0.3) or aluminium (70e9 Pa and 0.33), or state your own in an "
-        'article.toml ([material."..."] with density, youngs_modulus and poisson_ratio)'
-    )
-    return BadInput(source=f"material {material.name} of {part}", field=field, problem=problem, remedy=remedy)
 
 
 def _element(nodes: int) -> Any:
