@@ -261,7 +261,7 @@ def _elastic(article: Article) -> Iterable[Part]:
 
 def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
     mass = np.zeros_like(joint.stiffness) if joint.mass is None else joint.mass
-    chosen = tuple(_nearest(_place(port, d), nodes) for port in joint.ports)
+    chosen = tuple(nearest_node(place(port, d), nodes) for port in joint.ports)
     carried = np.abs(joint.stiffness @ rigid_motion(nodes[list(chosen)])).max(initial=0)
     if carried > RIGID_ROUNDING * np.abs(joint.stiffness).max(initial=0):
         raise BadInput(
@@ -273,11 +273,13 @@ def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
     return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
 
 
-def _nearest(place: Array, nodes: Array) -> int:
-    return int(np.argmin(np.linalg.norm(nodes - place, axis=1)))
+def nearest_node(there: Array, nodes: Array) -> int:
+    """Index of the one of `nodes` (n, 3) that lies nearest to the place `there` (3,) [m]."""
+    return int(np.argmin(np.linalg.norm(nodes - there, axis=1)))
 
 
-def _place(port: Port, d: Dimensions) -> Array:
+def place(port: Port, d: Dimensions) -> Array:
+    """Where `port` is (3,) [m], in Clumod's frame."""
     if port.member == MAST:
         return port.at * Z
     blade = next(blade for blade in d["blade"] if blade["name"] == port.member)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.beam_clumod import AXES, MAST, Joint, Port
+from fem.beam_clumod import MAST, Joint, Port, nearest_node, place
 from fem.beam_clumod import plan as beams
 from fem.factorisers import factorise
 from fem.frame import assemble
@@ -92,8 +92,8 @@ def beam_flexibility(piece: Piece) -> Array:
     """Displacements and rotations of the ports (6 k, 6 k) for unit forces and moments there, by the beam model."""
     frame = assemble(beams(piece.blades, piece.dimensions, elements=ELEMENTS))
     stiffness = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
-    places = np.array([place(port, piece.dimensions) for port in piece.ports])
-    nodes = [int(np.argmin(np.linalg.norm(frame.plan.nodes[list(frame.moving)] - p, axis=1))) for p in places]
+    moving = frame.plan.nodes[list(frame.moving)]
+    nodes = [nearest_node(place(port, piece.dimensions), moving) for port in piece.ports]
     dofs = np.concatenate([6 * node + np.arange(6) for node in nodes])
     free = np.arange(6, len(stiffness))
     loads = np.zeros((len(stiffness), len(dofs)))
@@ -105,7 +105,8 @@ def solid_flexibility(piece: Piece, size: float) -> Array:
     """The same by hexahedra."""
     solid = _solid(piece, size)
     held = hold(solid)
-    B = np.hstack([_mean(solid, piece, port) for port in piece.ports])[held.free]
+    shares = _shares(solid)
+    B = np.hstack([_mean(solid, shares, piece, port) for port in piece.ports])[held.free]
     return np.asarray(B.T @ factorise(held.stiffness, definite=True).solve(B))
 
 
@@ -127,14 +128,6 @@ def _kept_flexibility(piece: Piece, size: float) -> Array:
     return kept["flexibility"]
 
 
-def place(port: Port, d: Dimensions) -> Array:
-    """Where a port is (3,) [m], in Clumod's frame."""
-    if port.member == MAST:
-        return np.array([0.0, 0.0, port.at])
-    blade = next(blade for blade in d["blade"] if blade["name"] == port.member)
-    return np.array([0.0, 0.0, blade["z"]]) + port.at * AXES[blade["axis"]]
-
-
 def _solid(piece: Piece, size: float) -> Structure:
     from fem.solid.layers import hexahedra
     from fem.solid.model import of_mesh
@@ -146,23 +139,28 @@ def _solid(piece: Piece, size: float) -> Structure:
     return of_mesh(mesh, {part.name: part.material for part in parts})
 
 
-def _mean(solid: Structure, piece: Piece, port: Port) -> Array:
+def _shares(solid: Structure) -> Array:
+    """Mass (N,) that moves with every degree of freedom when all of the solid goes along with it."""
+    return np.asarray((solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1))
+
+
+def _mean(solid: Structure, shares: Array, piece: Piece, port: Port) -> Array:
     """Weights (N, 6) whose products with the displacements are the mean motion of the port's section.
 
-    The motion is that of the rigid section nearest to the displacements, every node weighted with its share of the cells' mass.
-    Of a sandwich it is the mean of the motions of its two faces, each about its own middle: a beam's moment bends the faces and
-    does not make them slide, which is another degree of freedom.
+    The motion is that of the rigid section nearest to the displacements, every node weighted with its share of the cells' mass
+    (`shares`). Of a sandwich it is the mean of the motions of its two faces, each about its own middle: a beam's moment bends the
+    faces and does not make them slide, which is another degree of freedom.
     """
     middle = place(port, piece.dimensions)
     axis = 2 if port.member == MAST else int(np.argmax(np.abs(middle[:2])))
     nodes = np.flatnonzero(np.abs(solid.points[:, axis] - middle[axis]) < SAME)
     if port.member == MAST:
-        return _of_section(solid, nodes, middle)
+        return _of_section(solid, shares, nodes, middle)
     faces = _faces(next(blade for blade in piece.dimensions["blade"] if blade["name"] == port.member))
     heights = solid.points[nodes, 2] - middle[2]
     sections = [(nodes[(low - SAME < heights) & (heights < high + SAME)], (low + high) / 2) for low, high in faces]
     return np.asarray(
-        sum(_of_section(solid, own, middle + np.array([0.0, 0.0, height])) for own, height in sections) / len(sections)
+        sum(_of_section(solid, shares, own, middle + np.array([0.0, 0.0, height])) for own, height in sections) / len(sections)
     )
 
 
@@ -175,11 +173,11 @@ def _faces(blade: Dimensions) -> list[tuple[float, float]]:
     return [(-outer, -inner), (inner, outer)]
 
 
-def _of_section(solid: Structure, nodes: Integers, middle: Array) -> Array:
+def _of_section(solid: Structure, shares: Array, nodes: Integers, middle: Array) -> Array:
     """Weights (N, 6) of the mean motion, about `middle` (3,) [m], of the section that consists of `nodes`."""
     own = solid.translations[nodes].ravel()
     R = solid.rigid[own] @ np.linalg.inv(rigid_transformation_6(middle))
-    weighted = np.asarray(solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1)[own, None] * R
+    weighted = shares[own, None] * R
     result = np.zeros((len(solid.rigid), 6))
     result[own] = weighted @ np.linalg.inv(R.T @ weighted)
     return result

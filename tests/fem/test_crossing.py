@@ -131,8 +131,9 @@ def test_a_joint_of_four_blades_serves_one(joint: Joint, piece: Piece, dimension
 def test_ports_are_where_the_solid_ends(piece: Piece, dimensions: Dimensions) -> None:
     """A rigid motion about the base is reported by every port as its own."""
     solid = crossing._solid(piece, SIZE)
+    shares = crossing._shares(solid)
     motion = np.zeros((len(solid.rigid), 6))
     motion[solid.translations.ravel()] = rigid_motion(solid.points).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)
     for port in piece.ports:
-        seen = crossing._mean(solid, piece, port).T @ motion
+        seen = crossing._mean(solid, shares, piece, port).T @ motion
         assert_allclose(seen, rigid_transformation_6(crossing.place(port, dimensions)), rtol=0, atol=1e-9)

@@ -20,19 +20,6 @@ from validation.statement import inertia_of
 Run = Callable[..., tuple[int, str, str]]
 
 
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """``run(*arguments)`` in an empty folder: exit code, standard output, standard error."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        code = cli.run(list(arguments))
-        printed = capsys.readouterr()
-        return code, printed.out, printed.err
-
-    return call
-
-
 def body(inertia: dict[str, Any]) -> Inertia:
     cog = np.array(inertia["cog_mm"]) * 1e-3
     return inertia_of([inertia["mass_kg"], *cog, *inertia["moi_cog_kgm2"], *inertia["poi_cog_kgm2"]])
