@@ -1,6 +1,6 @@
 """Base excitation in time: what the table does, what stands on it, and what comes of it.
 
-The nouns are shared by every way to an answer: `BaseMotion` drives a `Rig`, and a `Response` comes out. `linear` answers by an exact
-recursion in modal coordinates; `fem.flexible_body.driven_base` lets exudyn integrate joints, gaps and friction as well. Neither
-knows the other's equations.
+The nouns are shared by every way to an answer: `BaseMotion` drives a `Rig`, and a `Response` comes out. `linear` answers by an
+exact recursion in modal coordinates; `fem.flexible_body.driven_base` lets exudyn integrate joints, gaps and friction as well.
+Neither knows the other's equations.
 """

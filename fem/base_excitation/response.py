@@ -13,7 +13,9 @@ from geometry.arrays import Array, frozen
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
-    """One run, equally sampled, all channels at the same instants; loads are those of the table *on* what stands on it (f = +M a).
+    """One run, equally sampled, all channels at the same instants.
+
+    Loads are those of the table *on* what stands on it, f = +M a.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""`Rig`: what stands on the table, from the table up - load cells, cover plate, flange joint, article - and what is attached to it.
+"""`Rig`: what stands on the table, from the table up - load cells, cover plate, flange joint, article - and what is attached.
 
     table --[cells]-- cover plate (FMD's moving part, about F) --[flange joint]-- article (reduced, about its own origin)
 
@@ -30,7 +30,8 @@ class Body:
     ----------
     name : of the article
     reduced : interface of six about the article's origin; viscous damping only (a time response knows no i in K + i S)
-    kept : (m,) [Hz] frequencies of the fixed-base modes that it keeps; further coordinates, if any, carry the static share of the others
+    kept : (m,) [Hz] frequencies of the fixed-base modes that it keeps; further coordinates, if any, carry what the others
+        answer statically
     places : (3, 6 + n) what each coordinate does to a named place, along x, y, z
     """
 
