@@ -20,8 +20,8 @@ class BaseMotion:
     Attributes
     ----------
     sampling_rate : [Hz]
-    displacement, velocity, acceleration : (n, 6) x, y, z [m, m/s, m/s²] of the reference point, and alpha, beta, gamma [rad, ...]:
-        Tait-Bryan angles about x, y, z as exudyn's Rxyz counts them, which for small motion are the rotations of Eq. 1
+    displacement, velocity, acceleration : (n, 6) x, y, z [m, m/s, m/s²] of the reference point, and alpha, beta, gamma [rad, ...]
+        as Tait-Bryan angles about x, y, z as exudyn's Rxyz counts them, which for small motion are the rotations of Eq. 1
     driven : [s] how long the table is driven; from then on it stands still and the article rings down
     reference_point : (3,) [m], in the frame of what stands on the table: F, or the origin of an article without FMD
     label : what was driven, in words
