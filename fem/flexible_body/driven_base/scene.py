@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ class Scene:
     system : exudyn's `MainSystem`
     ground : number of the ground object
     origin : number of a ground node, against which coordinates are measured
+    alive : what exudyn refers to and would not keep alive by itself
     """
 
     exudyn: Any
@@ -33,6 +34,7 @@ class Scene:
     system: Any
     ground: Number
     origin: Number
+    alive: list[Any] = field(default_factory=list)
 
 
 def empty(exudyn: Any) -> Scene:
