@@ -19,11 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
-from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
-
-LEVELS = np.array([2.5, 2.5, 2.5, 3.0, 3.0, 6.0])
-"""Nominal acceleration of the base along x, y, z [m/s²] and about them [rad/s²] in the paper's sweeps."""
 
 SINGULAR = 1e9
 """Condition number of the scaled base motions from which runs do not tell six motions apart: what is left is rounding."""
@@ -74,7 +71,7 @@ def from_runs(
     singular = np.linalg.svd(columns, compute_uv=False)
     condition = singular[:, 0] / np.maximum(singular[:, -1], np.finfo(np.float64).tiny)
     _require_driven(columns, condition, lines)
-    H: ComplexArray = F.transpose(1, 2, 0) @ np.linalg.pinv(columns) / scale
+    H = np.asarray(F.transpose(1, 2, 0) @ np.linalg.pinv(columns) / scale, dtype=np.complex128)
     mass = DynamicMass(frequency=lines, matrix=H, reference_point=np.asarray(reference_point, dtype=np.float64))
     return Estimate(dynamic_mass=mass, condition=condition)
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from geometry.dynamic_mass import LEVELS
 from geometry.errors import BadInput
-from identification.dynamic_mass import LEVELS, from_runs, quotient
+from identification.dynamic_mass import from_runs, quotient
 
 LINES = np.linspace(4.0, 32.0, 9)
 RNG = np.random.default_rng(11)
