@@ -37,7 +37,7 @@ def respond(
     with running(TASK) as exudyn:
         built = assembled(exudyn, rig, velocity=solver.prescribes_velocity)
         path = targets(motion, solver.subdivision, velocity=solver.prescribes_velocity)
-        steering = Drive(built.axes, path, rate * solver.subdivision, progress)
+        steering = Drive(built.scene, built.axes, path, rate * solver.subdivision, progress)
         allowed = residual(solver, motion, rig)
         settings = simulation(exudyn, solver, rate=rate, steps=len(path) - 1, allowed=allowed)
         stopped = integrate(built.scene, settings, steering)

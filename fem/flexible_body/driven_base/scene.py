@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,6 +27,7 @@ class Scene:
     ground : number of the ground object
     origin : number of a ground node, against which coordinates are measured
     alive : what exudyn refers to and would not keep alive by itself
+    before_step : what brings the state of a part up to date before every step
     """
 
     exudyn: Any
@@ -35,6 +37,7 @@ class Scene:
     ground: Number
     origin: Number
     alive: list[Any] = field(default_factory=list)
+    before_step: list[Callable[[Any], None]] = field(default_factory=list)
 
 
 def empty(exudyn: Any) -> Scene:
