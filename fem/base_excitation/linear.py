@@ -22,7 +22,7 @@ from geometry.arrays import Array
 from geometry.errors import BadInput
 
 COARSEST = 8
-"""Samples a period of the highest kept mode below which straight lines between samples are no motion: its answer lacks 5 % there."""
+"""Samples a period of the highest kept mode that straight lines between samples need; driven there, its answer lacks 5 %."""
 
 
 def respond(rig: Rig, motion: BaseMotion, *, keep_coordinates: bool = False, progress: Progress | None = None) -> Response:

@@ -2,8 +2,8 @@
 
     M y'' + C y' + K y = B p(t)
 
-With the undamped modes y = Phi eta and the state z = (omega eta, eta'), which measures energy, the system is z' = A z + ... with a
-matrix A that is nearly skew, so that its eigenvectors are well conditioned whatever the damping couples: clusters, overdamped
+With the undamped modes y = Phi eta and the state z = (omega eta, eta'), which measures energy, the system is z' = A z + ... with
+a matrix A that is nearly skew, so that its eigenvectors are well conditioned whatever the damping couples: clusters, overdamped
 pairs, damping beside the diagonal. Each first-order equation w' = lambda w + b p then has the exact solution over a step h
 
     w(t + h) = exp(s) w(t) + h (phi1(s) - phi2(s)) b p(t) + h phi2(s) b p(t + h),   s = lambda h,
@@ -140,7 +140,7 @@ def poles(system: States) -> Poles | None:
     value, V = (np.asarray(found, dtype=np.complex128) for found in np.linalg.eig(system.A))
     if value.size and np.linalg.cond(V) > WELL_CONDITIONED:
         return None
-    one, project = value.imag >= 0, np.linalg.inv(V)
+    one, project = value.imag >= 0, np.asarray(np.linalg.inv(V), dtype=np.complex128)
     return Poles(
         pole=value[one],
         drive=(project @ system.B)[one],

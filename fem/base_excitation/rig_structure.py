@@ -2,9 +2,9 @@
 
     table 6 | cover plate relative to the table, 6 if there are cells | flange joint, one a direction that gives | article's own
 
-Relative coordinates keep what is stiff out of the way: a cell of 1e9 N/m sees its own micrometres and not the table's stroke, and
-only what is tied to the ground resists a motion of the table. Cells that are not there and a joint that does not give are rigid by
-elimination. With u the table and y the rest, everything follows from
+Relative coordinates keep what is stiff out of the way: a cell of 1e9 N/m sees its own micrometres and not the table's stroke,
+and only what is tied to the ground resists a motion of the table. Cells that are not there and a joint that does not give are
+rigid by elimination. With u the table and y the rest, everything follows from
 
     M_yy y'' + C_yy y' + K_yy y = -(M_yt u'' + C_yt u' + K_yt u),   load = M_t x'' + C_t x' + K_t x,   x = (u, y).
 """

@@ -1,7 +1,7 @@
 """How long a record must go on after the drive ends, so that what still rings is nothing that a spectrum would miss.
 
-At the end of the drive every mode has a state, from which it decays with its own pole. The record is long enough when each of them
-loads the table by less than a share of the greatest load of the run, forces and moments apart.
+At the end of the drive every mode has a state, from which it decays with its own pole. The record is long enough when each of
+them loads the table by less than a share of the greatest load of the run, forces and moments apart.
 """
 
 from __future__ import annotations
