@@ -31,7 +31,7 @@ class Burst:
     Raises
     ------
     BadInput : an unknown axis or none, a level, band or duration that cannot be, fewer than `RAMP_CYCLES` cycles (of such a kick
-        the level would not be the stated one), a band so narrow that it holds no line.
+        the level would not be the stated one), a band so narrow that it holds no line, a negative seed.
     """
 
     level: Mapping[str, float] = field(default_factory=lambda: LEVELS)
@@ -48,7 +48,7 @@ class Burst:
         require_cycles(self.duration, self.start, RAMP_CYCLES, source)
         if self.start < self.stop:
             require_lines(self.start, self.stop, self.duration, source)
-        object.__setattr__(self, "seed", fixed(self.seed))
+        object.__setattr__(self, "seed", fixed(self.seed, source))
 
     @property
     def label(self) -> str:
