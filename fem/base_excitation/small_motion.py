@@ -15,9 +15,9 @@ and load cells, which ride on the table, sense R^T of it. What the linear equati
 One figure says how small all of it is beside what is kept, `left_out`: the larger of the largest angle and of the largest squared
 rate over the largest angular acceleration. Where it shows depends on how the record is read. Products of two harmonics lie at
 zero and at twice the driven frequency, so a reading at the driven frequency (a steady sine, a tracking filter) sees only terms of
-third order, `left_out`². The transform of a whole sweep does not know when a line was driven: at the frequency f it also holds what
-the sweep left over when it passed f / 2, which in a sweep of one axis is half the angle at f / 2. With the paper's vertical
-rotation that is 0.5 % of the force just above 8 Hz, falling with 1 / f². A resonance of the article at f magnifies it further.
+third order, `left_out`². The transform of a whole sweep does not know when a line was driven: at the frequency f it also
+holds what the sweep left over when it passed f / 2, which in a sweep of one axis is half the angle at f / 2. With the paper's
+vertical rotation that is 0.5 % of the force just above 8 Hz, falling with 1 / f². A resonance of the article at f magnifies it.
 
 Gravity is not among these terms: its tilt m g |phi| is of first order, and belongs to the linear equations that include it.
 """
