@@ -171,11 +171,13 @@ def test_an_axis_of_noise_does_not_change_when_another_one_is_driven_as_well() -
 
 
 def test_a_burst_swells_to_its_level_and_is_then_silent() -> None:
-    burst = Burst(level={"z": 3.0}, start=12.0, stop=12.0, duration=1.5)
+    burst = Burst(level={"z": 3.0}, start=11.5, stop=11.5, duration=1.5)
     motion = burst.motion(4096, ring_down=2.0)
     assert_allclose(np.abs(motion.acceleration[:, 2]).max(), 3.0, rtol=0.01)
     assert abs(motion.time[np.argmax(np.abs(motion.acceleration[:, 2]))] - 0.75) < 0.1
     assert not motion.acceleration[motion.time > 1.5].any()
+    swell = motion.displacement[motion.time <= 1.5, 2]
+    assert_allclose(swell, -swell[::-1], rtol=0, atol=1e-12 * np.abs(swell).max())
 
 
 def test_cross_motion_has_the_drawn_share_and_lag_over_the_whole_band() -> None:
@@ -190,6 +192,18 @@ def test_cross_motion_has_the_drawn_share_and_lag_over_the_whole_band() -> None:
         driven = np.fft.rfft(drive[:, axis], n)[band]
         found = np.fft.rfft(run.acceleration, axis=0)[band] / driven[:, None]
         assert_allclose(found, table.transfer(frequency[band])[:, :, axis], rtol=0, atol=1e-9)
+
+
+def test_cross_motion_follows_noise_as_it_follows_a_sweep() -> None:
+    noise, table = Random(rms={"beta": 1.0}, duration=6.0, seed=3), cross()
+    run, alone = (noise.motion(512, ring_down=0.5, cross=filtered).acceleration for filtered in (table, None))
+    n = len(run)
+    frequency = np.fft.rfftfreq(n, 1 / 512)
+    band = (frequency > 5) & (frequency < 31)
+    drive = np.fft.rfft(alone[:, 4], n)[band]
+    expected = table.transfer(frequency[band])[:, :, 4] * drive[:, None]
+    found = np.fft.rfft(run, axis=0)[band]
+    assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
 def test_cross_motion_is_what_it_says_at_its_middle_frequency() -> None:
