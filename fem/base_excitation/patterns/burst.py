@@ -11,10 +11,11 @@ import numpy.typing as npt
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, sine, window
-from fem.base_excitation.patterns.levels import LEVELS, listed, require_axes, require_band, require_positive
+from fem.base_excitation.patterns.levels import listed, require_axes, require_band, require_positive
 from fem.base_excitation.patterns.noise import fixed, noisy, require_cycles, require_lines
 from fem.base_excitation.patterns.pattern import RAMP_CYCLES, Clock, sampled
 from geometry.arrays import Array
+from geometry.dynamic_mass import LEVELS
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,9 +11,10 @@ import numpy.typing as npt
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, window
-from fem.base_excitation.patterns.levels import LEVELS, listed, require_axes, require_band, require_positive
+from fem.base_excitation.patterns.levels import listed, require_axes, require_band, require_positive
 from fem.base_excitation.patterns.lines import ends, noise, numbers, phases
 from fem.base_excitation.patterns.pattern import RAMP_CYCLES, Clock, sampled
+from geometry.dynamic_mass import LEVELS
 from geometry.errors import BadInput
 
 

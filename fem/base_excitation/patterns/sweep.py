@@ -13,7 +13,6 @@ from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, exponential, sine, window
 from fem.base_excitation.patterns.levels import (
-    LEVELS,
     listed,
     require_band,
     require_not_negative,
@@ -21,7 +20,7 @@ from fem.base_excitation.patterns.levels import (
 )
 from fem.base_excitation.patterns.pattern import RAMP_CYCLES, Clock, sampled
 from geometry.arrays import Array
-from geometry.dynamic_mass import MOTIONS
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.keys import one_of
 
