@@ -96,10 +96,12 @@ def respond_of_plan(
         path = targets(motion, solver.subdivision, velocity=solver.prescribes_velocity)
         if conditions.gravity:
             weight.settle(scene)
-        steering = Drive(table.axes, path, motion.sampling_rate * solver.subdivision, progress)
-        integrate(scene, _simulation(exudyn, motion, solver, len(path) - 1), steering)
-        told = {"route": "large motion, exudyn's own bodies and beams", **settings, **_said(conditions)}
-        return _response(scene, table, motion, conditions, {**told, **described(solver, motion.sampling_rate)})
+        steering = Drive(scene, table.axes, path, motion.sampling_rate * solver.subdivision, progress)
+        stopped = integrate(scene, _simulation(exudyn, motion, solver, len(path) - 1), steering)
+        if stopped is None:
+            told = {"route": "large motion, exudyn's own bodies and beams", **settings, **_said(conditions)}
+            return _response(scene, table, motion, conditions, {**told, **described(solver, motion.sampling_rate)})
+    raise stopped
 
 
 def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditions, solver: Solver) -> tuple[Scene, Table]:

@@ -1,4 +1,4 @@
-"""What the tests of large motion share: a smooth motion of any size, a block off every axis, and Newton and Euler's load on it."""
+"""What the tests of large motion share: smooth motion of any size, a block off every axis, its load in closed form."""
 
 from collections.abc import Callable
 
