@@ -29,9 +29,7 @@ TOLD = 200
 class Drive:
     """The callback of one run: it moves the table and can be stopped; it knows how far the run has come."""
 
-    def __init__(
-        self, scene: Scene, axes: tuple[Number, ...], targets: Array, rate: float, progress: Progress | None
-    ) -> None:
+    def __init__(self, scene: Scene, axes: tuple[Number, ...], targets: Array, rate: float, progress: Progress | None) -> None:
         self.others = scene.before_step
         self.axes = axes
         self.targets = targets
