@@ -59,6 +59,14 @@ def test_a_cut_record_is_warned_of_with_the_length_that_a_whole_one_would_ask_fo
     assert ring_down.warning(rig, short) == warning
 
 
+def test_a_record_as_long_as_a_coarser_simulation_asked_for_is_long_enough(clumod: Callable, burst: Burst) -> None:
+    rig, axis = Rig(article=clumod("clumod-4")), np.eye(6)[0]
+    coarse, fine = (ring_down.needed(rig, burst(rate, axis, 12.0)) for rate in (512.0, 8192.0))
+    assert coarse != fine
+    assert linear.respond(rig, cut(burst(8192.0, axis, 12.0), coarse)).warnings == ()
+    assert linear.respond(rig, cut(burst(8192.0, axis, 12.0), 0.95 * coarse)).warnings
+
+
 def test_a_record_cut_before_the_drive_has_ended_says_so(burst: Burst) -> None:
     short = cut(burst(2048.0, np.eye(6)[2], 20.0), 0.33)
     assert "before the drive has" in ring_down.warning(oscillator(0.01), short)
