@@ -84,10 +84,10 @@ def test_half_the_damping_needs_twice_the_ring_down(burst: Burst) -> None:
     assert_allclose(twice / long, 2, rtol=0.01)
 
 
-def test_a_rigid_article_needs_no_ring_down(block: Body, burst: Burst) -> None:
+def test_a_rigid_article_needs_no_ring_down(rigid_block: Body, burst: Burst) -> None:
     motion = burst(2048.0, np.ones(6), 0.0)
-    assert ring_down.needed(Rig(article=block), motion) == motion.driven
-    assert ring_down.warning(Rig(article=block), motion) == ""
+    assert ring_down.needed(Rig(article=rigid_block), motion) == motion.driven
+    assert ring_down.warning(Rig(article=rigid_block), motion) == ""
 
 
 def test_a_table_at_rest_needs_nothing(burst: Burst) -> None:
