@@ -3,8 +3,8 @@
     python examples/large_motion.py [ARTICLE ...]
 
 Every article is driven by a sine at 4 Hz, where the angles of the paper's tests are largest, at 1, 3, 10 and 30 times the
-nominal levels: about one axis, along and about an axis at once, about all three. The table shows what share of the load the linear
-equations leave out, and with which power of the level it grows. An article called NAME:rigid is taken as one rigid body.
+nominal levels: about one axis, along and about an axis at once, about all three. The table shows what share of the load the
+linear equations leave out, and with which power of the level it grows. An article called NAME:rigid is taken as one rigid body.
 """
 
 from __future__ import annotations

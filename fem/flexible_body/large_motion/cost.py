@@ -1,4 +1,4 @@
-"""What the limit of small motion costs: the load that the linear equations leave out, measured in exudyn at one level after another.
+"""What the limit of small motion costs: the load that the linear equations leave out, measured in exudyn level by level.
 
 The linear response to a motion is that of the same model at a level so small that nothing but it is left, scaled up. What remains
 of the full one is compared with it in one figure for all six components, the size of a load,
@@ -43,6 +43,9 @@ SMALL = 1e-4
 
 RISE, STEADY = 2, 4
 """Cycles of a sine in which it rises and in which it stays."""
+
+TINY = 1e-300
+"""Where a logarithm is still a number."""
 
 STEPS = 64
 """Of the integration in a cycle of the sine; its own error is that of the linear response too, and cancels."""
@@ -116,7 +119,7 @@ def of_a_sweep(plan: Plan, axis: str, factor: float = 1.0, *, rate: float = 30.0
 def exponents(costs: Sequence[Cost]) -> Mapping[str, float]:
     """With which power of the level each share grows: 1 for what is of second order in the motion, 2 for third."""
     grown = np.log([cost.factor for cost in costs])
-    shares = {name: np.log([getattr(cost, name) for cost in costs]) for name in ("peak", "rms", "at_line")}
+    shares = {name: np.log([max(getattr(cost, name), TINY) for cost in costs]) for name in ("peak", "rms", "at_line")}
     return {name: float(np.polyfit(grown, share, 1)[0]) for name, share in shares.items()}
 
 
