@@ -33,7 +33,7 @@ def kicked() -> tuple[BaseMotion, Array]:
     s = (t - 8 * PULSE) / PULSE
     bell = np.exp(-(s**2) / 2)
     shapes = (bell, -s / PULSE * bell, (s**2 - 1) / PULSE**2 * bell)
-    directions = 1e-6 * np.array([[0.0, 1.0, 0.0, 0.7, 0.0, 0.3]])
+    directions = 1e-6 * np.array([[0.0, 1.0, 0.0, -0.7, 0.0, 0.3]])
     parts = [shape[:, None] * directions for shape in shapes]
     parts[0][0] = parts[1][0] = 0.0  # 1e-14 of the kick
     motion = BaseMotion(sampling_rate=RATE, displacement=parts[0], velocity=parts[1], acceleration=parts[2], driven=16 * PULSE)
