@@ -126,7 +126,7 @@ def exponents(costs: Sequence[Cost]) -> Mapping[str, float]:
 def size_of(plan: Plan) -> Array:
     """M^-1 (6, 6) of the whole about the origin, which makes one size of forces and moments."""
     frame = assemble(plan)
-    return np.linalg.inv(frame.rigid.T @ frame.mass @ frame.rigid)
+    return np.asarray(np.linalg.inv(frame.rigid.T @ frame.mass @ frame.rigid), dtype=np.float64)
 
 
 def _load(plan: Plan, motion: BaseMotion, conditions: Conditions) -> Array:

@@ -41,8 +41,8 @@ def kicked() -> tuple[BaseMotion, Array]:
 
 
 def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked: tuple[BaseMotion, Array]) -> None:
-    """Clumod on one mesh, time against frequency: transforms of whole records. Below the first mode, at 11.5 Hz; the step's own
-    error there is 3e-5, from (omega h)² / 12 of the stiffness of that mode.
+    """Clumod on one mesh, time against frequency: transforms of whole records. Below the first mode, at 11.5 Hz; the step shifts
+    its square by (omega h)² / 6 = 3e-3 at 512 Hz, and the elastic eighth of the load at 8 Hz by about as much.
     """
     motion, lines = kicked
     found = respond("clumod-1", motion, elements=1, loss_frequency=LOSSES_AT)
@@ -51,11 +51,11 @@ def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked:
     plan = beam.plan("clumod-1", elements=1)
     system, losses = linearise(plan, 10), stiffness_of(lossy(plan))
     stiff = load[-1] - acceleration[-1] @ system.rigid_mass
-    assert np.abs(stiff).max() > 0.2 * np.abs(load[-1]).max()  # at 8 Hz a good part of the load is elastic
+    assert np.abs(stiff).max() > 0.1 * np.abs(load[-1]).max()  # at 8 Hz an eighth of the load is elastic
     for k, line in enumerate(lines):
         H = driven.direct(system, losses * line / LOSSES_AT, line).matrix[0]
         expected = H @ acceleration[k]
-        assert_allclose(load[k], expected, rtol=0, atol=3e-4 * np.abs(expected).max())
+        assert_allclose(load[k], expected, rtol=0, atol=5e-4 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
