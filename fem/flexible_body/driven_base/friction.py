@@ -4,10 +4,10 @@ It hangs on bristles, a spring and a damper between part and flange that cannot 
 
     f = min(max(k (q - s) + d q', -F), F),
 
-q being how far the part has moved on the flange. What the bristles cannot follow is slip: after every step s becomes the q - (f - d
-q') / k of its end, which is the backward Euler method of an elastic, perfectly plastic spring (Simo & Hughes, Computational
-Inelasticity, 1998, section 1.4). Sticking, the part would swing at `STICKING` [Hz], far above anything that is driven, and adds its mass at
-the article's origin but for a share (f / STICKING)².
+q being how far the part has moved on the flange. What the bristles cannot follow is slip: after every step s becomes the
+q - (f - d q') / k of its end, which is the backward Euler method of an elastic, perfectly plastic spring (Simo & Hughes,
+Computational Inelasticity, 1998, section 1.4). Sticking, the part would swing at `STICKING` [Hz], far above anything that is
+driven, and adds its mass at the article's origin but for a share (f / STICKING)².
 """
 
 from __future__ import annotations

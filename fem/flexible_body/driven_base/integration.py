@@ -24,6 +24,8 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
     try:
         done = scene.system.SolveDynamic(settings)
     except Exception as error:
+        if "KeyboardInterrupt" in str(error):  # at the very moment when exudyn called back: it makes an error of its own of it
+            return KeyboardInterrupt()
         done, said = False, str(error)
     if not done and drive.stopped is None:
         raise _astray(scene, drive, said)
