@@ -1,9 +1,9 @@
 """`Solver`: how exudyn integrates, and what it says about it afterwards.
 
 - "fox-goodwin": Newmark's method with beta = 1/12, gamma = 1/2 (Hughes, The Finite Element Method, 1987, section 9.1), the
-  table's velocity prescribed. Frequencies are right to the fourth order of the step and the table's acceleration to the second, so that a
-  lightly damped resonance comes out like everything else. It is stable only while omega h < sqrt(6) for all that can swing, which
-  decides on the number of steps a sample (`fem.flexible_body.driven_base.steps`).
+  table's velocity prescribed. Frequencies are right to the fourth order of the step and the table's acceleration to the second,
+  so that a lightly damped resonance comes out like everything else. It is stable only while omega h < sqrt(6) for all that can
+  swing, which decides on the number of steps a sample (`fem.flexible_body.driven_base.steps`).
 - "newmark": the trapezoidal rule, beta = 1/4, always stable. Frequencies come out too low by (omega h)² / 12, which a mode of
   damping ratio zeta shows as an error of (omega h)² / (12 zeta) in its answer.
 - "generalised-alpha": the table's displacement is prescribed (constraints of index 3; Arnold & Brüls, Multibody System Dynamics

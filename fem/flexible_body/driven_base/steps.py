@@ -52,7 +52,7 @@ def subdivision(rig: Rig, rate: float, solver: Solver) -> int:
         raise BadInput(
             source="solver",
             field="subdivision",
-            problem=f"{solver.method} needs {least} steps a sample for {highest(rig):.4g} Hz, the rig's highest frequency, {found}",
+            problem=f"{highest(rig):.4g} Hz, the rig's highest frequency, needs {least} steps a sample, {found}",
             remedy="Leave it out, soften the stiffest joint, or use generalised-alpha",
         )
     require_fine(rig.article, rate * steps)
@@ -60,7 +60,7 @@ def subdivision(rig: Rig, rate: float, solver: Solver) -> int:
 
 
 def highest(rig: Rig) -> float:
-    """[Hz] the highest frequency of what stands on the held table, gaps closed and loose parts sticking; 0 when nothing swings."""
+    """[Hz] the highest frequency of all that stands on the held table, gaps closed and loose parts sticking; 0 when rigid."""
     from scipy.linalg import eigvalsh
 
     cells = tuple(replace(cell, preload=None) for cell in rig.cells)
@@ -90,7 +90,7 @@ def _stable(frequency: float, rate: float, solver: Solver) -> int:
 
 
 def _with_part(M: Array, K: Array, base: Array, mass: float, axis: int) -> tuple[Array, Array]:
-    """Matrices with one coordinate more: how far a part of `mass` [kg] moves along `axis` on the base, rows (3, n) of the others."""
+    """Matrices with one coordinate more: how far a part of `mass` [kg] moves along `axis` on `base`, (3, n) of the others."""
     size = len(M)
     rows = np.zeros((3, size + 1))
     rows[:, : base.shape[1]] = base
