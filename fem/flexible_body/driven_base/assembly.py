@@ -22,7 +22,8 @@ class Assembled:
     ----------
     scene : with the system, assembled
     axes : the constraints that drive the table
-    table, cover, loads, cells, article : sensors of accelerations, constraint forces, cell forces, accelerations of the article
+    table, cover, loads, cells : sensors of accelerations, constraint forces, cell forces
+    article : sensors of its accelerations, when it has places
     coordinates : sensors of the article's coordinates, when they are to be kept
     """
 
@@ -63,7 +64,7 @@ def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) 
         cover=(watch_node(scene, cover.node, "Coordinates_tt"),),
         loads=drive.loads(scene, axes),
         cells=cells,
-        article=tuple(watch_node(scene, node, "Coordinates_tt") for node in article.nodes),
+        article=tuple(watch_node(scene, node, "Coordinates_tt") for node in article.nodes if rig.article.places),
         coordinates=tuple(watch_node(scene, node, "Coordinates") for node in article.nodes if keep_coordinates),
     )
     scene.system.Assemble()
