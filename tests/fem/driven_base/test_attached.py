@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Body, Flange, Rig, Strut
-from fem.flexible_body.driven_base import respond
+from fem.flexible_body.driven_base import Solver, respond
 from geometry.arrays import Array
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
@@ -18,6 +18,8 @@ from geometry.inertia import Inertia
 SEAT = (0.01, -0.02, 0.0445)
 
 FREQUENCY = 8.0
+
+DEFAULT = Solver()
 
 AXES = range(6)
 
@@ -34,9 +36,10 @@ def corner(block: Body) -> Array:
     return np.asarray(block.places["corner"] @ rigid_transformation_6(SEAT))
 
 
-def pulled(block: Body, motion: BaseMotion, strut: Strut) -> Array:
+def pulled(block: Body, motion: BaseMotion, strut: Strut, solver: Solver = DEFAULT) -> Array:
     """(n, 6) the load that `strut` adds."""
-    with_it, without = (respond(Rig(article=block, seat=SEAT, struts=struts), motion).load for struts in ((strut,), ()))
+    rigs = (Rig(article=block, seat=SEAT, struts=struts) for struts in ((strut,), ()))
+    with_it, without = (respond(rig, motion, solver=solver).load for rig in rigs)
     return np.asarray(with_it - without)
 
 
@@ -51,6 +54,15 @@ def test_a_cable_to_the_ground_adds_its_stiffness_over_omega_squared(
     steady = slice(-round(motion.sampling_rate / FREQUENCY), None)
     over_omega = -motion.acceleration / (2 * np.pi * FREQUENCY) ** 2 @ corner.T @ K @ corner
     assert_allclose(found[steady], over_omega[steady], atol=1e-3 * np.abs(expected).max())
+
+
+def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(
+    moves: Callable[[int], BaseMotion], block: Body, corner: Array
+) -> None:
+    motion, K = moves(4), np.diag([2000.0, 3000.0, 5000.0])
+    found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)), Solver(method="generalised-alpha"))
+    expected = motion.displacement @ corner.T @ K @ corner
+    assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("axis", AXES)
