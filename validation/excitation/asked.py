@@ -1,0 +1,210 @@
+"""What was asked of `massline excite`, checked at the door: axes, pattern, band, level, ring-down, route and rates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry import keys
+from geometry.dynamic_mass import MOTIONS
+from geometry.errors import BadInput
+from validation.excitation.attached import Attached
+from validation.flexible.model import Asked
+
+SWEEP, RANDOM, BURST, MULTI = PATTERNS = ("sweep", "random", "burst", "multi")
+LINEAR, EXUDYN, LARGE = ROUTES = ("linear", "exudyn", "large")
+
+LEAST_SIMULATED = 8192.0
+"""[Hz] Below it the exact recursion is biased by more than 1e-5 at 12 Hz, and exudyn by more than 1e-4."""
+
+HIGHEST_RATE = 65536.0
+"""[Hz] of the output: mechanics that a shaker could drive lies far below."""
+
+MARGIN = 4.0
+"""Output samples to a period of the highest driven frequency, at the least: harmonics and the anti-alias filter need room."""
+
+LONGEST = 900.0
+"""[s] of one run: 90 s is a sweep of the paper; ten times that fill the memory of a desk machine at 8 kHz."""
+
+LARGEST_LEVEL = 100.0
+LARGEST_CROSS = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """How the table is driven.
+
+    Attributes
+    ----------
+    axes : of `MOTIONS`, one run each; all at once in one run by the pattern ``multi``
+    pattern : one of `PATTERNS`
+    band : [Hz]
+    octaves_per_minute : of a sweep
+    level : factor on the nominal level of each axis
+    cross : share of the driven level on the other axes
+    seed : of everything random
+    ring_down : [s] of record after the drive; None for as long as the ringing takes
+    """
+
+    axes: tuple[str, ...]
+    pattern: str
+    band: tuple[float, float]
+    octaves_per_minute: float
+    level: float
+    cross: float
+    seed: int
+    ring_down: float | None
+
+    @property
+    def swept(self) -> bool:
+        """Whether there is one frequency at a time."""
+        return self.pattern == SWEEP
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Question:
+    """What `massline excite` was asked.
+
+    Attributes
+    ----------
+    article, model : as for `validation.flexible.model.flexible`; the model is None where none was named
+    asked : how the flexible model is made
+    attached : what the rig has beside the article
+    drive : how the table is driven
+    route : one of `ROUTES`; None for the one that fits
+    rate : [Hz] of the output
+    """
+
+    article: str
+    model: str | None
+    asked: Asked
+    attached: Attached
+    drive: Drive
+    route: str | None
+    rate: float
+
+    @property
+    def simulated_at(self) -> float:
+        """[Hz] The least multiple of the output's rate that is not below `LEAST_SIMULATED`."""
+        return float(self.rate * max(1, np.ceil(LEAST_SIMULATED / self.rate)))
+
+
+def drive(
+    *,
+    axes: Sequence[str],
+    every: bool,
+    pattern: str,
+    band: tuple[float, float],
+    octaves_per_minute: float,
+    level: float,
+    cross: float,
+    seed: int,
+    ring_down: str,
+) -> Drive:
+    """The options of the drive, checked.
+
+    Raises
+    ------
+    BadInput : one of them is no such word, no number or out of its range; an axis is named twice, or beside all of them.
+    """
+    _word("--pattern", pattern, PATTERNS)
+    _require_band(band)
+    _within("--octaves-per-minute", octaves_per_minute, 1e-2, 1e3, "Write 2 for the paper's sweeps")
+    _within("--level", level, 1e-6, LARGEST_LEVEL, "1 is the nominal level, 0.5 half of it")
+    _within("--cross", cross, 0.0, LARGEST_CROSS, "Write for example 0.03; 0 is a table without cross motion")
+    if seed < 0:
+        raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
+    found = Drive(
+        axes=_axes(axes, every, pattern),
+        pattern=pattern,
+        band=band,
+        octaves_per_minute=octaves_per_minute,
+        level=level,
+        cross=cross,
+        seed=seed,
+        ring_down=_ring_down(ring_down),
+    )
+    _require_short(found)
+    return found
+
+
+def require_rate(rate: float, band: tuple[float, float]) -> None:
+    """Refuse an output rate that cannot show what is driven.
+
+    Raises
+    ------
+    BadInput : it is too low for the upper end of `band`, too high, or no number.
+    """
+    _within("--rate", rate, 1.0, HIGHEST_RATE, "Write for example 1024")
+    if rate < MARGIN * band[1]:
+        problem = f"must be at least {MARGIN:g} times the highest driven frequency, {band[1]:g} Hz, found {rate:g} Hz"
+        raise BadInput(source="--rate", problem=problem, remedy=f"Give {MARGIN * band[1]:g} or more, or a lower --band")
+
+
+def require_route(route: str | None) -> None:
+    """Refuse a route that there is not.
+
+    Raises
+    ------
+    BadInput : it is none of `ROUTES`.
+    """
+    if route is not None:
+        _word("--route", route, ROUTES)
+
+
+def _word(option: str, word: str, known: Sequence[str]) -> None:
+    if word not in known:
+        remedy = keys.nearest(word, known) or "Choose one of them"
+        raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
+
+
+def _axes(axes: Sequence[str], every: bool, pattern: str) -> tuple[str, ...]:
+    for axis in axes:
+        _word("--axis", axis, MOTIONS)
+    twice = next((axis for axis in axes if list(axes).count(axis) > 1), None)
+    if twice is not None:
+        raise BadInput(source="--axis", problem=f"{twice} is named twice", remedy="Name each axis once")
+    if every and axes:
+        problem = f"all six axes are asked for, and {', '.join(axes)} once more"
+        raise BadInput(source="--all", problem=problem, remedy="Give --all or --axis, not both")
+    if axes:
+        return tuple(axes)
+    return MOTIONS if every or pattern == MULTI else MOTIONS[:1]
+
+
+def _require_band(band: tuple[float, float]) -> None:
+    low, high = band
+    if not (np.isfinite(low) and np.isfinite(high) and 0 < low < high):
+        problem = f"a band goes from above 0 Hz up to a higher frequency, found {low:g} to {high:g} Hz"
+        raise BadInput(source="--band", problem=problem, remedy="Give the lower end first: --band 4 32")
+
+
+def _within(option: str, value: float, low: float, high: float, remedy: str) -> None:
+    if not low <= value <= high:
+        raise BadInput(source=option, problem=f"must lie between {low:g} and {high:g}, found {value:g}", remedy=remedy)
+
+
+def _ring_down(text: str) -> float | None:
+    if text == "auto":
+        return None
+    from geometry.quantities import quantity
+
+    remedy = 'Write auto, or a time such as "5 s"'
+    try:
+        seconds = float(quantity(text, "time", source="--ring-down", field="").nominal_value)
+    except BadInput as error:
+        raise BadInput(source="--ring-down", problem=error.problem, remedy=remedy) from None
+    if not 0 <= seconds <= LONGEST:
+        raise BadInput(source="--ring-down", problem=f"must lie between 0 and {LONGEST:g} s, found {text}", remedy=remedy)
+    return seconds
+
+
+def _require_short(drive: Drive) -> None:
+    seconds = 60 * np.log2(drive.band[1] / drive.band[0]) / drive.octaves_per_minute
+    if drive.pattern in (SWEEP, MULTI) and seconds > LONGEST:
+        problem = f"a sweep of this band takes {seconds:.4g} s at {drive.octaves_per_minute:g} octaves a minute"
+        raise BadInput(
+            source="--octaves-per-minute", problem=problem, remedy=f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it"
+        )
