@@ -20,6 +20,9 @@ ComplexArray = npt.NDArray[np.complex128]
 MOTIONS = ("x", "y", "z", "alpha", "beta", "gamma")
 """Order of base motions (columns) and of interface loads (rows: forces along x, y, z and moments about them)."""
 
+LEVELS = (2.5, 2.5, 2.5, 3.0, 3.0, 6.0)
+"""Nominal acceleration of the base in the paper's sweeps, in the order of `MOTIONS` [m/s², rad/s²] (paper, section 4)."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DynamicMass:
