@@ -16,20 +16,12 @@ from validation.flexible.model import Asked
 SWEEP, RANDOM, BURST, MULTI = PATTERNS = ("sweep", "random", "burst", "multi")
 LINEAR, EXUDYN, LARGE = ROUTES = ("linear", "exudyn", "large")
 
-LEAST_SIMULATED = 8192.0
-"""[Hz] Below it the exact recursion is biased by more than 1e-5 at 12 Hz, and exudyn by more than 1e-4."""
-
-HIGHEST_RATE = 65536.0
-"""[Hz] of the output: mechanics that a shaker could drive lies far below."""
-
-MARGIN = 4.0
-"""Output samples to a period of the highest driven frequency, at the least: harmonics and the anti-alias filter need room."""
-
 LONGEST = 900.0
 """[s] of one run: 90 s is a sweep of the paper; ten times that fill the memory of a desk machine at 8 kHz."""
 
 LARGEST_LEVEL = 100.0
-LARGEST_CROSS = 1.0
+LARGEST_CROSS = 0.25
+"""Shares are drawn up to twice this, and beyond a half a run no longer drives the axis that it is named after."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,29 +30,28 @@ class Drive:
 
     Attributes
     ----------
-    axes : of `MOTIONS`, one run each; all at once in one run by the pattern ``multi``
+    axes : of `MOTIONS`, one run each; together in one run by the pattern ``multi``
+    every : whether all six were asked for at once: ``multi`` then makes six runs whose phases differ
     pattern : one of `PATTERNS`
     band : [Hz]
     octaves_per_minute : of a sweep
     level : factor on the nominal level of each axis
     cross : share of the driven level on the other axes
     seed : of everything random
+    duration : [s] of noise and of bursts; None for as long as their patterns have it
     ring_down : [s] of record after the drive; None for as long as the ringing takes
     """
 
     axes: tuple[str, ...]
+    every: bool
     pattern: str
     band: tuple[float, float]
     octaves_per_minute: float
     level: float
     cross: float
     seed: int
+    duration: float | None
     ring_down: float | None
-
-    @property
-    def swept(self) -> bool:
-        """Whether there is one frequency at a time."""
-        return self.pattern == SWEEP
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,11 +76,6 @@ class Question:
     route: str | None
     rate: float
 
-    @property
-    def simulated_at(self) -> float:
-        """[Hz] The least multiple of the output's rate that is not below `LEAST_SIMULATED`."""
-        return float(self.rate * max(1, np.ceil(LEAST_SIMULATED / self.rate)))
-
 
 def drive(
     *,
@@ -101,6 +87,7 @@ def drive(
     level: float,
     cross: float,
     seed: int,
+    duration: str | None,
     ring_down: str,
 ) -> Drive:
     """The options of the drive, checked.
@@ -118,29 +105,18 @@ def drive(
         raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
     found = Drive(
         axes=_axes(axes, every, pattern),
+        every=every,
         pattern=pattern,
         band=band,
         octaves_per_minute=octaves_per_minute,
         level=level,
         cross=cross,
         seed=seed,
-        ring_down=_ring_down(ring_down),
+        duration=_duration(duration, pattern),
+        ring_down=None if ring_down == "auto" else _seconds("--ring-down", ring_down, 'Write auto, or a time such as "5 s"'),
     )
     _require_short(found)
     return found
-
-
-def require_rate(rate: float, band: tuple[float, float]) -> None:
-    """Refuse an output rate that cannot show what is driven.
-
-    Raises
-    ------
-    BadInput : it is too low for the upper end of `band`, too high, or no number.
-    """
-    _within("--rate", rate, 1.0, HIGHEST_RATE, "Write for example 1024")
-    if rate < MARGIN * band[1]:
-        problem = f"must be at least {MARGIN:g} times the highest driven frequency, {band[1]:g} Hz, found {rate:g} Hz"
-        raise BadInput(source="--rate", problem=problem, remedy=f"Give {MARGIN * band[1]:g} or more, or a lower --band")
 
 
 def require_route(route: str | None) -> None:
@@ -186,18 +162,24 @@ def _within(option: str, value: float, low: float, high: float, remedy: str) -> 
         raise BadInput(source=option, problem=f"must lie between {low:g} and {high:g}, found {value:g}", remedy=remedy)
 
 
-def _ring_down(text: str) -> float | None:
-    if text == "auto":
+def _duration(text: str | None, pattern: str) -> float | None:
+    if text is None:
         return None
+    if pattern not in (RANDOM, BURST):
+        problem = f"only random and burst have one, the pattern is {pattern}"
+        raise BadInput(source="--duration", problem=problem, remedy="Leave it out: band and octaves a minute say how long it takes")
+    return _seconds("--duration", text, 'Write for example "30 s"')
+
+
+def _seconds(option: str, text: str, remedy: str) -> float:
     from geometry.quantities import quantity
 
-    remedy = 'Write auto, or a time such as "5 s"'
     try:
-        seconds = float(quantity(text, "time", source="--ring-down", field="").nominal_value)
+        seconds = float(quantity(text, "time", source=option, field="").nominal_value)
     except BadInput as error:
-        raise BadInput(source="--ring-down", problem=error.problem, remedy=remedy) from None
+        raise BadInput(source=option, problem=error.problem, remedy=remedy) from None
     if not 0 <= seconds <= LONGEST:
-        raise BadInput(source="--ring-down", problem=f"must lie between 0 and {LONGEST:g} s, found {text}", remedy=remedy)
+        raise BadInput(source=option, problem=f"must lie between 0 and {LONGEST:g} s, found {text}", remedy=remedy)
     return seconds
 
 

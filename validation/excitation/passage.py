@@ -1,0 +1,126 @@
+"""When a sweep passes the resonances of a rig, and what each does to the load, measured on the run itself.
+
+Amplitudes are those of the analytic signal (Gabor, Journal of the IEE 93, 1946), which a sweep follows from cycle to cycle. The
+amplification is the load's amplitude over that of the rigid body, M a with the acceleration of the same moment, for the load along
+the axis that is driven; its largest value near the resonance counts, which a fast sweep reaches a little after passing it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.base_excitation.response import Response
+from geometry.arrays import Array
+from validation.excitation.drives import Run
+from validation.excitation.rig_modes import RigModes
+
+SHOWS = 1e-3
+"""Share of the rigid mass that a mode must carry along a driven axis to be listed."""
+
+NEAR = 0.02
+"""How far on each side of a resonance, relative, its largest amplification is looked for; further for strong damping."""
+
+HALF_WIDTHS = 4.0
+"""... so many half-widths zeta of the resonance at the least."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Passed:
+    """One resonance that a sweep passed.
+
+    Attributes
+    ----------
+    mode : number of the rig's mode, from 1
+    frequency : [Hz]
+    damping_ratio : [1]
+    axis : index of the driven axis, and of the load, that shows it most
+    time : [s] when the sweep has its frequency
+    amplification : [1] largest load near it over the rigid body's
+    peak_time, peak_frequency : [s], [Hz] of that
+    """
+
+    mode: int
+    frequency: float
+    damping_ratio: float
+    axis: int
+    time: float
+    amplification: float
+    peak_time: float
+    peak_frequency: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Amplitudes:
+    """Amplitudes while the sweep is on, on its own instants.
+
+    Attributes
+    ----------
+    time : (n,) [s]
+    frequency : (n,) [Hz] of the sweep
+    base : (n, 6) of the table's acceleration [m/s², rad/s²]
+    load : (n, 6) of the load [N, N m]
+    rigid : (n, 6) of the load that the rigid body would have
+    """
+
+    time: Array
+    frequency: Array
+    base: Array
+    load: Array
+    rigid: Array
+
+
+def rigid_load(response: Response, rigid_mass: Array) -> Array:
+    """(n, 6) M a: the load on the rigid body [N, N m]."""
+    return np.asarray(response.table @ rigid_mass.T)
+
+
+def amplitudes(response: Response, run: Run, rigid_mass: Array) -> Amplitudes | None:
+    """The amplitudes of a run; None where many frequencies are driven at once."""
+    if run.sweep is None:
+        return None
+    band = response.time <= run.sweep.driven
+    base, load, rigid = (_amplitude(x)[band] for x in (response.table, response.load, rigid_load(response, rigid_mass)))
+    time = response.time[band]
+    return Amplitudes(time=time, frequency=run.sweep.frequency_at(time), base=base, load=load, rigid=rigid)
+
+
+def passed(found: Amplitudes | None, run: Run, modes: RigModes) -> tuple[Passed, ...]:
+    """Every resonance that the sweep of `run` passed at full level, in the order of its time."""
+    if found is None or run.sweep is None:
+        return ()
+    whole = np.diag(modes.rigid_mass)[list(run.axes)]
+    share = modes.participation[list(run.axes)] ** 2 / whole[:, None]
+    inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop)
+    return tuple(
+        _passed(found, run, modes, int(r), run.axes[int(np.argmax(share[:, r]))])
+        for r in np.flatnonzero(inside & (share.max(axis=0) > SHOWS))
+    )
+
+
+def _passed(found: Amplitudes, run: Run, modes: RigModes, r: int, axis: int) -> Passed:
+    assert_sweep = run.sweep
+    f, zeta = float(modes.frequency[r]), float(modes.damping_ratio[r])
+    reach = max(NEAR, HALF_WIDTHS * zeta)
+    near = np.flatnonzero(np.abs(found.frequency / f - 1) <= reach)
+    ratio = found.load[near, axis] / np.maximum(found.rigid[near, axis], np.finfo(np.float64).tiny)
+    k = near[int(np.argmax(ratio))]
+    return Passed(
+        mode=r + 1,
+        frequency=f,
+        damping_ratio=zeta,
+        axis=axis,
+        time=float(assert_sweep.time_at(f)),
+        amplification=float(ratio.max()),
+        peak_time=float(found.time[k]),
+        peak_frequency=float(found.frequency[k]),
+    )
+
+
+def _amplitude(signals: Array) -> Array:
+    from scipy.fft import next_fast_len
+    from scipy.signal import hilbert
+
+    n = len(signals)
+    return np.asarray(np.abs(hilbert(signals, N=next_fast_len(n), axis=0))[:n])
