@@ -8,6 +8,7 @@ the axis that is driven; its largest value near the resonance counts, which a fa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from fem.base_excitation.response import Response
 from geometry.arrays import Array
 from validation.excitation.drives import Run
 from validation.excitation.rig_modes import RigModes
+
+if TYPE_CHECKING:
+    from fem.base_excitation.patterns import Sweep
 
 SHOWS = 1e-3
 """Share of the rigid mass that a mode must carry along a driven axis to be listed."""
@@ -90,31 +94,28 @@ def passed(found: Amplitudes | None, run: Run, modes: RigModes) -> tuple[Passed,
     """Every resonance that the sweep of `run` passed at full level, in the order of its time."""
     if found is None or run.sweep is None:
         return ()
-    whole = np.diag(modes.rigid_mass)[list(run.axes)]
-    share = modes.participation[list(run.axes)] ** 2 / whole[:, None]
-    inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop)
+    driven = list(run.axes)
+    share = modes.participation[driven] ** 2 / np.diag(modes.rigid_mass)[driven, None]
+    inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop) & (share.max(axis=0) > SHOWS)
     return tuple(
-        _passed(found, run, modes, int(r), run.axes[int(np.argmax(share[:, r]))])
-        for r in np.flatnonzero(inside & (share.max(axis=0) > SHOWS))
+        _passed(found, run.sweep, modes, int(r), run.axes[int(np.argmax(share[:, r]))]) for r in np.flatnonzero(inside)
     )
 
 
-def _passed(found: Amplitudes, run: Run, modes: RigModes, r: int, axis: int) -> Passed:
-    assert_sweep = run.sweep
+def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int) -> Passed:
     f, zeta = float(modes.frequency[r]), float(modes.damping_ratio[r])
-    reach = max(NEAR, HALF_WIDTHS * zeta)
-    near = np.flatnonzero(np.abs(found.frequency / f - 1) <= reach)
+    near = np.flatnonzero(np.abs(found.frequency / f - 1) <= max(NEAR, HALF_WIDTHS * zeta))
     ratio = found.load[near, axis] / np.maximum(found.rigid[near, axis], np.finfo(np.float64).tiny)
-    k = near[int(np.argmax(ratio))]
+    best = int(np.argmax(ratio))
     return Passed(
         mode=r + 1,
         frequency=f,
         damping_ratio=zeta,
         axis=axis,
-        time=float(assert_sweep.time_at(f)),
-        amplification=float(ratio.max()),
-        peak_time=float(found.time[k]),
-        peak_frequency=float(found.frequency[k]),
+        time=float(sweep.time_at(f)),
+        amplification=float(ratio[best]),
+        peak_time=float(found.time[near[best]]),
+        peak_frequency=float(found.frequency[near[best]]),
     )
 
 

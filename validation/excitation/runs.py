@@ -1,0 +1,197 @@
+"""Which route answers a question, and every run of it: driven, simulated, brought down to the output's rate, put into figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.response import Response
+from geometry.errors import BadInput
+from validation.excitation.asked import EXUDYN, LARGE, LINEAR, Question
+from validation.excitation.drives import Run, cross_motion, runs
+from validation.excitation.figures import Outcome, outcome
+from validation.excitation.passage import Amplitudes, amplitudes, passed
+from validation.excitation.rig import Mounted, mounted, require_mountable
+from validation.excitation.rig_modes import RigModes, rig_modes
+from validation.progress import percent, shown
+
+if TYPE_CHECKING:
+    from fem.base_excitation.patterns import CrossMotion
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Route:
+    """How runs are computed, and why so."""
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ready:
+    """A question with all that it needs before a run is made.
+
+    Attributes
+    ----------
+    question : as it was asked
+    mounted : the article on the table
+    modes : resonances of the rig
+    route : which one answers
+    runs : to be made
+    """
+
+    question: Question
+    mounted: Mounted
+    modes: RigModes
+    route: Route
+    runs: tuple[Run, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Done:
+    """One run that was made.
+
+    Attributes
+    ----------
+    run : what was driven
+    motion : of the table, as it was simulated
+    response : at the output's rate
+    amplitudes : of a sweep; None where many frequencies are driven at once
+    outcome : its figures
+    """
+
+    run: Run
+    motion: BaseMotion
+    response: Response
+    amplitudes: Amplitudes | None
+    outcome: Outcome
+
+
+def ready(question: Question, *, quiet: bool = False) -> Ready:
+    """Everything that can be refused is, and the article is reduced.
+
+    Raises
+    ------
+    BadInput : something in `question` cannot be.
+    """
+    from fem.base_excitation.decimation import require_recorded
+
+    model = _model(question)
+    route = _route(question)
+    require_mountable(question.article, model, question.asked, question.attached)
+    to_make = runs(question.drive)
+    for run in to_make:
+        require_recorded(run.pattern.highest, question.rate, "--rate")
+    with shown(f"model of {question.article}", quiet=quiet):
+        made = mounted(question.article, model, question.asked, question.attached)
+        return Ready(question=question, mounted=made, modes=rig_modes(made.rig), route=route, runs=to_make)
+
+
+def done(made: Ready, *, keep_coordinates: bool = False, quiet: bool = False) -> Iterator[Done]:
+    """The runs of `made`, one after the other, each gone from memory when the next is made unless the caller keeps it.
+
+    Raises
+    ------
+    BadInput, CheckFailed : what the route refuses, or fails at.
+    """
+    cross = cross_motion(made.question.drive)
+    for number, run in enumerate(made.runs, start=1):
+        words = f"{run.name}, {made.route.name} ({number} of {len(made.runs)})"
+        with percent(words, quiet=quiet) as progress:
+            yield _done(made, run, cross, progress, keep_coordinates)
+
+
+def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
+    from fem.base_excitation import ring_down
+    from fem.base_excitation.decimation import decimated, simulation_rate
+    from fem.base_excitation.small_motion import judge
+
+    rate, rig = made.question.rate, made.mounted.rig
+    asked = made.question.drive.ring_down
+    needed = ring_down.needed(rig, run.motion(rate, ring_down=0.0, cross=cross))
+    motion = run.motion(simulation_rate(rate), ring_down=needed if asked is None else asked, cross=cross)
+    response = decimated(_ROUTES[made.route.name](made, motion, progress, keep), rate)
+    found = amplitudes(response, run, made.modes.rigid_mass)
+    return Done(
+        run=run,
+        motion=motion,
+        response=response,
+        amplitudes=found,
+        outcome=outcome(
+            run,
+            response,
+            driven=motion.driven,
+            small=judge(motion),
+            passed=passed(found, run, made.modes),
+            needed=needed,
+            cells=rig.cells,
+            warnings=tuple(filter(None, (ring_down.warning(rig, motion),))),
+        ),
+    )
+
+
+def _linear(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> Response:
+    from fem.base_excitation import linear
+
+    return linear.respond(made.mounted.rig, motion, keep_coordinates=keep, progress=progress)
+
+
+def _exudyn(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> Response:
+    from fem.flexible_body import driven_base
+
+    return driven_base.respond(made.mounted.rig, motion, keep_coordinates=keep, progress=progress)
+
+
+def _large(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> Response:
+    from fem.flexible_body import large_motion
+
+    question = made.question
+    return large_motion.respond(question.article, motion, changes=question.asked.changes, progress=progress)
+
+
+_ROUTES: dict[str, Callable[[Ready, BaseMotion, Progress, bool], Response]] = {
+    LINEAR: _linear,
+    EXUDYN: _exudyn,
+    LARGE: _large,
+}
+
+
+def _route(question: Question) -> Route:
+    """The route asked for, or the one that fits."""
+    nonlinear = [option for option in question.attached.options if option in ("--preload", "--friction")]
+    because = f"{' and '.join(nonlinear)} {'are' if len(nonlinear) > 1 else 'is'} not linear"
+    if question.route is None:
+        if nonlinear:
+            return Route(name=EXUDYN, why=f"chosen because {because}")
+        return Route(name=LINEAR, why="chosen because everything in the rig is linear")
+    if question.route == LINEAR and nonlinear:
+        remedy = "Leave --route out, or take --route exudyn"
+        raise BadInput(source="--route", problem=f"the exact recursion answers linear rigs only, and {because}", remedy=remedy)
+    if question.route == LARGE:
+        _require_plain(question)
+    return Route(name=question.route, why="as asked")
+
+
+def _require_plain(question: Question) -> None:
+    """Refuse what exudyn's own beams on a turning base have not."""
+    from validation.article_reference import is_stack
+
+    remedy = "Leave it out, or take --route exudyn"
+    for option in question.attached.options:
+        raise BadInput(source="--route", problem=f"large drives exudyn's own beams, without {option}", remedy=remedy)
+    if question.model not in (None, EXUDYN):
+        problem = f"large drives exudyn's own beams, not the {question.model} model"
+        raise BadInput(source="--route", problem=problem, remedy="Leave --model out, or take --route exudyn")
+    if not is_stack(question.article):
+        problem = f"large drives beams made of the dimensions of built-in articles, and {question.article} has none"
+        raise BadInput(source="--route", problem=problem, remedy="Take --route linear or exudyn")
+
+
+def _model(question: Question) -> str:
+    from validation.flexible.chosen import chosen
+
+    return chosen(question.article, question.model)[0]
