@@ -20,8 +20,11 @@ from validation.excitation.rig_modes import RigModes
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import Sweep
 
-SHOWS = 1e-3
-"""Share of the rigid mass that a mode must carry along a driven axis to be listed."""
+SHOWS = 0.02
+"""Share of the rigid body's load by which a mode must swell the load along a driven axis, were it held at resonance, to be listed."""
+
+LEAST_DAMPING = 1e-4
+"""Of a mode, when that is judged."""
 
 NEAR = 0.02
 """How far on each side of a resonance, relative, its largest amplification is looked for; further for strong damping."""
@@ -96,7 +99,8 @@ def passed(found: Amplitudes | None, run: Run, modes: RigModes) -> tuple[Passed,
         return ()
     driven = list(run.axes)
     share = modes.participation[driven] ** 2 / np.diag(modes.rigid_mass)[driven, None]
-    inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop) & (share.max(axis=0) > SHOWS)
+    held = share.max(axis=0) / (2 * np.maximum(modes.damping_ratio, LEAST_DAMPING))
+    inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop) & (held > SHOWS)
     return tuple(
         _passed(found, run.sweep, modes, int(r), run.axes[int(np.argmax(share[:, r]))]) for r in np.flatnonzero(inside)
     )
