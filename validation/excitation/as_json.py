@@ -73,6 +73,7 @@ def _run(one: Outcome, files: Sequence[Path]) -> dict[str, Any]:
             "sufficient": one.ring_down.sufficient,
         },
         "cells": [_cell(number, cell) for number, cell in enumerate(one.cells, start=1)],
+        "step_s": one.step,
         "settings": dict(one.settings),
         "warnings": list(one.warnings),
         "files": [str(path) for path in files],

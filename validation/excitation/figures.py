@@ -11,7 +11,6 @@ from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Cell
 from fem.base_excitation.small_motion import SmallMotion
 from geometry.arrays import Array
-from geometry.dynamic_mass import MOTIONS
 from validation.excitation.drives import Run
 from validation.excitation.passage import Passed
 
@@ -89,6 +88,7 @@ class Outcome:
     passed : resonances
     ring_down : what the record holds of it
     cells : extremes of every load cell
+    step : [s] of the simulation
     settings : how it was found
     warnings : sentences
     """
@@ -104,6 +104,7 @@ class Outcome:
     passed: tuple[Passed, ...]
     ring_down: RingDown
     cells: tuple[CellLoad, ...]
+    step: float
     settings: Mapping[str, object]
     warnings: tuple[str, ...]
 
@@ -120,10 +121,14 @@ def outcome(
     small: SmallMotion,
     passed: tuple[Passed, ...],
     needed: float,
+    step: float,
     cells: tuple[Cell, ...],
     warnings: tuple[str, ...],
 ) -> Outcome:
-    """The figures of `run`, whose table was driven for `driven` [s] and whose ringing takes `needed` [s] more."""
+    """The figures of `run`, whose table was driven for `driven` [s] and whose ringing takes `needed` [s] more.
+
+    `step` [s] is that of the simulation, where `response` says nothing else.
+    """
     size = np.abs(response.load)
     duration = (len(size) - 1) / response.sampling_rate
     return Outcome(
@@ -138,8 +143,9 @@ def outcome(
         passed=passed,
         ring_down=RingDown(kept=max(duration - driven, 0.0), needed=needed),
         cells=tuple(_cell(response.cells[:, k], cell) for k, cell in enumerate(cells)),
+        step=own if isinstance(own := response.settings.get("step"), float) else step,
         settings=response.settings,
-        warnings=tuple(dict.fromkeys((*warnings, *response.warnings))),
+        warnings=warnings,
     )
 
 
@@ -165,7 +171,3 @@ def _cell(force: Array, cell: Cell) -> CellLoad:
         share_lifted=off,
     )
 
-
-def axis_name(axis: int) -> str:
-    """x, y, z, alpha, beta or gamma."""
-    return MOTIONS[axis]

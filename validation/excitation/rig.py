@@ -105,7 +105,21 @@ def _body(model: Flexible, places: Mapping[str, Array]) -> Body:
 
     if model.structure is None or not len(model.modes.shapes):
         return body.of_modal_data(model.article, model.modes)
-    return body.flexible(model.article, model.structure, model.modes, places=places)
+    made = body.flexible(model.article, model.structure, model.modes)
+    return replace(made, places=_moving(model, made, places)) if places else made
+
+
+def _moving(model: Flexible, body: Body, places: Mapping[str, Array]) -> dict[str, Array]:
+    """What each coordinate of `body` does to `places`, (3, 6 + n): on beams a place rides on the section that it belongs to."""
+    from validation.flexible.motion import displacement
+    from validation.flexible.places import nearest_part
+
+    article, structure = model.article_of_primitives, model.structure
+    if article is None or structure is None:
+        return {}
+    points = np.array(list(places.values()))
+    rows = displacement(structure, body.reduced.basis, article, points, nearest_part(article, points))
+    return dict(zip(places, rows, strict=True))
 
 
 def _bare(asked: Asked, attached: Attached) -> Rig:

@@ -6,10 +6,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
 from geometry.errors import BadInput
-from validation.excitation.asked import EXUDYN, LARGE, LINEAR, Question
+from validation.excitation.asked import EXUDYN, LARGE, LINEAR, LONGEST, Question
 from validation.excitation.drives import Run, cross_motion, runs
 from validation.excitation.figures import Outcome, outcome
 from validation.excitation.passage import Amplitudes, amplitudes, passed
@@ -111,9 +113,9 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
     from fem.base_excitation.small_motion import judge
 
     rate, rig = made.question.rate, made.mounted.rig
-    asked = made.question.drive.ring_down
-    needed = ring_down.needed(rig, run.motion(rate, ring_down=0.0, cross=cross))
-    motion = run.motion(simulation_rate(rate), ring_down=needed if asked is None else asked, cross=cross)
+    at_rest = run.motion(rate, ring_down=0.0, cross=cross)
+    length = ring_down.needed(rig, at_rest)
+    motion = run.motion(simulation_rate(rate), ring_down=_rest(made, length - at_rest.driven), cross=cross)
     response = decimated(_ROUTES[made.route.name](made, motion, progress, keep), rate)
     found = amplitudes(response, run, made.modes.rigid_mass)
     return Done(
@@ -127,11 +129,28 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
             driven=motion.driven,
             small=judge(motion),
             passed=passed(found, run, made.modes),
-            needed=needed,
+            needed=max(length - motion.driven, 0.0),
+            step=1 / motion.sampling_rate,
             cells=rig.cells,
-            warnings=tuple(filter(None, (ring_down.warning(rig, motion),))),
+            warnings=response.warnings or tuple(filter(None, (ring_down.judged(length, motion),))),
         ),
     )
+
+
+def _rest(made: Ready, needed: float) -> float:
+    """[s] of record after the drive.
+
+    Raises
+    ------
+    BadInput : it is to be as long as the ringing takes, which has no end or none that could be recorded.
+    """
+    asked = made.question.drive.ring_down
+    if asked is not None:
+        return asked
+    if needed <= LONGEST:
+        return max(needed, 0.0)
+    takes = f"the ringing takes {needed:.4g} s" if np.isfinite(needed) else "a driven mode has no damping and never stops ringing"
+    raise BadInput(source="--ring-down", problem=takes, remedy='Give a time, such as --ring-down "20 s", or more damping')
 
 
 def _linear(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> Response:

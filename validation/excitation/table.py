@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from geometry.dynamic_mass import MOTIONS
 from validation.excitation import words
 from validation.excitation.asked import LINEAR
 from validation.excitation.figures import Outcome, RingDown
@@ -101,7 +100,6 @@ def notes(made: Ready, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         *words.rig(made.mounted, made.modes),
         *_how(made, outcomes),
         *_explained(outcomes),
-        *dict.fromkeys(warning for one in outcomes for warning in one.warnings),
     )
 
 
@@ -109,9 +107,11 @@ def _how(made: Ready, outcomes: Sequence[Outcome]) -> Iterator[str]:
     question, settings = made.question, outcomes[0].settings
     by = f"{settings.get('program', 'massline')} {settings.get('version', '')}".strip()
     what = "exact recursion of its modes" if made.route.name == LINEAR else f"integration by {by}"
-    step = settings.get("step")
-    each = f", step {1e6 * step:.4g} µs" if isinstance(step, float) else ""
-    yield f"Route {made.route.name}, {made.route.why}: {what}{each}; recorded at {question.rate:g} Hz behind one anti-alias filter."
+    step = outcomes[0].step
+    yield (
+        f"Route {made.route.name}, {made.route.why}: {what}, step {1e6 * step:.4g} µs; recorded at {question.rate:g} Hz behind one "
+        "anti-alias filter."
+    )
     if question.drive.cross:
         yield f"Cross motion of the table: {100 * question.drive.cross:g} % on average, seed {question.drive.seed}."
 
@@ -135,7 +135,3 @@ def _lifted(share: float) -> str:
 def _significant(value: float) -> str:
     return f"{value:.1f}" if value >= 100 else f"{value:.3f}"
 
-
-def run_names(outcomes: Sequence[Outcome]) -> str:
-    """Names of the axes that were driven."""
-    return ", ".join(MOTIONS[level.axis] for one in outcomes for level in one.levels)
