@@ -26,7 +26,7 @@ from validation.commands import options
 @click.option("--ring-down", default="auto", show_default=True, metavar="TIME", help='Record after the drive: auto, or "5 s".')
 @click.option("--route", metavar="ROUTE", help="linear, exudyn or large (a base that really turns).  [default: what the rig needs]")
 @click.option("--rate", type=float, default=1024.0, show_default=True, metavar="HZ", help="Sampling rate of the result.")
-@click.option("--modes", "count", type=int, default=30, show_default=True, metavar="N", help="How many modes to keep.")
+@click.option("--modes", "count", type=int, metavar="N", help="How many modes to keep.  [default: 30, of those that the step follows]")
 @click.option("--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.')
 @click.option("--flange", multiple=True, metavar="KEY=VALUE", help="Compliance: lateral, vertical, rotation, torsion=1e-6.")
 @click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=5 N, or x=5,mass:2.")
@@ -52,15 +52,17 @@ def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
     from validation.excitation.attached import attached
 
     require_route(given["route"])
+    count = given["count"]
     driven = ("axes", "every", "pattern", "band", "octaves_per_minute", "duration", "level", "cross", "seed", "ring_down")
     fastened = ("cells", "preload", "flange", "friction", "cable", "damper")
-    made = ("count", "damping_ratio", "size", "joints", "settings", "unit", "material")
+    made = ("damping_ratio", "size", "joints", "settings", "unit", "material")
     return Question(
         article=article,
         model=model,
-        asked=options.flexible_asked(counted="--modes", cells=False, **{name: given[name] for name in made}),
+        asked=options.flexible_asked(count=30 if count is None else count, counted="--modes", cells=False, **{name: given[name] for name in made}),
         attached=attached(**{name: given[name] for name in fastened}),
         drive=drive(**{name: given[name] for name in driven}),
         route=given["route"],
         rate=given["rate"],
+        every_mode=count is not None,
     )

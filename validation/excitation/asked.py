@@ -66,6 +66,7 @@ class Question:
     drive : how the table is driven
     route : one of `ROUTES`; None for the one that fits
     rate : [Hz] of the output
+    every_mode : whether the number of modes was asked for, and none of them may be left to answer statically
     """
 
     article: str
@@ -75,6 +76,7 @@ class Question:
     drive: Drive
     route: str | None
     rate: float
+    every_mode: bool = False
 
 
 def drive(

@@ -72,8 +72,12 @@ def places(article: str, model: str, asked: Asked) -> Mapping[str, Array]:
     return locations(own, changes_of(own, asked.changes))
 
 
-def mounted(article: str, model: str, asked: Asked, attached: Attached) -> Mounted:
+def mounted(article: str, model: str, asked: Asked, attached: Attached, highest: float = np.inf) -> Mounted:
     """The rig of `article`; `require_mountable` has looked at it.
+
+    Parameters
+    ----------
+    highest : [Hz] modes above it are not kept but answer statically
 
     Raises
     ------
@@ -83,8 +87,8 @@ def mounted(article: str, model: str, asked: Asked, attached: Attached) -> Mount
         return Mounted(article=article, rig=_bare(asked, attached), model=None)
     above = _above(article)
     own = replace(asked, cells=False, changes=changes_of(above, asked.changes) if is_stack(article) else asked.changes)
-    made = flexible(above, model, own)
-    body = _body(made, places(article, made.model, asked))
+    made = _followed(flexible(above, model, own), model, own, highest)
+    body = _body(made, places(article, made.model, asked), highest)
     common = {"flange": attached.flange, "struts": attached.struts, "frictions": attached.frictions}
     if above == article:
         return Mounted(article=article, rig=Rig(article=body, **common), model=made)  # type: ignore[arg-type]
@@ -100,9 +104,20 @@ def _above(article: str) -> str:
     return rest if plus and first == FMD and is_stack(article) else article
 
 
-def _body(model: Flexible, places: Mapping[str, Array]) -> Body:
+def _followed(made: Flexible, model: str, asked: Asked, highest: float) -> Flexible:
+    """`made` without its modes above `highest` [Hz], but for the first."""
+    count = int(np.sum(made.modes.frequency <= highest))
+    if count == len(made.modes.frequency) or made.structure is None:
+        return made
+    return flexible(made.article, model, replace(asked, count=max(count, 1)))
+
+
+def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> Body:
+    """`model` reduced; rigid when even its first mode lies above `highest` [Hz]."""
     from fem.base_excitation import body
 
+    if not len(model.modes.frequency) or model.modes.frequency[0] > highest:
+        return body.rigid(model.article, Inertia.from_mass_matrix(model.modes.rigid_mass, model.modes.reference_point), places)
     if model.structure is None or not len(model.modes.shapes):
         return body.of_modal_data(model.article, model.modes)
     made = body.flexible(model.article, model.structure, model.modes)

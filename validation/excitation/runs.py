@@ -89,7 +89,7 @@ def ready(question: Question, *, quiet: bool = False) -> Ready:
     for run in to_make:
         require_recorded(run.pattern.highest, question.rate, "--rate")
     with shown(f"model of {question.article}", quiet=quiet):
-        made = mounted(question.article, model, question.asked, question.attached)
+        made = mounted(question.article, model, question.asked, question.attached, _highest(question))
         return Ready(question=question, mounted=made, modes=rig_modes(made.rig), route=route, runs=to_make)
 
 
@@ -105,6 +105,14 @@ def done(made: Ready, *, keep_coordinates: bool = False, quiet: bool = False) ->
         words = f"{run.name}, {made.route.name} ({number} of {len(made.runs)})"
         with percent(words, quiet=quiet) as progress:
             yield _done(made, run, cross, progress, keep_coordinates)
+
+
+def _highest(question: Question) -> float:
+    """[Hz] of the modes that the step can follow, unless it was said how many are to be kept."""
+    from fem.base_excitation.decimation import simulation_rate
+    from fem.base_excitation.linear import COARSEST
+
+    return np.inf if question.every_mode else simulation_rate(question.rate) / COARSEST
 
 
 def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
@@ -167,9 +175,14 @@ def _exudyn(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> 
 
 def _large(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> Response:
     from fem.flexible_body import large_motion
+    from geometry.articles import changes_of
+    from geometry.articles.locations import locations
 
     question = made.question
-    return large_motion.respond(question.article, motion, changes=question.asked.changes, progress=progress)
+    changes = changes_of(question.article, question.asked.changes)
+    return large_motion.respond(
+        question.article, motion, changes=changes, places=locations(question.article, changes), progress=progress
+    )
 
 
 _ROUTES: dict[str, Callable[[Ready, BaseMotion, Progress, bool], Response]] = {
@@ -201,6 +214,9 @@ def _require_plain(question: Question) -> None:
 
     remedy = "Leave it out, or take --route exudyn"
     for option in question.attached.options:
+        raise BadInput(source="--route", problem=f"large drives exudyn's own beams, without {option}", remedy=remedy)
+    if question.asked.damping is not None or question.asked.joints:
+        option = "--joints" if question.asked.joints else "--damping"
         raise BadInput(source="--route", problem=f"large drives exudyn's own beams, without {option}", remedy=remedy)
     if question.model not in (None, EXUDYN):
         problem = f"large drives exudyn's own beams, not the {question.model} model"
