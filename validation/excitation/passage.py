@@ -26,11 +26,15 @@ SHOWS = 0.02
 LEAST_DAMPING = 1e-4
 """Of a mode, when that is judged."""
 
-NEAR = 0.02
-"""How far on each side of a resonance, relative, its largest amplification is looked for; further for strong damping."""
+BEFORE = 2.0
+"""Half-widths zeta of a resonance below it from which its largest amplification is looked for."""
 
-HALF_WIDTHS = 4.0
-"""... so many half-widths zeta of the resonance at the least."""
+AFTER = 3.0
+"""The load is largest some 2 / sqrt(alpha) after its resonance is passed, alpha = d(omega)/dt (Lewis, Trans. ASME 54, 1932); it is
+looked for this many times 1 / sqrt(alpha)."""
+
+CUT = 0.25
+"""The search ends where the next resonance is passed, unless that follows within this share of it: close neighbours swell together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +92,7 @@ def amplitudes(response: Response, run: Run, rigid_mass: Array) -> Amplitudes | 
     if run.sweep is None:
         return None
     band = response.time <= run.sweep.driven
-    base, load, rigid = (_amplitude(x)[band] for x in (response.table, response.load, rigid_load(response, rigid_mass)))
+    base, load, rigid = (amplitude(x)[band] for x in (response.table, response.load, rigid_load(response, rigid_mass)))
     time = response.time[band]
     return Amplitudes(time=time, frequency=run.sweep.frequency_at(time), base=base, load=load, rigid=rigid)
 
@@ -101,14 +105,23 @@ def passed(found: Amplitudes | None, run: Run, modes: RigModes) -> tuple[Passed,
     share = modes.participation[driven] ** 2 / np.diag(modes.rigid_mass)[driven, None]
     held = share.max(axis=0) / (2 * np.maximum(modes.damping_ratio, LEAST_DAMPING))
     inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop) & (held > SHOWS)
-    return tuple(
-        _passed(found, run.sweep, modes, int(r), run.axes[int(np.argmax(share[:, r]))]) for r in np.flatnonzero(inside)
-    )
+    listed = np.flatnonzero(inside)
+    ends = _search_ends(run.sweep, modes.frequency[listed])
+    axes = [run.axes[int(np.argmax(share[:, r]))] for r in listed]
+    return tuple(_passed(found, run.sweep, modes, *one) for one in zip(listed.tolist(), axes, ends.tolist(), strict=True))
 
 
-def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int) -> Passed:
+def _search_ends(sweep: Sweep, frequency: Array) -> Array:
+    """Until when [s] the largest load of each resonance of `frequency` (k,) [Hz], ascending, is looked for."""
+    at = sweep.time_at(frequency)
+    patience = AFTER / np.sqrt(2 * np.pi * frequency * sweep.rate * np.log(2) / 60)
+    following = np.append(at[1:], np.inf)[: len(at)]
+    return np.asarray(np.where(following - at > CUT * patience, np.minimum(at + patience, following), at + patience))
+
+
+def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int, end: float) -> Passed:
     f, zeta = float(modes.frequency[r]), float(modes.damping_ratio[r])
-    near = np.flatnonzero(np.abs(found.frequency / f - 1) <= max(NEAR, HALF_WIDTHS * zeta))
+    near = np.flatnonzero((found.frequency >= f * (1 - BEFORE * zeta)) & (found.time <= end))
     ratio = found.load[near, axis] / np.maximum(found.rigid[near, axis], np.finfo(np.float64).tiny)
     best = int(np.argmax(ratio))
     return Passed(
@@ -123,7 +136,8 @@ def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int)
     )
 
 
-def _amplitude(signals: Array) -> Array:
+def amplitude(signals: Array) -> Array:
+    """Amplitude of the analytic signal of each of `signals` (n, ...), of the same shape and unit."""
     from scipy.fft import next_fast_len
     from scipy.signal import hilbert
 

@@ -81,7 +81,9 @@ def _kept(mounted: Mounted, modes: RigModes) -> Iterator[str]:
         return
     kept = mounted.rig.article.kept
     if not len(kept):
-        yield f"{mounted.model.model} model without a mode: rigid."
+        first = mounted.model.modes.frequency[:1]
+        why = f": its first mode lies at {first[0]:.4g} Hz, beyond what the step follows" if len(first) else ""
+        yield f"{mounted.model.model} model, taken as rigid{why}."
         return
     lowest = float(np.min(modes.frequency))
     yield (
