@@ -15,10 +15,20 @@ from validation.excitation.passage import amplitude, rigid_load
 from validation.excitation.runs import Done, Ready
 from validation.excitation.signals import LOAD_UNITS, LOADS
 from validation.excitation.table import UNITS
-from validation.pictures.excitation import Row, Sheet, Signal, draw_sheet
+from validation.pictures.curves import unit
+from validation.pictures.excitation import Row, Sheet, Signal, Spectra, draw_sheet
 
 POINTS = 3000
 """Of a curve over frequency."""
+
+LINES = 1401
+"""Of the load over the acceleration: 0.02 Hz in the paper's band."""
+
+BLOCK = (0.4, 2.0)
+"""[s] shortest and longest block of a spectrogram."""
+
+ABOVE = 1.25
+"""Of the band's upper end: so far a spectrogram reaches."""
 
 BLOCKS = 8
 """A spectrum of noise is averaged over about so many blocks, half of each shared with the next."""
@@ -59,6 +69,7 @@ def sheet(made: Ready, one: Done) -> Sheet:
         frequency=view.frequency,
         along=view.along,
         rows=tuple(_rows(made, one, view)),
+        spectra=_spectra(made, one),
         marks=tuple((p.time, p.frequency) for p in one.outcome.passed),
         driven=one.motion.driven,
     )
@@ -73,6 +84,7 @@ def _rows(made: Ready, one: Done, view: View) -> Iterator[Row]:
         unit=UNITS[driven],
         unit_of_amplitude=UNITS[driven] + view.per,
         signals=(_signal(MOTIONS[driven], one.response.table[:, driven], view),),
+        logarithmic=False,
     )
     other = [k for k in range(6) if (k < 3) != (driven < 3)]
     second = other[int(np.argmax(one.outcome.peak_load[other]))]
@@ -104,6 +116,34 @@ def _cells(one: Done, view: View) -> Row:
         unit_of_amplitude="N" + view.per,
         signals=tuple(_signal(f"cell {k + 1}", forces[:, k], view) for k in range(forces.shape[1])),
         limit=(f"lifts off at -{min(loads):g} N", -min(loads)) if loads else None,
+    )
+
+
+def _spectra(made: Ready, one: Done) -> Spectra:
+    """The load along the driven axis in time and frequency, and over the acceleration, by the Fourier integral of the record."""
+    from scipy.signal import spectrogram
+
+    from identification.spectra import full_record
+
+    driven, response, (low, high) = one.run.axes[0], one.response, made.question.drive.band
+    n = len(response.load)
+    length = int(min(np.clip(n / response.sampling_rate / BLOCKS**2, *BLOCK) * response.sampling_rate, n))
+    f, t, power = spectrogram(
+        response.load[:, driven], response.sampling_rate, window="hann", nperseg=length, noverlap=7 * length // 8
+    )
+    shown = f <= ABOVE * high
+    power = power[shown]
+    lines = np.linspace(low, high, LINES)
+    load, motion = (np.abs(full_record(x[:, driven], response.sampling_rate, lines)) for x in (response.load, response.table))
+    return Spectra(
+        load=LOADS[driven],
+        time=t,
+        frequency=f[shown],
+        decibel=10 * np.log10(np.maximum(power / power.max(), 1e-30)),
+        lines=lines,
+        quotient=load / motion,
+        rigid=float(made.modes.rigid_mass[driven, driven]),
+        unit=unit(driven, driven),
     )
 
 

@@ -1,7 +1,9 @@
 """A driven run drawn: what table, loads and cells do over time, and beside it their amplitudes over frequency.
 
 Rows share their time and their frequency axis. What the rigid body would do is drawn into every load, and the resonances that
-were passed are marked in both columns, so that one sees which mode swells which load, when, and how far it rings on.
+were passed are marked in both columns, so that one sees which mode swells which load, when, and how far it rings on. The last row
+tells the two apart: in a spectrogram the drive is a line that rises and what rings stays level, and the load of the whole record
+over the acceleration is the dynamic mass that the run has to show.
 """
 
 from __future__ import annotations
@@ -18,12 +20,16 @@ from validation.pictures.curves import CURVES, Axes, finish, grid_lines, new_fig
 from validation.pictures.files import require_format
 from validation.pictures.palette import FAINT, INK
 
-COLUMNS = 1400
-"""Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value."""
+COLUMNS, FEWER = 1400, 300
+"""Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one alone, several together."""
 
 LINES = (*CURVES, "#8e6fc0")
 """Of the signals in one panel, first to fourth."""
 
+WIDTHS = (3.6, 2.6, 1.7, 0.9)
+"""Of these: where they coincide, all of them are seen."""
+
+LIMIT = "#c8283c"
 REFERENCE = (0, (5, 3))
 ROOM = 0.045
 """Of the width of a panel, between two figures above it."""
@@ -31,8 +37,11 @@ ROOM = 0.045
 HEIGHT = 2.75
 """Inches of one row."""
 
-DECADES = 5
+DECADES = 4
 """Most decades of an amplitude that are shown."""
+
+DEEP = 60.0
+"""Decibels from the darkest to the white of a spectrogram."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,6 +72,7 @@ class Row:
     signals : one, or several that are told apart by their colours
     rigid : amplitude of the rigid body's answer over time (n,) and frequency (m,); None where there is none, or over time none
     limit : a value with its name, drawn as a line over time; None without one
+    logarithmic : whether amplitudes are; from zero otherwise
     """
 
     title: str
@@ -71,6 +81,32 @@ class Row:
     signals: tuple[Signal, ...]
     rigid: tuple[Array | None, Array] | None = None
     limit: tuple[str, float] | None = None
+    logarithmic: bool = True
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Spectra:
+    """The last row: one load in time and frequency, and over the acceleration of the table.
+
+    Attributes
+    ----------
+    load : its name
+    time, frequency : (t,) [s], (f,) [Hz] of the spectrogram
+    decibel : (f, t) of its amplitude, 0 the largest
+    lines : (m,) [Hz]
+    quotient : (m,) amplitude of the load over that of the acceleration, of the whole record
+    rigid : the same of the rigid body
+    unit : of these
+    """
+
+    load: str
+    time: Array
+    frequency: Array
+    decibel: Array
+    lines: Array
+    quotient: Array
+    rigid: float
+    unit: str
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,7 +119,6 @@ class Sheet:
     time : (n,) [s]
     frequency : (m,) [Hz]
     along : what the frequency axis is
-    logarithmic : whether amplitudes over frequency are
     marks : time [s] (NaN where there is no one moment) and frequency [Hz] of every resonance
     driven : [s] end of the drive
     """
@@ -94,6 +129,7 @@ class Sheet:
     frequency: Array
     along: str
     rows: tuple[Row, ...]
+    spectra: Spectra
     marks: tuple[tuple[float, float], ...]
     driven: float
 
@@ -106,65 +142,87 @@ def draw_sheet(sheet: Sheet, path: Path) -> None:
     BadInput : the ending of `path` is unknown.
     """
     require_format(path)
-    height = 1.65 + HEIGHT * len(sheet.rows)
+    count = len(sheet.rows) + 1
+    height = 1.65 + HEIGHT * count
     figure = new_figure(15.0, height)
-    grid = figure.add_gridspec(
-        len(sheet.rows), 2, hspace=0.3, wspace=0.13, left=0.058, right=0.985, top=1 - 1.0 / height, bottom=0.95 / height
-    )
-    first: list[Axes] = [None, None]
-    for k, row in enumerate(sheet.rows):
-        axes = [figure.add_subplot(grid[k, column], sharex=first[column]) for column in (0, 1)]
-        first = first if k else axes
-        _over_time(axes[0], sheet, row)
-        _over_frequency(axes[1], sheet, row)
-        for column, one in enumerate(axes):
-            marks = [mark[column] for mark in sheet.marks]
-            _dress(one, marks, [mark[1] for mark in sheet.marks], last=k == len(sheet.rows) - 1, figures=k == 0)
-            one.set_title(row.title if column == 0 else "", fontsize=11, loc="left", color=INK, pad=16 if k == 0 else 6)
-    axes[0].set_xlabel("time [s]", fontsize=9.5)
-    axes[1].set_xlabel(sheet.along, fontsize=9.5)
+    room = {"left": 0.058, "right": 0.985, "top": 1 - 1.0 / height, "bottom": 0.95 / height}
+    grid = figure.add_gridspec(count, 2, hspace=0.3, wspace=0.13, **room)
+    panels: list[list[Axes]] = []
+    for k in range(count):
+        panels.append([figure.add_subplot(grid[k, c], sharex=panels[0][c] if panels else None) for c in (0, 1)])
+    for row, (left, right) in zip(sheet.rows, panels, strict=False):
+        _over_time(left, sheet, row)
+        _over_frequency(right, sheet, row)
+        left.set_title(row.title, fontsize=11, loc="left", color=INK, pad=16 if left is panels[0][0] else 6)
+    _last_row(*panels[-1], sheet)
+    for k, pair in enumerate(panels):
+        for column, axes in enumerate(pair):
+            _dress(axes, [(mark[column], mark[1]) for mark in sheet.marks], last=k == count - 1, figures=k == 0)
     finish(figure, sheet.title, sheet.note, path)
 
 
 def _over_time(axes: Axes, sheet: Sheet, row: Row) -> None:
-    middle, low, high = _pieces(sheet.time, [signal.values for signal in row.signals])
     alone = len(row.signals) == 1
-    for signal, colour, lowest, highest in zip(row.signals, LINES, low, high, strict=False):
+    middle, low, high = _pieces(sheet.time, [signal.values for signal in row.signals], COLUMNS if alone else FEWER)
+    for colour, width, lowest, highest in zip(LINES, WIDTHS, low, high, strict=False):
         if alone:
             axes.fill_between(middle, lowest, highest, color=colour, linewidth=0.4, alpha=0.9)
         else:
-            axes.plot(middle, highest, color=colour, linewidth=1.0, label=signal.name)
-            axes.plot(middle, lowest, color=colour, linewidth=1.0)
+            axes.plot(middle, highest, color=colour, linewidth=width)
+            axes.plot(middle, lowest, color=colour, linewidth=width)
     if row.rigid is not None and row.rigid[0] is not None:
-        at, _, rigid = _pieces(sheet.time, [row.rigid[0]])
+        at, _, rigid = _pieces(sheet.time, [row.rigid[0]], COLUMNS)
         for sign in (-1, 1):
             axes.plot(at, sign * rigid[0], color=INK, linewidth=1.1, linestyle=REFERENCE)
     if row.limit is not None:
-        axes.axhline(row.limit[1], color="#c8283c", linewidth=1.2)
-        axes.text(0.995, row.limit[1], row.limit[0], transform=axes.get_yaxis_transform(), ha="right", va="bottom", fontsize=8.5, color="#c8283c")
+        axes.axhline(row.limit[1], color=LIMIT, linewidth=1.2)
+        beside: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom", "color": LIMIT}
+        axes.text(0.995, row.limit[1], row.limit[0], fontsize=8.5, **beside)
     axes.axvline(sheet.driven, color=FAINT, linewidth=0.8, linestyle=(0, (1, 2)))
     axes.set_xlim(sheet.time[0], sheet.time[-1])
     axes.set_ylabel(f"[{row.unit}]", fontsize=9.5)
 
 
 def _over_frequency(axes: Axes, sheet: Sheet, row: Row) -> None:
-    for signal, colour in zip(row.signals, LINES, strict=False):
-        axes.semilogy(sheet.frequency, signal.amplitude, color=colour, linewidth=1.4, label=signal.name)
+    alone = len(row.signals) == 1
+    for signal, colour, width in zip(row.signals, LINES, WIDTHS, strict=False):
+        axes.plot(sheet.frequency, signal.amplitude, color=colour, linewidth=1.4 if alone else width, label=signal.name)
     if row.rigid is not None:
-        axes.semilogy(sheet.frequency, row.rigid[1], color=INK, linewidth=1.1, linestyle=REFERENCE, label="rigid body, M a")
+        axes.plot(sheet.frequency, row.rigid[1], color=INK, linewidth=1.1, linestyle=REFERENCE, label="rigid body, M a")
     axes.set_xlim(sheet.frequency[0], sheet.frequency[-1])
-    _few_decades(axes, np.concatenate([signal.amplitude for signal in row.signals]))
+    if row.logarithmic:
+        _few_decades(axes, np.concatenate([signal.amplitude for signal in row.signals]))
+    else:
+        axes.set_ylim(0, 1.25 * max(float(signal.amplitude.max()) for signal in row.signals))
     axes.set_ylabel(f"[{row.unit_of_amplitude}]", fontsize=9.5)
-    if len(row.signals) > 1 or row.rigid is not None:
+    if not alone or row.rigid is not None:
         axes.legend(fontsize=8.5, loc="best", framealpha=0.85, ncols=2 if len(row.signals) > 2 else 1)
+
+
+def _last_row(left: Axes, right: Axes, sheet: Sheet) -> None:
+    found = sheet.spectra
+    left.pcolormesh(
+        found.time, found.frequency, found.decibel, cmap="YlGnBu", vmin=-DEEP, vmax=0, shading="nearest", rasterized=True
+    )
+    left.set_title(f"{found.load} in time and frequency, {DEEP:g} dB from white to dark", fontsize=11, loc="left", color=INK)
+    left.set_ylabel("[Hz]", fontsize=9.5)
+    left.set_xlabel("time [s]", fontsize=9.5)
+    right.plot(found.lines, found.quotient, color=LINES[0], linewidth=1.4, label=f"{found.load}, whole record")
+    right.axhline(found.rigid, color=INK, linewidth=1.1, linestyle=REFERENCE, label="rigid body")
+    _few_decades(right, found.quotient)
+    right.set_title(f"{found.load} over the acceleration of the table", fontsize=11, loc="left", color=INK)
+    right.set_ylabel(f"[{found.unit}]", fontsize=9.5)
+    right.set_xlabel(sheet.along, fontsize=9.5)
+    right.legend(fontsize=8.5, loc="best", framealpha=0.85)
 
 
 def _few_decades(axes: Axes, amplitude: Array) -> None:
     """At least one decade, so that what is flat looks flat, and at most `DECADES`."""
-    low, high = axes.get_ylim()
     top = float(amplitude.max())
     if top <= 0:
         return
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
     low = max(low, top * 10.0**-DECADES)
     if high < 10 * low:
         middle = np.sqrt(low * high)
@@ -172,26 +230,24 @@ def _few_decades(axes: Axes, amplitude: Array) -> None:
     axes.set_ylim(low, high)
 
 
-def _pieces(time: Array, signals: Sequence[Array]) -> tuple[Array, Array, Array]:
-    """Middles (k,) of at most `COLUMNS` pieces of the time axis, lowest and highest value of every signal in each, (s, k)."""
-    count = min(COLUMNS, len(time))
+def _pieces(time: Array, signals: Sequence[Array], most: int) -> tuple[Array, Array, Array]:
+    """Middles (k,) of at most `most` pieces of the time axis, lowest and highest value of every signal in each, (s, k)."""
+    count = min(most, len(time))
     edges = np.unique(np.linspace(0, len(time), count + 1).astype(int))
     stacked = np.array(signals)
     low, high = (kind.reduceat(stacked, edges[:-1], axis=1) for kind in (np.minimum, np.maximum))
     return time[(edges[:-1] + edges[1:] - 1) // 2], low, high
 
 
-def _dress(axes: Axes, marks: Sequence[float], labels: Sequence[float], *, last: bool, figures: bool) -> None:
+def _dress(axes: Axes, marks: Sequence[tuple[float, float]], *, last: bool, figures: bool) -> None:
+    """Grid, and a line at every mark, (place, frequency [Hz]); its frequency stands above the panel where there is room."""
     grid_lines(axes)
     axes.tick_params(labelbottom=last)
     low, high = axes.get_xlim()
+    text: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center", "fontsize": 8, "color": FAINT}
     previous = -np.inf
-    for at, frequency in sorted(zip(marks, labels, strict=True)):
-        if not low <= at <= high:
-            continue
+    for at, frequency in sorted(mark for mark in marks if low <= mark[0] <= high):
         axes.axvline(at, color=FAINT, linewidth=0.8, alpha=0.55, zorder=0.5)
         if figures and at - previous > ROOM * (high - low):
-            text: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center", "fontsize": 8, "color": FAINT}
             axes.text(at, 1.02, f"{frequency:.1f}", **text)
             previous = at
-
