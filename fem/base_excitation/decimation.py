@@ -154,14 +154,15 @@ def _filtered(channels: Array, factor: int) -> Array:
 
 def _factor(simulated: float, rate: float) -> int:
     _require_rate(rate, "rate")
-    factor = round(simulated / rate)
-    if factor < 1 or abs(simulated / rate - factor) > 1e-9 * factor:
-        below, above = (simulated / n for n in (int(simulated / rate) + 1, max(1, int(simulated / rate))))
+    factor = max(1, round(simulated / rate))
+    if abs(simulated / rate - factor) > 1e-9 * factor:
+        less, more = simulated / (int(simulated / rate) + 1), simulated / max(1, int(simulated / rate))
+        below = f"Record at {less:g} or {more:g} Hz" if rate < simulated else f"Record at {simulated:g} Hz or less"
         raise BadInput(
             source="decimation",
             field="rate",
             problem=f"the simulation's {simulated:g} Hz must be a whole multiple of it, found {rate:g} Hz",
-            remedy=f"Record at {below:g} or {above:g} Hz, or simulate at {simulation_rate(rate, simulated):g} Hz",
+            remedy=f"{below}, or simulate at {simulation_rate(rate, simulated):g} Hz",
         )
     return factor
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.recursion import States, states
+from fem.base_excitation.recursion import Progress, States, answer, states, straightened
 from fem.base_excitation.rig_structure import TABLE, RigStructure
 from geometry.arrays import Array
 
@@ -32,8 +32,16 @@ class Outputs:
     of_inputs: Array
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Run:
+    """Channels over time, `samples` (N, o), and the `state` (2 n,) of the system when the drive has ended."""
+
+    samples: Array
+    state: Array
+
+
 def driven(structure: RigStructure) -> States:
-    """States of what moves on the table, driven by `inputs`.
+    """States of what moves on the table, driven by accelerations (and more) of the table.
 
     Raises
     ------
@@ -45,7 +53,24 @@ def driven(structure: RigStructure) -> States:
     return states(M[y, y], C[y, y], K[y, y], -np.hstack(loads))
 
 
-def inputs(structure: RigStructure, motion: BaseMotion) -> Array:
+def run(structure: RigStructure, system: States, channels: Channels, motion: BaseMotion, progress: Progress | None = None) -> Run:
+    """What `channels` show of `system`, at rest at the first sample, while the table makes `motion`."""
+    wanted, samples, last = seen(channels, system), _inputs(structure, motion), drive_end(motion)
+    found, state = np.empty((len(samples), len(wanted.of_states))), np.zeros(len(system.A))
+    straight = straightened(samples) if len(system.A) else samples
+    for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
+        found[block.samples] = block.outputs + samples[block.samples] @ wanted.of_inputs.T
+        if block.samples.stop == last + 1:
+            state = block.state
+    return Run(samples=found, state=state)
+
+
+def drive_end(motion: BaseMotion) -> int:
+    """The sample at which the drive has ended, or the last one of the record."""
+    return min(int(np.ceil(motion.driven * motion.sampling_rate - 1e-6)), len(motion.acceleration) - 1)
+
+
+def _inputs(structure: RigStructure, motion: BaseMotion) -> Array:
     """(N, p) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements."""
     if not structure.grounded:
         return motion.acceleration

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.base_excitation import recursion, ring_down
+from fem.base_excitation import ring_down
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.driven_states import accelerations, cell_forces, driven, inputs, load, relative, seen, stacked
+from fem.base_excitation.driven_states import Channels, accelerations, cell_forces, driven, load, relative, run, stacked
 from fem.base_excitation.recursion import Progress, States
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Body, Rig
 from fem.base_excitation.rig_structure import TABLE, RigStructure, matrices
-from geometry.arrays import Array
 from geometry.errors import BadInput
 
 COARSEST = 8
@@ -41,11 +40,11 @@ def respond(rig: Rig, motion: BaseMotion, *, keep_coordinates: bool = False, pro
     require_fine(rig.article, motion.sampling_rate)
     structure = matrices(rig)
     system = driven(structure)
-    found, length = _answered(structure, system, motion, keep_coordinates, progress)
-    n, cells, names = len(found), len(structure.cells), list(structure.places)
+    done = run(structure, system, _channels(structure, keep_coordinates), motion, progress)
+    n, cells, names = len(done.samples), len(structure.cells), list(structure.places)
     widths = [TABLE, TABLE, 3 * cells, 3 * len(names)]
-    loads, cover, forces, places, coordinates = np.split(found, np.cumsum(widths), axis=1)
-    warning = ring_down.judged(length, motion)
+    loads, cover, forces, places, coordinates = np.split(done.samples, np.cumsum(widths), axis=1)
+    warning = ring_down.judged(motion.driven + ring_down.lasting(system, load(structure), done), motion)
     return Response(
         sampling_rate=motion.sampling_rate,
         table=motion.acceleration,
@@ -78,22 +77,11 @@ def require_fine(article: Body, sampling_rate: float) -> None:
         )
 
 
-def _answered(
-    structure: RigStructure, system: States, motion: BaseMotion, keep_coordinates: bool, progress: Progress | None
-) -> tuple[Array, float]:
-    """(N, o) load, cover plate, cells, places and coordinates in this order, and the length [s] that the record needs."""
+def _channels(structure: RigStructure, keep_coordinates: bool) -> Channels:
+    """Load, cover plate, cells, places and coordinates in this order."""
     places = [accelerations(rows) for rows in structure.places.values()]
     parts = [load(structure), accelerations(structure.cover), cell_forces(structure), *places]
-    wanted = seen(stacked([*parts, relative(structure)] if keep_coordinates else parts), system)
-    samples, last = inputs(structure, motion), ring_down.drive_end(motion)
-    found, state = np.empty((len(samples), len(wanted.of_states))), np.zeros(len(system.A))
-    blocks = recursion.answer(system, wanted.of_states, samples, motion.sampling_rate, stop=last, progress=progress)
-    for block in blocks:
-        found[block.samples] = block.outputs + samples[block.samples] @ wanted.of_inputs.T
-        if block.samples.stop == last + 1:
-            state = block.state
-    peak = ring_down.greatest(found[:, :TABLE])
-    return found, motion.driven + ring_down.lasting(system, wanted.of_states[:TABLE], state, peak)
+    return stacked([*parts, relative(structure)] if keep_coordinates else parts)
 
 
 def _settings(article: Body, system: States, motion: BaseMotion) -> dict[str, object]:

@@ -10,8 +10,12 @@ pairs, damping beside the diagonal. Each first-order equation w' = lambda w + b 
     phi1(s) = (exp(s) - 1) / s,   phi2(s) = (exp(s) - 1 - s) / s²
 
 (Hochbruck & Ostermann, Acta Numerica 19, 2010). Where eigenvectors coincide (critical damping) the matrix exponential steps all
-states together: as exact, and slower. Sampled motion that is band-limited is not piecewise linear; at frequency f the answer
-then comes out too small by the factor sinc²(f h), that is by (omega h)²/12, and this is the only error there is.
+states together: as exact, and slower.
+
+Motion that is smooth between its samples is not piecewise linear: at frequency f the answer comes out too small by the factor
+sinc²(f h), that is by x²/12 with x = omega h; what the corners excite besides, at the sampling rate and above, counts only for
+modes up there. `straightened` lifts the samples beforehand, p - (p(t + h) - 2 p(t) + p(t - h)) / 12, which leaves x⁴/90: 2e-9
+instead of 4e-5 at 28 Hz and 8192 Hz.
 """
 
 from __future__ import annotations
@@ -173,6 +177,18 @@ def answer(
         yield Block(samples=slice(start, end), outputs=found, state=state)
         if progress is not None:
             progress(end / len(samples))
+
+
+def straightened(samples: Array) -> Array:
+    """Input (N, p) to which straight lines between samples answer as a smooth motion through `samples` (N, p) would.
+
+    Before the first sample there is none, and after the last one it goes on as it is.
+    """
+    lifted = samples * (7 / 6)
+    lifted[1:] -= samples[:-1] / 12
+    lifted[:-1] -= samples[1:] / 12
+    lifted[-1:] -= samples[-1:] / 12
+    return np.asarray(lifted)
 
 
 def _edges(count: int, stop: int | None) -> list[int]:

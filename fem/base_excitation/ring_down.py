@@ -10,16 +10,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.base_excitation import recursion
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.driven_states import driven, inputs, load, seen
+from fem.base_excitation.driven_states import Channels, Run, driven, load, run, seen
 from fem.base_excitation.recursion import States, poles
 from fem.base_excitation.rig import Rig
-from fem.base_excitation.rig_structure import matrices
+from fem.base_excitation.rig_structure import TABLE, matrices
 from geometry.arrays import Array
 
 SHARE = 1e-4
 """Share of the greatest load below which what is left of a mode does no harm."""
+
+UNDAMPED = 1e-14
+"""Decay as a share of the highest frequency that is nothing but rounding."""
 
 
 def needed(rig: Rig, motion: BaseMotion, share: float = SHARE) -> float:
@@ -33,15 +35,8 @@ def needed(rig: Rig, motion: BaseMotion, share: float = SHARE) -> float:
     CheckFailed : something on the table swings freely.
     """
     structure = matrices(_linear(rig))
-    system, samples = driven(structure), inputs(structure, motion)
-    wanted, last = seen(load(structure), system), drive_end(motion)
-    peak, state = np.zeros(2), np.zeros(len(system.A))
-    for block in recursion.answer(system, wanted.of_states, samples, motion.sampling_rate, stop=last):
-        found = block.outputs + samples[block.samples] @ wanted.of_inputs.T
-        peak = np.maximum(peak, greatest(found))
-        if block.samples.stop == last + 1:
-            state = block.state
-    return motion.driven + lasting(system, wanted.of_states, state, peak, share)
+    system, channels = driven(structure), load(structure)
+    return motion.driven + lasting(system, channels, run(structure, system, channels, motion), share)
 
 
 def warning(rig: Rig, motion: BaseMotion) -> str:
@@ -65,30 +60,30 @@ def judged(length: float, motion: BaseMotion) -> str:
     return f"{cut}, {rest}: {length:.4g} s are needed until no mode loads the table by more than {SHARE:g} of the greatest load"
 
 
-def drive_end(motion: BaseMotion) -> int:
-    """The sample at which the drive has ended, or the last one of the record."""
-    return min(int(np.ceil(motion.driven * motion.sampling_rate - 1e-6)), len(motion.acceleration) - 1)
+def lasting(system: States, channels: Channels, done: Run, share: float = SHARE) -> float:
+    """[s] after the drive until every mode's load has fallen below `share` of the greatest.
 
-
-def greatest(loads: Array) -> Array:
-    """(2,) greatest force [N] and moment [N m] among `loads` (k, 6)."""
-    return np.array([np.linalg.norm(part, axis=1).max() for part in (loads[:, :3], loads[:, 3:])])
-
-
-def lasting(system: States, wanted: Array, state: Array, peak: Array, share: float = SHARE) -> float:
-    """[s] until every mode's load, `wanted` (6, 2 n) @ z from `state` (2 n,), has fallen below `share` of `peak` (2,)."""
-    uncoupled = poles(system)
+    Parameters
+    ----------
+    channels : of the load
+    done : with the load as its first six channels
+    """
+    peak, uncoupled, wanted = _norms(done.samples[:, :TABLE].T).max(axis=1), poles(system), seen(channels, system).of_states
     if uncoupled is None:  # modes that cannot be told apart: all together, with the slowest decay
-        pole = np.array([np.linalg.eigvals(system.A).real.max()])
-        loads = np.linalg.norm(wanted, axis=1)[:, None] * np.linalg.norm(state)
+        decay = -np.array([np.linalg.eigvals(system.A).real.max()])
+        loads = np.linalg.norm(wanted, axis=1)[:, None] * np.linalg.norm(done.state)
     else:
-        pole, loads = uncoupled.pole.real, np.abs((wanted @ uncoupled.shape) * (uncoupled.project @ state))
-    left = np.array([np.linalg.norm(part, axis=0) for part in (loads[:3], loads[3:])])
-    over = np.max(left / np.maximum(share * peak, np.finfo(np.float64).tiny)[:, None], axis=0, initial=0.0)
+        decay, loads = -uncoupled.pole.real, np.abs((wanted @ uncoupled.shape) * (uncoupled.project @ done.state))
+    over = np.max(_norms(loads) / np.maximum(share * peak, np.finfo(np.float64).tiny)[:, None], axis=0, initial=0.0)
     rings = over > 1
-    if np.any(pole[rings] >= 0):
+    if np.any(decay[rings] <= UNDAMPED * np.linalg.norm(system.A, 2)):
         return float("inf")
-    return float(np.max(np.log(over[rings]) / -pole[rings], initial=0.0))
+    return float(np.max(np.log(over[rings]) / decay[rings], initial=0.0))
+
+
+def _norms(loads: Array) -> Array:
+    """(2, k) forces and moments of `loads` (6, k)."""
+    return np.array([np.linalg.norm(loads[:3], axis=0), np.linalg.norm(loads[3:], axis=0)])
 
 
 def _linear(rig: Rig) -> Rig:

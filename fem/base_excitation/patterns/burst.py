@@ -11,10 +11,11 @@ import numpy.typing as npt
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, sine, window
-from fem.base_excitation.patterns.levels import LEVELS, listed, require_axes, require_band, require_positive
+from fem.base_excitation.patterns.levels import listed, require_axes, require_band, require_positive
 from fem.base_excitation.patterns.noise import fixed, noisy, require_cycles, require_lines
 from fem.base_excitation.patterns.pattern import RAMP_CYCLES, Clock, sampled
 from geometry.arrays import Array
+from geometry.dynamic_mass import LEVELS
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -31,7 +32,7 @@ class Burst:
     Raises
     ------
     BadInput : an unknown axis or none, a level, band or duration that cannot be, fewer than `RAMP_CYCLES` cycles (of such a kick
-        the level would not be the stated one), a band so narrow that it holds no line.
+        the level would not be the stated one), a band so narrow that it holds no line, a negative seed.
     """
 
     level: Mapping[str, float] = field(default_factory=lambda: LEVELS)
@@ -48,7 +49,7 @@ class Burst:
         require_cycles(self.duration, self.start, RAMP_CYCLES, source)
         if self.start < self.stop:
             require_lines(self.start, self.stop, self.duration, source)
-        object.__setattr__(self, "seed", fixed(self.seed))
+        object.__setattr__(self, "seed", fixed(self.seed, source))
 
     @property
     def label(self) -> str:

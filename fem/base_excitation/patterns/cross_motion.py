@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem.base_excitation.patterns.levels import LEVELS, require_not_negative, require_positive
+from fem.base_excitation.patterns.levels import require_not_negative, require_positive
 from geometry.arrays import Array, frozen
-from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 
 SOURCE = "cross motion"

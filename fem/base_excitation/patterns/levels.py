@@ -1,4 +1,4 @@
-"""Nominal levels of the paper's tests, and what every number of a pattern has to be."""
+"""Levels in words, and what every number of a pattern has to be."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ from types import MappingProxyType
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.keys import one_of
-
-LEVELS: Mapping[str, float] = MappingProxyType({"x": 2.5, "y": 2.5, "z": 2.5, "alpha": 3.0, "beta": 3.0, "gamma": 6.0})
-"""Nominal base acceleration of the paper's tests by axis [m/s², rad/s²] (section 4)."""
 
 
 def unit(axis: str) -> str:

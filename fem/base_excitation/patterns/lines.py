@@ -20,8 +20,14 @@ def period(duration: float) -> int:
 
 def numbers(start: float, stop: float, duration: float) -> Array:
     """Those multiples of 1 / `period` that lie between `start` and `stop` [Hz], both included; (k,)."""
+    first, last = ends(start, stop, duration)
+    return np.arange(first, last + 1, dtype=np.float64)
+
+
+def ends(start: float, stop: float, duration: float) -> tuple[int, int]:
+    """The first and the last of `numbers`; the last is below the first when there are none."""
     T = period(duration)
-    return np.arange(ceil(start * T - 1e-9), int(stop * T + 1e-9) + 1, dtype=np.float64)
+    return ceil(start * T - 1e-9), int(stop * T + 1e-9)
 
 
 def phases(generator: np.random.Generator, lines: Array) -> dict[str, Array]:

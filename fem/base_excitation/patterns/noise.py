@@ -11,9 +11,10 @@ import numpy.typing as npt
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, window
-from fem.base_excitation.patterns.levels import LEVELS, listed, require_axes, require_band, require_positive
-from fem.base_excitation.patterns.lines import noise, numbers, phases
+from fem.base_excitation.patterns.levels import listed, require_axes, require_band, require_positive
+from fem.base_excitation.patterns.lines import ends, noise, numbers, phases
 from fem.base_excitation.patterns.pattern import RAMP_CYCLES, Clock, sampled
+from geometry.dynamic_mass import LEVELS
 from geometry.errors import BadInput
 
 
@@ -34,7 +35,7 @@ class Random:
     Raises
     ------
     BadInput : an unknown axis or none, a level, band or duration that cannot be, a duration too short for soft start and stop, a
-        band so narrow that it holds no line.
+        band so narrow that it holds no line, a negative seed.
     """
 
     rms: Mapping[str, float] = field(default_factory=lambda: LEVELS)
@@ -50,7 +51,7 @@ class Random:
         require_positive(self.duration, "duration", source, "s")
         require_cycles(self.duration, self.start, 3 * RAMP_CYCLES, source)
         require_lines(self.start, self.stop, self.duration, source)
-        object.__setattr__(self, "seed", fixed(self.seed))
+        object.__setattr__(self, "seed", fixed(self.seed, source))
 
     @property
     def label(self) -> str:
@@ -100,9 +101,17 @@ def noisy(
     return {axis: shape * noise(clock, lines, phase[axis], duration, level) for axis, level in rms.items()}
 
 
-def fixed(seed: int | np.random.Generator) -> int:
-    """`seed` as a number: itself, or one drawn from the generator."""
-    return int(seed.integers(2**63)) if isinstance(seed, np.random.Generator) else seed
+def fixed(seed: int | np.random.Generator, source: str) -> int:
+    """`seed` as a number: itself, or one drawn from the generator.
+
+    Raises
+    ------
+    BadInput : a negative number.
+    """
+    number = int(seed.integers(2**63)) if isinstance(seed, np.random.Generator) else seed
+    if number < 0:
+        raise BadInput(source=source, field="seed", problem=f"must not be negative, found {number}", remedy="Give 0 or more")
+    return number
 
 
 def require_cycles(duration: float, start: float, cycles: float, source: str) -> None:
@@ -124,6 +133,7 @@ def require_lines(start: float, stop: float, duration: float, source: str) -> No
     ------
     BadInput : see above.
     """
-    if not numbers(start, stop, duration).size:
+    first, last = ends(start, stop, duration)
+    if last < first:
         problem = f"no line of noise of {duration:g} s lies between {start:g} and {stop:g} Hz"
         raise BadInput(source=source, field="stop", problem=problem, remedy="Drive longer or widen the band")

@@ -13,7 +13,6 @@ from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, exponential, sine, window
 from fem.base_excitation.patterns.levels import (
-    LEVELS,
     listed,
     require_band,
     require_not_negative,
@@ -21,7 +20,7 @@ from fem.base_excitation.patterns.levels import (
 )
 from fem.base_excitation.patterns.pattern import RAMP_CYCLES, Clock, sampled
 from geometry.arrays import Array
-from geometry.dynamic_mass import MOTIONS
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.keys import one_of
 
@@ -109,8 +108,18 @@ class Sweep:
         return np.asarray(self.lowest * np.exp(self._growth * after))
 
     def time_at(self, frequency: npt.ArrayLike) -> Array:
-        """When [s] the sweep passes `frequency` [Hz], which may lie anywhere between `lowest` and `highest`."""
-        return np.asarray(self.delay + np.log(np.asarray(frequency, dtype=np.float64) / self.lowest) / self._growth)
+        """When [s] the sweep passes `frequency` [Hz].
+
+        Raises
+        ------
+        BadInput : a frequency that lies outside `lowest` to `highest`.
+        """
+        f = np.asarray(frequency, dtype=np.float64)
+        inside = (f >= self.lowest * (1 - 1e-9)) & (f <= self.highest * (1 + 1e-9))
+        if not np.all(inside):
+            problem = f"the sweep runs from {self.lowest:.4g} to {self.highest:.4g} Hz, found {f[~inside].flat[0]:g} Hz"
+            raise BadInput(source=self.label, field="frequency", problem=problem, remedy="Name a frequency in between")
+        return np.asarray(self.delay + np.log(f / self.lowest) / self._growth)
 
     def signals(self, clock: Clock) -> Mapping[str, Jet]:
         """Displacement [m, rad] along the axis, with its derivatives, at the instants of `clock`."""

@@ -29,7 +29,8 @@ TOLD = 200
 class Drive:
     """The callback of one run: it moves the table and can be stopped; it knows how far the run has come."""
 
-    def __init__(self, axes: tuple[Number, ...], targets: Array, rate: float, progress: Progress | None) -> None:
+    def __init__(self, scene: Scene, axes: tuple[Number, ...], targets: Array, rate: float, progress: Progress | None) -> None:
+        self.others = scene.before_step
         self.axes = axes
         self.targets = targets
         self.rate = rate
@@ -49,6 +50,8 @@ class Drive:
         self.step = round(time * self.rate)
         for axis, value in zip(self.axes, self.targets[self.step].tolist(), strict=True):
             system.SetObjectParameter(axis, "offset", value)
+        for other in self.others:
+            other(system)
         steps = len(self.targets) - 1
         if self.progress is not None and self.step % max(1, steps // TOLD) == 0:
             self.progress(self.step / steps)

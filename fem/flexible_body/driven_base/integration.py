@@ -12,13 +12,12 @@ from fem.flexible_body.running import exudyn_version
 from geometry.errors import CheckFailed
 
 
-def integrate(scene: Scene, settings: Any, drive: Drive) -> None:
-    """Run `scene` to the end of `settings`, its table moved by `drive`.
+def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None:
+    """Run `scene` to the end of `settings`, its table moved by `drive`; what stopped it from within `drive`, if anything did.
 
     Raises
     ------
     CheckFailed : exudyn gave up.
-    BaseException : what stopped the run from within `drive`.
     """
     scene.system.SetPreStepUserFunction(drive)
     said = "the solver gave up"
@@ -26,10 +25,9 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> None:
         done = scene.system.SolveDynamic(settings)
     except Exception as error:
         done, said = False, str(error)
-    if drive.stopped is not None:
-        raise drive.stopped
-    if not done:
+    if not done and drive.stopped is None:
         raise _astray(scene, drive, said)
+    return drive.stopped
 
 
 def _astray(scene: Scene, drive: Drive, said: str) -> CheckFailed:

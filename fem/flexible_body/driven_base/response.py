@@ -37,11 +37,13 @@ def respond(
     with running(TASK) as exudyn:
         built = assembled(exudyn, rig, velocity=solver.prescribes_velocity)
         path = targets(motion, solver.subdivision, velocity=solver.prescribes_velocity)
-        steering = Drive(built.axes, path, rate * solver.subdivision, progress)
+        steering = Drive(built.scene, built.axes, path, rate * solver.subdivision, progress)
         allowed = residual(solver, motion, rig)
         settings = simulation(exudyn, solver, rate=rate, steps=len(path) - 1, allowed=allowed)
-        integrate(built.scene, settings, steering)
-        return _response(built, rig, motion, solver, keep_coordinates)
+        stopped = integrate(built.scene, settings, steering)
+        if stopped is None:
+            return _response(built, rig, motion, solver, keep_coordinates)
+    raise stopped
 
 
 def _response(built: Assembled, rig: Rig, motion: BaseMotion, solver: Solver, keep_coordinates: bool) -> Response:

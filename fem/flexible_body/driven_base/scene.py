@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,8 @@ class Scene:
     system : exudyn's `MainSystem`
     ground : number of the ground object
     origin : number of a ground node, against which coordinates are measured
+    alive : what exudyn refers to and would not keep alive by itself
+    before_step : what brings the state of a part up to date before every step
     """
 
     exudyn: Any
@@ -33,6 +36,8 @@ class Scene:
     system: Any
     ground: Number
     origin: Number
+    alive: list[Any] = field(default_factory=list)
+    before_step: list[Callable[[Any], None]] = field(default_factory=list)
 
 
 def empty(exudyn: Any) -> Scene:

@@ -15,6 +15,7 @@ import numpy as np
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Rig
+from fem.flexible_body.driven_base import friction as bristles
 from fem.flexible_body.driven_base.struts import position_of
 from fem.flexible_body.running import exudyn_version
 from geometry.errors import BadInput
@@ -73,7 +74,8 @@ def residual(solver: Solver, motion: BaseMotion, rig: Rig) -> float:
     step = 1 / (motion.sampling_rate * solver.subdivision)
     peak = float(np.abs(motion.acceleration).max(initial=0.0))
     mass = float(rig.article.reduced.mass[0, 0]) + (0.0 if rig.cover is None else rig.cover.mass)
-    rounding = ROUNDINGS * EPS * (stiffest(rig) + mass * peak)
+    travel = float(np.abs(motion.displacement).max(initial=0.0))
+    rounding = ROUNDINGS * EPS * (stiffest(rig, travel) + mass * peak)
     return max(solver.tolerance * peak * step**2, rounding, sys.float_info.min)
 
 
@@ -92,14 +94,16 @@ def simulation(exudyn: Any, solver: Solver, *, rate: float, steps: int, allowed:
     return settings
 
 
-def stiffest(rig: Rig) -> float:
-    """[N] the largest stiffness between two places, times how far they lie from F."""
-    springs = [(cell.stiffness, cell.position) for cell in rig.cells]
-    springs += [(strut.stiffness, rig.seat + position_of(rig.article.places[strut.place])) for strut in rig.struts]
-    if rig.flange is not None:
-        soft = rig.flange.compliance[rig.flange.compliance > 0]
-        springs.append((1 / soft, rig.seat))
-    return float(max((np.max(k, initial=0.0) * np.linalg.norm(at) for k, at in springs), default=0.0))
+def stiffest(rig: Rig, travel: float) -> float:
+    """[N] the largest stiffness between two places, times the numbers that tell them apart: how far they lie from F, or travel [m]."""
+    springs = [(cell.stiffness.max(), np.linalg.norm(cell.position)) for cell in rig.cells]
+    for strut in rig.struts:
+        at = rig.seat + position_of(rig.article.places[strut.place])
+        springs.append((strut.stiffness.max(), np.linalg.norm(at)))
+    if rig.flange is not None and rig.flange.compliance.any():
+        springs.append((1 / rig.flange.compliance[rig.flange.compliance > 0].min(), np.linalg.norm(rig.seat)))
+    springs += [(friction.mass * bristles.STIFFNESS, travel) for friction in rig.frictions]
+    return float(max((k * length for k, length in springs), default=0.0))
 
 
 def described(solver: Solver, rate: float) -> dict[str, object]:

@@ -171,11 +171,13 @@ def test_an_axis_of_noise_does_not_change_when_another_one_is_driven_as_well() -
 
 
 def test_a_burst_swells_to_its_level_and_is_then_silent() -> None:
-    burst = Burst(level={"z": 3.0}, start=12.0, stop=12.0, duration=1.5)
+    burst = Burst(level={"z": 3.0}, start=11.5, stop=11.5, duration=1.5)
     motion = burst.motion(4096, ring_down=2.0)
     assert_allclose(np.abs(motion.acceleration[:, 2]).max(), 3.0, rtol=0.01)
     assert abs(motion.time[np.argmax(np.abs(motion.acceleration[:, 2]))] - 0.75) < 0.1
     assert not motion.acceleration[motion.time > 1.5].any()
+    swell = motion.displacement[motion.time <= 1.5, 2]
+    assert_allclose(swell, -swell[::-1], rtol=0, atol=1e-12 * np.abs(swell).max())
 
 
 def test_cross_motion_has_the_drawn_share_and_lag_over_the_whole_band() -> None:
@@ -190,6 +192,18 @@ def test_cross_motion_has_the_drawn_share_and_lag_over_the_whole_band() -> None:
         driven = np.fft.rfft(drive[:, axis], n)[band]
         found = np.fft.rfft(run.acceleration, axis=0)[band] / driven[:, None]
         assert_allclose(found, table.transfer(frequency[band])[:, :, axis], rtol=0, atol=1e-9)
+
+
+def test_cross_motion_follows_noise_as_it_follows_a_sweep() -> None:
+    noise, table = Random(rms={"beta": 1.0}, duration=6.0, seed=3), cross()
+    run, alone = (noise.motion(512, ring_down=0.5, cross=filtered).acceleration for filtered in (table, None))
+    n = len(run)
+    frequency = np.fft.rfftfreq(n, 1 / 512)
+    band = (frequency > 5) & (frequency < 31)
+    drive = np.fft.rfft(alone[:, 4], n)[band]
+    expected = table.transfer(frequency[band])[:, :, 4] * drive[:, None]
+    found = np.fft.rfft(run, axis=0)[band]
+    assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
 def test_cross_motion_is_what_it_says_at_its_middle_frequency() -> None:
@@ -232,6 +246,9 @@ def test_the_reference_point_and_the_label_go_with_the_motion() -> None:
         (lambda: Random(duration=1.0), "`duration`: must be at least 9 cycles of 4 Hz, 2.25 s, found 1 s"),
         (lambda: Random(start=4.1, stop=4.2, duration=4.0), "no line of noise of 4 s lies between 4.1 and 4.2 Hz"),
         (lambda: Random(duration=4.0).motion(500.1, ring_down=0.0), "a whole number of samples in it, found 2000.4"),
+        (lambda: Random(duration=4.0, seed=-1), "`seed`: must not be negative, found -1"),
+        (lambda: Random(duration=1e9).motion(512, ring_down=0.0), "the record would have 5.12e.11 samples"),
+        (lambda: Sweep(axis="x").time_at([5.0, 40.0]), "`frequency`: the sweep runs from 3.775 to 33.9 Hz, found 40 Hz"),
         (lambda: Burst(start=9.0, stop=8.0), "`start`: must be below `stop`"),
         (lambda: Burst(duration=0.1), "at least 3 cycles of 4 Hz"),
         (lambda: Burst(level={"gama": 1.0}), "Did you mean gamma"),
