@@ -14,7 +14,9 @@ from validation.commands import options
 @click.argument("article")
 @options.JSON
 @options.flexible
-@click.option("--axis", "axes", multiple=True, metavar="AXIS", help="x, y, z, alpha, beta or gamma. May be repeated.  [default: x]")
+@click.option(
+    "--axis", "axes", multiple=True, metavar="AXIS", help="x, y, z, alpha, beta or gamma. May be repeated.  [default: x]"
+)
 @click.option("--all", "every", is_flag=True, help="All six axes, a run each.")
 @click.option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, random, burst or multi.")
 @click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
@@ -24,10 +26,16 @@ from validation.commands import options
 @click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
 @click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of cross motion, noise and bursts.")
 @click.option("--ring-down", default="auto", show_default=True, metavar="TIME", help='Record after the drive: auto, or "5 s".')
-@click.option("--route", metavar="ROUTE", help="linear, exudyn or large (a base that really turns).  [default: what the rig needs]")
+@click.option(
+    "--route", metavar="ROUTE", help="linear, exudyn or large (a base that really turns).  [default: what the rig needs]"
+)
 @click.option("--rate", type=float, default=1024.0, show_default=True, metavar="HZ", help="Sampling rate of the result.")
-@click.option("--modes", "count", type=int, metavar="N", help="How many modes to keep.  [default: 30, of those that the step follows]")
-@click.option("--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.')
+@click.option(
+    "--modes", "count", type=int, metavar="N", help="How many modes to keep.  [default: 30, of those that the step follows]"
+)
+@click.option(
+    "--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.'
+)
 @click.option("--flange", multiple=True, metavar="KEY=VALUE", help="Compliance: lateral, vertical, rotation, torsion=1e-6.")
 @click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=5 N, or x=5,mass:2.")
 @click.option("--cable", multiple=True, metavar="LOC=K", help="Spring to the ground: mast-top=1000, mast-top:lateral=1000 N/m.")
@@ -59,7 +67,9 @@ def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
     return Question(
         article=article,
         model=model,
-        asked=options.flexible_asked(count=30 if count is None else count, counted="--modes", cells=False, **{name: given[name] for name in made}),
+        asked=options.flexible_asked(
+            count=30 if count is None else count, counted="--modes", cells=False, **{name: given[name] for name in made}
+        ),
         attached=attached(**{name: given[name] for name in fastened}),
         drive=drive(**{name: given[name] for name in driven}),
         route=given["route"],

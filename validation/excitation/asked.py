@@ -169,7 +169,9 @@ def _duration(text: str | None, pattern: str) -> float | None:
         return None
     if pattern not in (RANDOM, BURST):
         problem = f"only random and burst have one, the pattern is {pattern}"
-        raise BadInput(source="--duration", problem=problem, remedy="Leave it out: band and octaves a minute say how long it takes")
+        raise BadInput(
+            source="--duration", problem=problem, remedy="Leave it out: band and octaves a minute say how long it takes"
+        )
     return _seconds("--duration", text, 'Write for example "30 s"')
 
 
@@ -190,5 +192,7 @@ def _require_short(drive: Drive) -> None:
     if drive.pattern in (SWEEP, MULTI) and seconds > LONGEST:
         problem = f"a sweep of this band takes {seconds:.4g} s at {drive.octaves_per_minute:g} octaves a minute"
         raise BadInput(
-            source="--octaves-per-minute", problem=problem, remedy=f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it"
+            source="--octaves-per-minute",
+            problem=problem,
+            remedy=f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it",
         )

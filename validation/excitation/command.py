@@ -81,5 +81,9 @@ def _written(made: Ready, one: Done, wanted: Wanted) -> list[Path]:
         from validation.excitation.moving import animate
 
         with shown(f"{one.run.name}: drawing the passage of a resonance", quiet=wanted.as_json):
-            written.append(animate(made, one, FOLDER))
+            moving = animate(made, one, FOLDER)
+        if moving is None:
+            click.echo(f"massline: {one.run.name}: no resonance was passed, and nothing is animated.", err=True)
+        else:
+            written.append(moving)
     return written

@@ -170,4 +170,3 @@ def _cell(force: Array, cell: Cell) -> CellLoad:
         preload=preload,
         share_lifted=off,
     )
-

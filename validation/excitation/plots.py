@@ -24,7 +24,7 @@ POINTS = 3000
 LINES = 1401
 """Of the load over the acceleration: 0.02 Hz in the paper's band."""
 
-BLOCK = (0.4, 2.0)
+BLOCK = (0.5, 2.0)
 """[s] shortest and longest block of a spectrogram."""
 
 ABOVE = 1.25
@@ -128,9 +128,8 @@ def _spectra(made: Ready, one: Done) -> Spectra:
     driven, response, (low, high) = one.run.axes[0], one.response, made.question.drive.band
     n = len(response.load)
     length = int(min(np.clip(n / response.sampling_rate / BLOCKS**2, *BLOCK) * response.sampling_rate, n))
-    f, t, power = spectrogram(
-        response.load[:, driven], response.sampling_rate, window="hann", nperseg=length, noverlap=7 * length // 8
-    )
+    how = {"window": "hann", "nperseg": length, "noverlap": 15 * length // 16, "nfft": 4 * length, "detrend": False}
+    f, t, power = spectrogram(response.load[:, driven], response.sampling_rate, **how)
     shown = f <= ABOVE * high
     power = power[shown]
     lines = np.linspace(low, high, LINES)
@@ -142,6 +141,7 @@ def _spectra(made: Ready, one: Done) -> Spectra:
         decibel=10 * np.log10(np.maximum(power / power.max(), 1e-30)),
         lines=lines,
         quotient=load / motion,
+        cut=not one.outcome.ring_down.sufficient,
         rigid=float(made.modes.rigid_mass[driven, driven]),
         unit=unit(driven, driven),
     )

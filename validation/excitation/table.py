@@ -134,4 +134,3 @@ def _lifted(share: float) -> str:
 
 def _significant(value: float) -> str:
     return f"{value:.1f}" if value >= 100 else f"{value:.3f}"
-

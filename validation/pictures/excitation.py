@@ -18,7 +18,7 @@ import numpy as np
 from geometry.arrays import Array
 from validation.pictures.curves import CURVES, Axes, finish, grid_lines, new_figure
 from validation.pictures.files import require_format
-from validation.pictures.palette import FAINT, INK
+from validation.pictures.palette import FAINT, INK, PAPER
 
 COLUMNS, FEWER = 1400, 300
 """Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one alone, several together."""
@@ -26,8 +26,11 @@ COLUMNS, FEWER = 1400, 300
 LINES = (*CURVES, "#8e6fc0")
 """Of the signals in one panel, first to fourth."""
 
-WIDTHS = (3.6, 2.6, 1.7, 0.9)
+WIDTHS = (3.0, 2.2, 1.5, 0.8)
 """Of these: where they coincide, all of them are seen."""
+
+SHADES = (PAPER, "#cfdcf2", "#6f93dc", "#2456c4", "#14296b", INK)
+"""Of a spectrogram, from nothing to the largest."""
 
 LIMIT = "#c8283c"
 REFERENCE = (0, (5, 3))
@@ -95,6 +98,7 @@ class Spectra:
     decibel : (f, t) of its amplitude, 0 the largest
     lines : (m,) [Hz]
     quotient : (m,) amplitude of the load over that of the acceleration, of the whole record
+    cut : whether the record ends while the article still rings
     rigid : the same of the rigid body
     unit : of these
     """
@@ -105,6 +109,7 @@ class Spectra:
     decibel: Array
     lines: Array
     quotient: Array
+    cut: bool
     rigid: float
     unit: str
 
@@ -201,13 +206,17 @@ def _over_frequency(axes: Axes, sheet: Sheet, row: Row) -> None:
 
 def _last_row(left: Axes, right: Axes, sheet: Sheet) -> None:
     found = sheet.spectra
+    from matplotlib.colors import LinearSegmentedColormap
+
+    shades = LinearSegmentedColormap.from_list("shades", SHADES)
     left.pcolormesh(
-        found.time, found.frequency, found.decibel, cmap="YlGnBu", vmin=-DEEP, vmax=0, shading="nearest", rasterized=True
+        found.time, found.frequency, found.decibel, cmap=shades, vmin=-DEEP, vmax=0, shading="nearest", rasterized=True
     )
     left.set_title(f"{found.load} in time and frequency, {DEEP:g} dB from white to dark", fontsize=11, loc="left", color=INK)
     left.set_ylabel("[Hz]", fontsize=9.5)
     left.set_xlabel("time [s]", fontsize=9.5)
-    right.plot(found.lines, found.quotient, color=LINES[0], linewidth=1.4, label=f"{found.load}, whole record")
+    said = ", cut while it rings" if found.cut else ""
+    right.plot(found.lines, found.quotient, color=LINES[0], linewidth=1.4, label=f"{found.load}, whole record{said}")
     right.axhline(found.rigid, color=INK, linewidth=1.1, linestyle=REFERENCE, label="rigid body")
     _few_decades(right, found.quotient)
     right.set_title(f"{found.load} over the acceleration of the table", fontsize=11, loc="left", color=INK)
@@ -221,7 +230,10 @@ def _few_decades(axes: Axes, amplitude: Array) -> None:
     top = float(amplitude.max())
     if top <= 0:
         return
+    from matplotlib.ticker import NullFormatter
+
     axes.set_yscale("log")
+    axes.yaxis.set_minor_formatter(NullFormatter())
     low, high = axes.get_ylim()
     low = max(low, top * 10.0**-DECADES)
     if high < 10 * low:
