@@ -1,4 +1,4 @@
-"""What `massline excite` does: an article on the table, driven in time, and what came of it in words, figures, files and pictures.
+"""What `massline excite` does: an article on a table driven in time, and what came of it in words, figures and pictures.
 
 =================== ================================================================================================
 asked, attached     what was typed, checked at the door: drive, route, rates; cells, flange, cables, friction

@@ -1,4 +1,4 @@
-"""The JSON object of `massline excite`, a stable contract: keys end in their unit, loads are those of the table on the article."""
+"""The JSON object of `massline excite`, a stable contract: keys end in their unit, loads act on the article."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ STROBE = 12
 """Frames in which one swing is seen."""
 
 BEFORE, AFTER = 3.0, 4.0
-"""How long is shown before and after the resonance is passed, in 1 / sqrt(d(omega)/dt): a sweep needs that to swell and to leave."""
+"""How long is shown before and after the resonance, in 1 / sqrt(d(omega)/dt): a sweep needs that to swell and to leave."""
 
 BASE = 6
 

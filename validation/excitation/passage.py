@@ -1,8 +1,8 @@
 """When a sweep passes the resonances of a rig, and what each does to the load, measured on the run itself.
 
-Amplitudes are those of the analytic signal (Gabor, Journal of the IEE 93, 1946), which a sweep follows from cycle to cycle. The
-amplification is the load's amplitude over that of the rigid body, M a with the acceleration of the same moment, for the load along
-the axis that is driven; its largest value near the resonance counts, which a fast sweep reaches a little after passing it.
+Amplitudes are those of the analytic signal (Gabor, Journal of the IEE 93, 1946), which follows a sweep from cycle to cycle. The
+amplification is the load's amplitude over that of the rigid body, M a with the acceleration of the same moment, for the load
+along the axis that is driven; its largest value near the resonance counts, which a fast sweep reaches a little after passing it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fem.base_excitation.patterns import Sweep
 
 SHOWS = 0.02
-"""Share of the rigid body's load by which a mode must swell the load along a driven axis, were it held at resonance, to be listed."""
+"""A mode is listed when, held at its resonance, it would swell the load along a driven axis by this share of the rigid body's."""
 
 LEAST_DAMPING = 1e-4
 """Of a mode, when that is judged."""
@@ -30,11 +30,11 @@ BEFORE = 2.0
 """Half-widths zeta of a resonance below it from which its largest amplification is looked for."""
 
 AFTER = 3.0
-"""The load is largest some 2 / sqrt(alpha) after its resonance is passed, alpha = d(omega)/dt (Lewis, Trans. ASME 54, 1932); it is
-looked for this many times 1 / sqrt(alpha)."""
+"""The load is largest some 2 / sqrt(alpha) after its resonance is passed, alpha = d(omega)/dt (Lewis, Trans. ASME 54, 1932); it
+is looked for this many times 1 / sqrt(alpha)."""
 
 CUT = 0.25
-"""The search ends where the next resonance is passed, unless that follows within this share of it: close neighbours swell together."""
+"""The search ends where the next resonance is passed, unless that follows within this share of it: neighbours swell together."""
 
 
 @dataclass(frozen=True, kw_only=True)

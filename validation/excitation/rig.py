@@ -45,8 +45,8 @@ def require_mountable(article: str, model: str, asked: Asked, attached: Attached
 
     Raises
     ------
-    BadInput : an unknown article, a model that it has not, cells without an FMD, a place to fasten to that it has not, a dimension
-        of a part that it has not.
+    BadInput : an unknown article, a model that it has not, cells without an FMD, a place that it has not, a dimension of a part
+        that it has not.
     """
     found = require_model(article, model)
     require_used(article, [found], replace(asked, cells=False))

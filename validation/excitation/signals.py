@@ -1,8 +1,8 @@
 """Runs as signal files: every channel of a `Response` by name, as the campaign format has them, whole or not at all.
 
 ``.h5`` one dataset a channel in ``/channels``, ``sampling_rate`` on the root; ``.csv`` a column ``time`` and one a channel;
-``.npz`` one array a channel and ``sampling_rate``; ``.mat`` one variable a channel and ``fs``, with ``-`` as ``_`` and the sign of
-a tip ``+`` as ``p``, because MATLAB's names have neither. Values are SI and bit for bit those that were computed.
+``.npz`` one array a channel and ``sampling_rate``; ``.mat`` one variable a channel and ``fs``, with ``-`` as ``_`` and the sign
+of a tip ``+`` as ``p``, because MATLAB's names have neither. Values are SI and bit for bit those that were computed.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -115,7 +116,7 @@ def _comma_separated(path: Path, response: Response, label: str) -> None:
 
 
 def _npz(path: Path, response: Response, label: str) -> None:
-    arrays: dict[str, Array] = {channel.name: channel.values for channel in channels(response)}
+    arrays: dict[str, Any] = {channel.name: channel.values for channel in channels(response)}
     np.savez_compressed(path, sampling_rate=np.array(response.sampling_rate), label=np.array(label), **arrays)
 
 

@@ -109,17 +109,23 @@ def _how(made: Ready, outcomes: Sequence[Outcome]) -> Iterator[str]:
     what = "exact recursion of its modes" if made.route.name == LINEAR else f"integration by {by}"
     step = outcomes[0].step
     yield (
-        f"Route {made.route.name}, {made.route.why}: {what}, step {1e6 * step:.4g} µs; recorded at {question.rate:g} Hz behind one "
-        "anti-alias filter."
+        f"Route {made.route.name}, {made.route.why}: {what}, step {1e6 * step:.4g} µs; recorded at {question.rate:g} Hz "
+        "behind one anti-alias filter."
     )
     if question.drive.cross:
         yield f"Cross motion of the table: {100 * question.drive.cross:g} % on average, seed {question.drive.seed}."
 
 
 def _explained(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    yield "Level: amplitude of a sine, root mean square of noise. Left out: what the linear equations neglect of the load, and its limit."
+    yield (
+        "Level: amplitude of a sine, root mean square of noise. Turns: largest rotation of the table and its rate; left out is "
+        "what linear equations neglect of the load for that, and their limit."
+    )
     if any(one.passed for one in outcomes):
-        yield "Times rigid: largest load near the resonance over M a at that moment; a fast sweep reaches it a little later, and lower."
+        yield (
+            "Times rigid: the largest load near a resonance over M a at that moment; a fast sweep reaches it after passing, and "
+            "less of it."
+        )
 
 
 def _ring_down(found: RingDown) -> str:

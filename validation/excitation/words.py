@@ -73,7 +73,8 @@ def _along(values: Array) -> str:
 
 
 def _friction(friction: Friction) -> str:
-    return f"A loose part of {friction.mass:g} kg on the flange, held along {friction.axis} by {friction.slip_force:g} N of friction."
+    part = f"A loose part of {friction.mass:g} kg on the flange"
+    return f"{part}, held along {friction.axis} by {friction.slip_force:g} N of friction."
 
 
 def _kept(mounted: Mounted, modes: RigModes) -> Iterator[str]:

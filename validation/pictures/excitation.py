@@ -21,7 +21,7 @@ from validation.pictures.files import require_format
 from validation.pictures.palette import FAINT, INK, PAPER
 
 COLUMNS, FEWER = 1400, 300
-"""Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one alone, several together."""
+"""Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one signal, several."""
 
 LINES = (*CURVES, "#8e6fc0")
 """Of the signals in one panel, first to fourth."""
@@ -159,7 +159,7 @@ def draw_sheet(sheet: Sheet, path: Path) -> None:
         _over_time(left, sheet, row)
         _over_frequency(right, sheet, row)
         left.set_title(row.title, fontsize=11, loc="left", color=INK, pad=16 if left is panels[0][0] else 6)
-    _last_row(*panels[-1], sheet)
+    _last_row(panels[-1], sheet)
     for k, pair in enumerate(panels):
         for column, axes in enumerate(pair):
             _dress(axes, [(mark[column], mark[1]) for mark in sheet.marks], last=k == count - 1, figures=k == 0)
@@ -204,10 +204,10 @@ def _over_frequency(axes: Axes, sheet: Sheet, row: Row) -> None:
         axes.legend(fontsize=8.5, loc="best", framealpha=0.85, ncols=2 if len(row.signals) > 2 else 1)
 
 
-def _last_row(left: Axes, right: Axes, sheet: Sheet) -> None:
-    found = sheet.spectra
+def _last_row(pair: Sequence[Axes], sheet: Sheet) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
+    found, (left, right) = sheet.spectra, pair
     shades = LinearSegmentedColormap.from_list("shades", SHADES)
     left.pcolormesh(
         found.time, found.frequency, found.decibel, cmap=shades, vmin=-DEEP, vmax=0, shading="nearest", rasterized=True
