@@ -12,9 +12,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.io import loadmat
 
+from fem.base_excitation.response import Response
 from geometry.articles import built_in
 from geometry.multibody import inertia
 from validation import cli
+from validation.excitation import signals
 from validation.excitation.signals import matlab_name
 
 Run = Callable[..., tuple[int, str, str]]
@@ -43,9 +45,12 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("excite")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        for ending in ("h5", "csv", "npz", "mat"):
-            assert cli.run(["excite", "fmd+clumod-1", "--cells", *FAST, "--rate", "256", "--out", f"run.{ending}"]) == cli.DONE
-        yield folder
+        heard: list[Response] = []
+        patch.setattr(signals, "write", lambda path, response, label: heard.append(response))
+        assert cli.run(["excite", "fmd+clumod-1", "--cells", *FAST, "--rate", "256", "--out", "run.h5"]) == cli.DONE
+    for ending in ("h5", "csv", "npz", "mat"):
+        signals.write(folder / f"run.{ending}", heard[0], "a run")
+    yield folder
 
 
 def test_json_is_one_object_in_the_shape_of_the_contract_and_nothing_is_said_beside_it(run: Run) -> None:
@@ -98,11 +103,11 @@ def test_the_route_that_a_rig_needs_is_chosen_and_said(run: Run) -> None:
 
 
 def test_a_cell_lifts_off_at_its_preload_and_no_other_does(run: Run) -> None:
-    found = said(run, "fmd+cuboid", "--cells", "--preload", "3=20 N", "--axis", "beta", "--band", "8", "16", *FAST)
+    found = said(run, "fmd+cuboid", "--cells", "--preload", "3=5 N", "--axis", "beta", "--band", "8", "16", *FAST)
     cells = found["runs"][0]["cells"]
-    assert [cell["preload_N"] for cell in cells] == [None, None, 20.0, None]
+    assert [cell["preload_N"] for cell in cells] == [None, None, 5.0, None]
     assert [cell["share_lifted"] > 0 for cell in cells] == [False, False, True, False]
-    assert cells[2]["z_lowest_N"] == pytest.approx(-20.0, rel=0.05)  # the anti-alias filter rounds the corner
+    assert cells[2]["z_lowest_N"] == pytest.approx(-5.0, rel=0.1)  # the anti-alias filter rounds the corner
 
 
 def test_every_format_holds_the_same_numbers_under_the_same_names(written: Path) -> None:
@@ -202,7 +207,7 @@ def test_a_user_s_own_model_is_driven_too(run: Run, tmp_path: Path) -> None:
     from fem.modes import fixed_base
     from fem.users_model import write
 
-    write(tmp_path / "mine.npz", fixed_base(structure("clumod-1"), 12))
+    write(fixed_base(structure("clumod-1"), 12), tmp_path / "mine.npz")
     mine, ours = (said(run, name, "--modes", "12", "--axis", "beta", *FAST)["runs"][0] for name in ("mine.npz", "clumod-1"))
     # modal data carry the residual mass by further modes, a structure by static shapes: alike to (32 Hz / 55 Hz)^4 of R
     assert mine["peak_load"]["my_Nm"] == pytest.approx(ours["peak_load"]["my_Nm"], rel=0.01)

@@ -56,10 +56,11 @@ def command(article: str, as_json: bool, model: str | None, out: Path | None, pl
 
 
 def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
-    from validation.excitation.asked import Question, drive, require_route
+    from validation.excitation.asked import Question, drive, require_rate, require_route
     from validation.excitation.attached import attached
 
     require_route(given["route"])
+    require_rate(given["rate"])
     count = given["count"]
     driven = ("axes", "every", "pattern", "band", "octaves_per_minute", "duration", "level", "cross", "seed", "ring_down")
     fastened = ("cells", "preload", "flange", "friction", "cable", "damper")

@@ -16,6 +16,9 @@ from validation.flexible.model import Asked
 SWEEP, RANDOM, BURST, MULTI = PATTERNS = ("sweep", "random", "burst", "multi")
 LINEAR, EXUDYN, LARGE = ROUTES = ("linear", "exudyn", "large")
 
+HIGHEST_RATE = 65536.0
+"""[Hz] of the output: mechanics that a shaker drives lies far below."""
+
 LONGEST = 900.0
 """[s] of one run: 90 s is a sweep of the paper; ten times that fill the memory of a desk machine at 8 kHz."""
 
@@ -119,6 +122,16 @@ def drive(
     )
     _require_short(found)
     return found
+
+
+def require_rate(rate: float) -> None:
+    """Refuse an output rate that is none; whether it can show what is driven is asked by `fem.base_excitation.decimation`.
+
+    Raises
+    ------
+    BadInput : it lies outside 1 Hz to `HIGHEST_RATE`.
+    """
+    _within("--rate", rate, 1.0, HIGHEST_RATE, "Write for example 1024")
 
 
 def require_route(route: str | None) -> None:

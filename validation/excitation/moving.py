@@ -1,6 +1,6 @@
 """The animation of `massline excite --animate`: the article as the sweep passes its largest resonance.
 
-Frames are stroboscopic: from one to the next the drive goes on by a whole number of cycles and a twelfth, so that the swing is
+Frames are stroboscopic: from one to the next the drive goes on by a whole number of cycles and a tenth, so that the swing is
 seen slowly while the load swells and falls as it does.
 """
 
@@ -29,8 +29,8 @@ from validation.pictures.passing import animate as draw
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import Sweep
 
-FRAMES = 60
-STROBE = 12
+FRAMES = 42
+STROBE = 10
 """Frames in which one swing is seen."""
 
 BEFORE, AFTER = 3.0, 4.0
@@ -99,7 +99,7 @@ def strobe(sweep: Sweep, begin: float, end: float, peak: float) -> Array:
     fine = np.linspace(begin, end, 20_000)
     frequency = sweep.frequency_at(fine)
     phase = np.concatenate([[0.0], np.cumsum((frequency[1:] + frequency[:-1]) / 2 * np.diff(fine))])
-    step = phase[-1] / (FRAMES - 1)
+    step = phase[-1] / FRAMES
     if step > 1:
         step = np.floor(step - 1 / STROBE) + 1 / STROBE
     first = float(np.interp(peak, fine, phase)) % step

@@ -121,7 +121,8 @@ def _search_ends(sweep: Sweep, frequency: Array) -> Array:
 
 def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int, end: float) -> Passed:
     f, zeta = float(modes.frequency[r]), float(modes.damping_ratio[r])
-    near = np.flatnonzero((found.frequency >= f * (1 - BEFORE * zeta)) & (found.time <= end))
+    last = min(end, float(sweep.time_at(sweep.stop)))  # from then on the level falls, and what rings on has nothing beside it
+    near = np.flatnonzero((found.frequency >= f * (1 - BEFORE * zeta)) & (found.time <= last))
     ratio = found.load[near, axis] / np.maximum(found.rigid[near, axis], np.finfo(np.float64).tiny)
     best = int(np.argmax(ratio))
     return Passed(

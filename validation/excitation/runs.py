@@ -22,6 +22,9 @@ from validation.progress import percent, shown
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import CrossMotion
 
+STIFF = 10.0
+"""Times the highest driven frequency at which a first mode swells no load by more than 1 %."""
+
 Progress = Callable[[float], None]
 
 
@@ -180,9 +183,15 @@ def _large(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> R
 
     question = made.question
     changes = changes_of(question.article, question.asked.changes)
-    return large_motion.respond(
-        question.article, motion, changes=changes, places=locations(question.article, changes), progress=progress
-    )
+    beams = {"elements": None} if as_one_body(made) else {}
+    places = locations(question.article, changes)
+    return large_motion.respond(question.article, motion, changes=changes, places=places, progress=progress, **beams)
+
+
+def as_one_body(made: Ready) -> bool:
+    """Whether the large route takes the article as one rigid body: its first mode lies so far above all that is driven."""
+    kept = made.mounted.rig.article.kept
+    return not len(kept) or float(kept[0]) >= STIFF * max(run.pattern.highest for run in made.runs)
 
 
 _ROUTES: dict[str, Callable[[Ready, BaseMotion, Progress, bool], Response]] = {

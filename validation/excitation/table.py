@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from validation.excitation import words
-from validation.excitation.asked import LINEAR
+from validation.excitation.asked import LARGE, LINEAR
 from validation.excitation.figures import Outcome, RingDown
-from validation.excitation.runs import Ready
+from validation.excitation.runs import Ready, as_one_body
 from validation.excitation.signals import LOAD_UNITS, LOADS
 from validation.rows import NONE
 from validation.tables.grid import Grid, aligned
@@ -107,6 +107,9 @@ def _how(made: Ready, outcomes: Sequence[Outcome]) -> Iterator[str]:
     question, settings = made.question, outcomes[0].settings
     by = f"{settings.get('program', 'massline')} {settings.get('version', '')}".strip()
     what = "exact recursion of its modes" if made.route.name == LINEAR else f"integration by {by}"
+    if made.route.name == LARGE:
+        own = "one rigid body" if as_one_body(made) else "exudyn's own bodies and beams"
+        what = f"{what} of {own} on a base that turns, instead of the model above"
     step = outcomes[0].step
     yield (
         f"Route {made.route.name}, {made.route.why}: {what}, step {1e6 * step:.4g} µs; recorded at {question.rate:g} Hz "
