@@ -21,6 +21,9 @@ from geometry.arrays import Array
 SHARE = 1e-4
 """Share of the greatest load below which what is left of a mode does no harm."""
 
+HAIR = 0.01
+"""Share of a ring-down by which a record may be short without a word: its length may come from another sampling rate."""
+
 UNDAMPED = 1e-14
 """Decay as a share of the highest frequency that is nothing but rounding."""
 
@@ -52,7 +55,7 @@ def warning(rig: Rig, motion: BaseMotion) -> str:
 
 def judged(length: float, motion: BaseMotion) -> str:
     """The sentence of `warning`, from the `length` [s] that is needed."""
-    if motion.duration + 1 / motion.sampling_rate >= length:
+    if motion.duration + 1 / motion.sampling_rate >= length - HAIR * (length - motion.driven):
         return ""
     cut = f"The record ends at {motion.duration:.4g} s"
     if not np.isfinite(length):

@@ -48,7 +48,7 @@ def _clumod(name: str) -> Body:
 
 
 @pytest.fixture(scope="session")
-def block() -> Body:
+def rigid_block() -> Body:
     """A rigid block with its CoG off all axes."""
     inertia = Inertia.from_cog(7.0, [0.02, -0.03, 0.2], np.array([[0.3, 0.01, 0.02], [0.01, 0.25, -0.03], [0.02, -0.03, 0.1]]))
     return body.rigid("block", inertia, {"top": [0.1, 0.05, 0.4]})

@@ -43,26 +43,28 @@ def spectra(response: Response, low: float = 4.0, high: float = 32.0) -> tuple[n
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("axis", range(6))
-def test_a_rigid_block_is_loaded_by_plus_its_mass_times_acceleration(block: Body, burst: Burst, axis: int, sign: float) -> None:
+def test_a_rigid_block_is_loaded_by_plus_its_mass_times_acceleration(
+    rigid_block: Body, burst: Burst, axis: int, sign: float
+) -> None:
     motion = burst(1024.0, sign * np.eye(6)[axis])
-    response = linear.respond(Rig(article=block), motion)
-    assert_allclose(response.load, motion.acceleration @ block.reduced.mass, rtol=1e-12, atol=1e-14)
+    response = linear.respond(Rig(article=rigid_block), motion)
+    assert_allclose(response.load, motion.acceleration @ rigid_block.reduced.mass, rtol=1e-12, atol=1e-14)
     assert response.load[:, axis] @ motion.acceleration[:, axis] > 0
     assert_allclose(response.table, motion.acceleration)
     assert_allclose(response.cover, motion.acceleration)
     assert response.cells.shape == (len(motion.time), 0, 3)
 
 
-def test_a_block_on_a_cover_plate_counts_from_f(block: Body, burst: Burst) -> None:
+def test_a_block_on_a_cover_plate_counts_from_f(rigid_block: Body, burst: Burst) -> None:
     cover = Inertia.from_cog(20.0, [0.01, 0.0, 0.02], np.diag([0.3, 0.3, 0.5]))
-    rig = Rig(article=block, cover=cover, seat=np.array([0.01, -0.02, 0.0445]))
+    rig = Rig(article=rigid_block, cover=cover, seat=np.array([0.01, -0.02, 0.0445]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
-    whole = cover + Inertia.from_mass_matrix(block.reduced.mass).moved(rig.seat)
+    whole = cover + Inertia.from_mass_matrix(rigid_block.reduced.mass).moved(rig.seat)
     assert_allclose(linear.respond(rig, motion).load, motion.acceleration @ whole.mass_matrix, rtol=1e-11, atol=1e-11)
 
 
-def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(block: Body, burst: Burst) -> None:
-    rig = Rig(article=block, seat=np.array([0.0, 0.0, 0.1]))
+def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(rigid_block: Body, burst: Burst) -> None:
+    rig = Rig(article=rigid_block, seat=np.array([0.0, 0.0, 0.1]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     expected = motion.acceleration @ rigid_transformation([0.1, 0.05, 0.5]).T
     assert_allclose(linear.respond(rig, motion).places["top"], expected, atol=1e-13)
@@ -125,11 +127,11 @@ def test_a_flange_that_does_not_give_is_none(clumod: Clumod, mounted: Mounted, b
     assert_allclose(stiff, none, atol=1e-12 * np.abs(none).max())
 
 
-def test_compliance_of_the_flange_adds_to_the_static_answer(block: Body) -> None:
+def test_compliance_of_the_flange_adds_to_the_static_answer(rigid_block: Body) -> None:
     """H = M + omega² M D M / (1 + i omega t) to the second order: D gives way under M at the article's origin."""
     D, lines, damping_time = np.diag([1e-8, 2e-8, 3e-8, 1e-7, 2e-7, 3e-7]), np.array([1.0, 2.0]), 0.05
-    rig = Rig(article=block, flange=Flange(compliance=np.diag(D), damping_time=damping_time))
-    M = block.reduced.mass
+    rig = Rig(article=rigid_block, flange=Flange(compliance=np.diag(D), damping_time=damping_time))
+    M = rigid_block.reduced.mass
     extra = rig_structure.dynamic_mass(rig, lines).matrix - M
     omega = 2 * np.pi * lines[:, None, None]
     assert_allclose(extra, omega**2 * (M @ D @ M) / (1 + 1j * omega * damping_time), rtol=1e-4, atol=1e-5 * np.abs(extra).max())
@@ -138,13 +140,13 @@ def test_compliance_of_the_flange_adds_to_the_static_answer(block: Body) -> None
 # --- struts -------------------------------------------------------------------------------------------------------------------
 
 
-def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(block: Body, burst: Burst) -> None:
+def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(rigid_block: Body, burst: Burst) -> None:
     strut = Strut(place="top", stiffness=np.array([2e3, 0, 5e2]), damping=np.array([0, 30.0, 0]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     G = rigid_transformation([0.1, 0.05, 0.4])
     held = (motion.displacement @ G.T * strut.stiffness + motion.velocity @ G.T * strut.damping) @ G
-    response = linear.respond(Rig(article=block, struts=(strut,)), motion)
-    assert_allclose(response.load, motion.acceleration @ block.reduced.mass + held, rtol=1e-12, atol=1e-12)
+    response = linear.respond(Rig(article=rigid_block, struts=(strut,)), motion)
+    assert_allclose(response.load, motion.acceleration @ rigid_block.reduced.mass + held, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("to", ["ground", "table"])
@@ -157,10 +159,10 @@ def test_a_rig_with_struts_answers_as_its_dynamic_mass(clumod: Clumod, mounted: 
     assert_allclose(load[some], expected, atol=1e-5 * np.abs(expected).max())
 
 
-def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(block: Body, burst: Burst) -> None:
+def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: Body, burst: Burst) -> None:
     strut = Strut(place="top", to="table", stiffness=np.full(3, 1e5), damping=np.full(3, 1e2))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
-    plain, strutted = (linear.respond(Rig(article=block, struts=s), motion).load for s in ((), (strut,)))
+    plain, strutted = (linear.respond(Rig(article=rigid_block, struts=s), motion).load for s in ((), (strut,)))
     assert_allclose(strutted, plain)
 
 
@@ -225,12 +227,12 @@ def test_a_rate_too_coarse_for_a_kept_mode_is_refused_with_the_one_needed(
         linear.respond(Rig(article=article), burst(rate, np.ones(6), 0.1))
 
 
-def test_friction_and_preload_are_sent_to_exudyn(block: Body, mounted: Mounted, burst: Burst) -> None:
+def test_friction_and_preload_are_sent_to_exudyn(rigid_block: Body, mounted: Mounted, burst: Burst) -> None:
     motion = burst(1024.0, np.ones(6), 0.1)
     with pytest.raises(BadInput, match=r"friction is not linear.*exudyn"):
-        linear.respond(Rig(article=block, frictions=(Friction(axis="x", slip_force=10.0),)), motion)
+        linear.respond(Rig(article=rigid_block, frictions=(Friction(axis="x", slip_force=10.0),)), motion)
     with pytest.raises(BadInput, match=r"lift off.*exudyn"):
-        linear.respond(mounted(block, preload=1e4), motion)
+        linear.respond(mounted(rigid_block, preload=1e4), motion)
 
 
 def test_a_response_says_how_it_was_found(clumod: Clumod, burst: Burst) -> None:

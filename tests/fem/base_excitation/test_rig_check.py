@@ -20,8 +20,8 @@ def cells(places: np.ndarray = CORNERS, **last: Any) -> tuple[Cell, ...]:
     return (*made[:-1], replace(made[-1], **last))
 
 
-def test_a_rig_that_can_be_built_is_handed_back(mounted: Callable[..., Rig], block: Body) -> None:
-    rig = replace(mounted(block, preload=1e4), struts=(Strut(place="top", stiffness=STIFF),))
+def test_a_rig_that_can_be_built_is_handed_back(mounted: Callable[..., Rig], rigid_block: Body) -> None:
+    rig = replace(mounted(rigid_block, preload=1e4), struts=(Strut(place="top", stiffness=STIFF),))
     rig = replace(rig, frictions=(Friction(axis="y", slip_force=5.0),))
     assert require_usable(rig) is rig
 
@@ -49,12 +49,12 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize(("changes", "message"), REFUSED.values(), ids=list(REFUSED))
-def test_what_nobody_can_build_is_refused(block: Body, changes: dict[str, Any], message: str) -> None:
+def test_what_nobody_can_build_is_refused(rigid_block: Body, changes: dict[str, Any], message: str) -> None:
     with pytest.raises(BadInput, match=message):
-        require_usable(replace(Rig(article=block), **changes))
+        require_usable(replace(Rig(article=rigid_block), **changes))
 
 
-def test_structural_damping_has_no_place_in_time(block: Body) -> None:
-    lossy = replace(block, reduced=replace(block.reduced, structural=np.eye(6)))
+def test_structural_damping_has_no_place_in_time(rigid_block: Body) -> None:
+    lossy = replace(rigid_block, reduced=replace(rigid_block.reduced, structural=np.eye(6)))
     with pytest.raises(BadInput, match=r"`article.reduced`.*must be viscous"):
         require_usable(Rig(article=lossy))
