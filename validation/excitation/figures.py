@@ -35,7 +35,7 @@ class Level:
 
 @dataclass(frozen=True, kw_only=True)
 class CellLoad:
-    """The extremes of one load cell [N], what it is preloaded with not counted.
+    """The extremes of one load cell [N] as it was simulated, what it is preloaded with not counted.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def outcome(
     passed: tuple[Passed, ...],
     needed: float,
     step: float,
-    cells: tuple[Cell, ...],
+    cells: tuple[CellLoad, ...],
     warnings: tuple[str, ...],
 ) -> Outcome:
     """The figures of `run`, whose table was driven for `driven` [s] and whose ringing takes `needed` [s] more.
@@ -142,11 +142,16 @@ def outcome(
         peak_time=response.time[size.argmax(axis=0)],
         passed=passed,
         ring_down=RingDown(kept=max(duration - driven, 0.0), needed=needed),
-        cells=tuple(_cell(response.cells[:, k], cell) for k, cell in enumerate(cells)),
+        cells=cells,
         step=own if isinstance(own := response.settings.get("step"), float) else step,
         settings=response.settings,
         warnings=warnings,
     )
+
+
+def cell_loads(simulated: Response, cells: tuple[Cell, ...]) -> tuple[CellLoad, ...]:
+    """The extremes of every one of `cells`, before a filter rounds the corner where one lifts off."""
+    return tuple(_cell(simulated.cells[:, k], cell) for k, cell in enumerate(cells))
 
 
 def _levels(run: Run, response: Response, driven: float) -> tuple[Level, ...]:

@@ -13,7 +13,7 @@ from fem.base_excitation.response import Response
 from geometry.errors import BadInput
 from validation.excitation.asked import EXUDYN, LARGE, LINEAR, LONGEST, Question
 from validation.excitation.drives import Run, cross_motion, runs
-from validation.excitation.figures import Outcome, outcome
+from validation.excitation.figures import Outcome, cell_loads, outcome
 from validation.excitation.passage import Amplitudes, amplitudes, passed
 from validation.excitation.rig import Mounted, mounted, require_mountable
 from validation.excitation.rig_modes import RigModes, rig_modes
@@ -127,7 +127,8 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
     at_rest = run.motion(rate, ring_down=0.0, cross=cross)
     length = ring_down.needed(rig, at_rest)
     motion = run.motion(simulation_rate(rate), ring_down=_rest(made, length - at_rest.driven), cross=cross)
-    response = decimated(_ROUTES[made.route.name](made, motion, progress, keep), rate)
+    simulated = _ROUTES[made.route.name](made, motion, progress, keep)
+    response = decimated(simulated, rate)
     found = amplitudes(response, run, made.modes.rigid_mass)
     return Done(
         run=run,
@@ -142,7 +143,7 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
             passed=passed(found, run, made.modes),
             needed=max(length - motion.driven, 0.0),
             step=1 / motion.sampling_rate,
-            cells=rig.cells,
+            cells=cell_loads(simulated, rig.cells),
             warnings=response.warnings or tuple(filter(None, (ring_down.judged(length, motion),))),
         ),
     )
@@ -178,14 +179,15 @@ def _exudyn(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> 
 
 def _large(made: Ready, motion: BaseMotion, progress: Progress, keep: bool) -> Response:
     from fem.flexible_body import large_motion
+    from fem.flexible_body.large_motion.response import ELEMENTS
     from geometry.articles import changes_of
     from geometry.articles.locations import locations
 
     question = made.question
     changes = changes_of(question.article, question.asked.changes)
-    beams = {"elements": None} if as_one_body(made) else {}
+    elements = None if as_one_body(made) else ELEMENTS
     places = locations(question.article, changes)
-    return large_motion.respond(question.article, motion, changes=changes, places=places, progress=progress, **beams)
+    return large_motion.respond(question.article, motion, changes=changes, places=places, progress=progress, elements=elements)
 
 
 def as_one_body(made: Ready) -> bool:

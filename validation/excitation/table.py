@@ -124,6 +124,8 @@ def _explained(outcomes: Sequence[Outcome]) -> Iterator[str]:
         "Level: amplitude of a sine, root mean square of noise. Turns: largest rotation of the table and its rate; left out is "
         "what linear equations neglect of the load for that, and their limit."
     )
+    if any(one.cells for one in outcomes):
+        yield "Cells: change of force, as simulated; behind the anti-alias filter what is too fast for the record is rounded off."
     if any(one.passed for one in outcomes):
         yield (
             "Times rigid: the largest load near a resonance over M a at that moment; a fast sweep reaches it after passing, and "

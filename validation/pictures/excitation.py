@@ -139,8 +139,8 @@ class Sheet:
     driven: float
 
 
-def draw_sheet(sheet: Sheet, path: Path) -> None:
-    """Write `sheet` as a picture.
+def draw_sheet(sheet: Sheet, path: Path, about: str = "") -> None:
+    """Write `sheet` as a picture. A PNG carries the words `about`, which `validation.pictures.said_about` reads again.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def draw_sheet(sheet: Sheet, path: Path) -> None:
     for k, pair in enumerate(panels):
         for column, axes in enumerate(pair):
             _dress(axes, [(mark[column], mark[1]) for mark in sheet.marks], last=k == count - 1, figures=k == 0)
-    finish(figure, sheet.title, sheet.note, path)
+    finish(figure, sheet.title, sheet.note, path, about)
 
 
 def _over_time(axes: Axes, sheet: Sheet, row: Row) -> None:
