@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from fem.flexible_body.running import exudyn_version
 from geometry.dynamic_mass import MOTIONS
 from validation.excitation import words
+from validation.excitation.asked import LINEAR
 from validation.excitation.figures import CellLoad, Level, Outcome
 from validation.excitation.passage import Passed
 from validation.excitation.runs import Ready
@@ -27,6 +29,7 @@ def of(made: Ready, outcomes: Sequence[Outcome], files: Sequence[Sequence[Path]]
         "model": None if made.mounted.model is None else made.mounted.model.model,
         "route": made.route.name,
         "route_why": made.route.why,
+        "exudyn": None if made.route.name == LINEAR else exudyn_version(),
         "about": "article" if rig.cover is None and made.mounted.model is not None else "F",
         "sampling_rate_hz": question.rate,
         "drive": {

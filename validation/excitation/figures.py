@@ -143,7 +143,7 @@ def outcome(
         passed=passed,
         ring_down=RingDown(kept=max(duration - driven, 0.0), needed=needed),
         cells=cells,
-        step=own if isinstance(own := response.settings.get("step"), float) else step,
+        step=own if isinstance(own := response.settings.get("step_s"), float) else step,
         settings=response.settings,
         warnings=warnings,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from fem.flexible_body.running import exudyn_version
 from validation.excitation import words
 from validation.excitation.asked import LARGE, LINEAR
 from validation.excitation.figures import Outcome, RingDown
@@ -104,9 +105,8 @@ def notes(made: Ready, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
 
 
 def _how(made: Ready, outcomes: Sequence[Outcome]) -> Iterator[str]:
-    question, settings = made.question, outcomes[0].settings
-    by = f"{settings.get('program', 'massline')} {settings.get('version', '')}".strip()
-    what = "exact recursion of its modes" if made.route.name == LINEAR else f"integration by {by}"
+    question = made.question
+    what = "exact recursion of its modes" if made.route.name == LINEAR else f"integration by exudyn {exudyn_version()}"
     if made.route.name == LARGE:
         own = "one rigid body" if as_one_body(made) else "exudyn's own bodies and beams"
         what = f"{what} of {own} on a base that turns, instead of the model above"
