@@ -24,6 +24,7 @@ COMMANDS = {
     "pendulum": "Reduce pendulum periods to moments of inertia.",
     "modes": "Eigenfrequencies, mode shapes and effective masses.",
     "dynamic-mass": "The base-excited 6 x 6 dynamic mass over frequency.",
+    "excite": "Base excitation in time: sweeps, random, bursts; loads, load cells, resonances.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 
