@@ -1,13 +1,14 @@
 """The rope pendulum made of exudyn's items.
 
-The body is a rigid body on Euler parameters, so that it may turn as far as it likes; joints of ropes are mass points; a link that
-does not stretch is a distance constraint, one that does a spring. Viscous damping about the vertical is a torsional damper between
-ceiling and body. Exudyn makes the equations of motion of these; `statics` only says where everything is when it starts.
+The body is a rigid body on Euler parameters, so that it may turn as far as it likes; joints of ropes are mass points; a link
+that does not stretch is a distance constraint, one that does a spring. Viscous damping about the vertical is a torsional damper
+between ceiling and body. Exudyn makes the equations of motion of these; `statics` only says where everything is when it starts.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -79,10 +80,11 @@ class _Builder:
         return model
 
     def _body(self, pose: Pose, velocity: Array) -> Number:
-        from exudyn import rigidBodyUtilities as rigid
+        from exudyn import rigidBodyUtilities
 
-        parameters = np.array(rigid.RotationMatrix2EulerParameters(pose.rotation))
-        rates = rigid.AngularVelocity2EulerParameters_t(pose.rotation.T @ velocity[3:], parameters)
+        rotations: Any = rigidBodyUtilities
+        parameters = np.array(rotations.RotationMatrix2EulerParameters(pose.rotation))
+        rates = rotations.AngularVelocity2EulerParameters_t(pose.rotation.T @ velocity[3:], parameters)
         node = self.system.AddNode(
             self.items.NodeRigidBodyEP(
                 referenceCoordinates=[*pose.place, *parameters], initialVelocities=[*velocity[:3], *np.ravel(rates)]
@@ -116,7 +118,7 @@ class _Builder:
         top = self._marker("MarkerBodyPosition", bodyNumber=ceiling, localPosition=self.work.anchors[i].tolist())
         foot = self._marker("MarkerBodyPosition", bodyNumber=body, localPosition=self.work.feet[i].tolist())
         ends = [top, *(self._marker("MarkerNodePosition", nodeNumber=node) for node in joints), foot]
-        return [self._link(i, [a, b], stretching) for a, b in zip(ends[:-1], ends[1:], strict=True)][-1]
+        return [self._link(i, [a, b], stretching) for a, b in pairwise(ends)][-1]
 
     def _link(self, i: int, ends: list[Number], stretching: float) -> Number:
         length, compliance = float(self.work.link_lengths[i]), float(self.work.compliance[i])

@@ -1,7 +1,7 @@
 """Small swings about the equilibrium: the period that an amplitude of nothing would have, and the fastest motion of the ropes.
 
-Mass and stiffness are those of `statics` at rest: links that stretch add G^T G / c, links that do not take their direction away from
-the motions. No exudyn in it: it says beforehand what step a simulation needs, and afterwards whether it was right.
+Mass and stiffness are those of `statics` at rest: links that stretch add G^T G / c, links that do not take their direction away
+from the motions. No exudyn in it: it says beforehand what step a simulation needs, and afterwards whether it was right.
 """
 
 from __future__ import annotations

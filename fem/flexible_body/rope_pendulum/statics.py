@@ -1,6 +1,7 @@
 """Where the body hangs at rest: statics of a rigid body on chains of links, some of which stretch.
 
-The unknowns are the body's place x and rotation R, the joints p of the chains, and the tension T of every link. The stationary point of
+The unknowns are the body's place x and rotation R, the joints p of the chains, and the tension T of every link. The stationary
+point of
 
     Pi = sum of weights times heights + sum_k [T_k (|d_k| - L_k) - c_k T_k² / 2],     d_k from one end of link k to the other,
 
@@ -9,8 +10,8 @@ is equilibrium in x, R, p and, in T, the law of the link: ``|d| = L + c T``, wit
     [ H   G^T ] [dq]     [ G^T T + weight ]
     [ G   -c  ] [dT] = - [ |d| - L - c T  ]
 
-with H = sum_k T_k d²|d_k|, the geometric stiffness, converges from the level body. Rotations are moved by small rotation vectors in
-the fixed frame. With `twist` held, the rotation about the vertical is no unknown.
+with H = sum_k T_k d²|d_k|, the geometric stiffness, converges from the level body. Rotations are moved by small rotation vectors
+in the fixed frame. With `twist` held, the rotation about the vertical is no unknown.
 """
 
 from __future__ import annotations
@@ -121,7 +122,7 @@ def ropework(inertia: Inertia, suspension: Suspension, gravity: float) -> Ropewo
         body=Inertia.from_cog(body.mass, np.zeros(3), body.tensor_cog),
         article=-body.cog,
         feet=suspension.feet - body.cog,
-        anchors=suspension.feet + [0.0, 0.0, suspension.length],
+        anchors=suspension.feet + np.array([0.0, 0.0, suspension.length]),
         link_lengths=links,
         links=suspension.links,
         compliance=links / suspension.stiffness if suspension.stiffness else np.zeros(suspension.ropes),

@@ -1,8 +1,8 @@
-"""`Suspension`: how a body hangs - ropes, where they hold it, what they weigh and how far they stretch - and how it is set swinging.
+"""`Suspension`: how a body hangs - ropes, where they hold it, what they weigh, how far they stretch - and how it is set swinging.
 
-Axes as the body hangs: z upwards, the origin in its CoG. Every rope goes straight up from its foot to the ceiling before the body is
-let down on it, so that ropes of one length hold a centred body level. What ropes stretch and what an off-centre CoG tilts comes
-out of the statics.
+Axes as the body hangs: z upwards, the origin in its CoG. Every rope goes straight up from its foot to the ceiling before the
+body is let down on it, so that ropes of one length hold a centred body level. What ropes stretch and what an off-centre CoG tilts
+comes out of the statics.
 """
 
 from __future__ import annotations

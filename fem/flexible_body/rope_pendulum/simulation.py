@@ -3,6 +3,10 @@
 Exudyn's generalised-alpha method, constraints on position level (index 3), spectral radius 0.9. The period comes out too long by
 ``(omega h)² / 12`` of it, so `STEPS` steps a period leave 3e-6 (`tests/fem/rope_pendulum` show figure and rate).
 
+Exudyn's Newton method leaves the geometric stiffness of distance constraints out of its tangent. It then converges only while
+the step resolves the fastest sway of ropes that do not stretch, ``omega h < 1/sqrt(beta)``, about 1.9. Springs are in the tangent:
+with ropes that stretch even their fastest mode, far beyond the step, leaves the period right to the same 3e-6.
+
 It starts in the pose that the statics of the same ropes finds: at rest with the twist held and let go, or in equilibrium with the
 velocities of the small twist, so large that it swings as far. In both the velocities agree with the constraints.
 """
@@ -23,6 +27,7 @@ from fem.flexible_body.rope_pendulum.suspension import Suspension, refused, requ
 from fem.flexible_body.rope_pendulum.watch import Progress, Watch
 from fem.flexible_body.running import exudyn_version, finite, running
 from geometry.arrays import Array, frozen
+from geometry.errors import CheckFailed
 from geometry.inertia import Inertia
 
 STANDARD_GRAVITY = 9.80665
@@ -33,6 +38,9 @@ STEPS = 1000
 
 LEAST_STEPS = 200
 """Steps a period below which the method's own error, 8e-5 of the period, would pass for an effect of the ropes."""
+
+RESOLVED = 1.5
+"""Largest ``omega h`` of the fastest sway of ropes that do not stretch."""
 
 RADIUS = 0.9
 """Spectral radius of the generalised-alpha method at infinite frequency."""
@@ -105,22 +113,31 @@ def swing(
     work = ropework(inertia, suspension, gravity)
     rest = at_rest(work)
     small = swings(work, rest)
-    h, every = _steps(small, step, rate)
+    h, every = _steps(small, step, rate, stretching=bool(work.compliance.any()))
     start, velocity = _start(work, rest, small, suspension)
     steps = every * int(np.ceil(duration / (h * every) - 1e-9))
     with running(TASK) as exudyn:
         model = build(exudyn, work, start, velocity, _torsional(small, suspension), _stretching(work, suspension))
-        _integrate(exudyn, model, h, steps, every, progress)
+        Watch(steps=steps, step=h, progress=progress).run(model.system, _solver(exudyn, work, h, steps, every), TASK)
         return _told(model, work, small, _settings(suspension, small, h, every, gravity))
 
 
-def _steps(small: Swings, step: float | None, rate: float | None) -> tuple[float, int]:
+def coarsest_step(small: Swings, *, stretching: bool) -> float:
+    """The longest step [s] with which `swing` gives a period of the body and not of the method."""
+    slow = small.period / LEAST_STEPS
+    return slow if stretching else min(slow, RESOLVED / float(small.omega[-1]))
+
+
+def _steps(small: Swings, step: float | None, rate: float | None, *, stretching: bool) -> tuple[float, int]:
     """The step [s] and how many of them there are from sample to sample."""
-    needed = small.period / LEAST_STEPS
-    wanted = small.period / STEPS if step is None else step
+    needed = coarsest_step(small, stretching=stretching)
+    wanted = min(small.period / STEPS, needed) if step is None else step
     require_positive("step", wanted, "s")
     if wanted > needed * (1 + 1e-9):
-        problem = f"{wanted:.4g} s is too coarse for a twist of {small.period:.4g} s"
+        fastest = 2 * np.pi / float(small.omega[-1])
+        problem = (
+            f"{wanted:.4g} s is too coarse for a twist of {small.period:.4g} s on ropes whose fastest sway takes {fastest:.3g} s"
+        )
         raise refused("step", problem, f"Use {needed:.3g} s or less")
     if rate is None:
         return wanted, 1
@@ -150,7 +167,8 @@ def _stretching(work: Ropework, suspension: Suspension) -> float:
     return float(whole / work.ropes * work.links)
 
 
-def _integrate(exudyn: Any, model: Model, h: float, steps: int, every: int, progress: Progress | None) -> None:
+def _solver(exudyn: Any, work: Ropework, h: float, steps: int, every: int) -> Any:
+    """Exudyn's settings of the run."""
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = h * every
@@ -158,7 +176,11 @@ def _integrate(exudyn: Any, model: Model, h: float, steps: int, every: int, prog
     run.numberOfSteps, run.endTime = steps, h * steps
     run.generalizedAlpha.spectralRadius = RADIUS
     run.newton.useModifiedNewton = True
-    Watch(steps=steps, step=h, progress=progress).run(model.system, settings, TASK)
+    run.adaptiveStep = False  # a step that fails is said, not made a hundred times smaller in silence
+    # What the rounding of places makes of the force of a stiff link cannot be iterated away.
+    stiffest = max((1 / c for c in work.compliance if c), default=0.0) * float(work.link_lengths.max())
+    run.newton.absoluteTolerance = 1e-12 * work.body.mass * work.gravity + 100 * np.finfo(float).eps * stiffest * work.links
+    return settings
 
 
 def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, object]) -> Swing:
@@ -172,7 +194,10 @@ def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, objec
     feet = centre[:, None, :] + np.einsum("tij,rj->tri", rotation, work.feet)
     top = np.broadcast_to(work.anchors[None, :, None, :], (n, work.ropes, 1, 3))
     chains = np.concatenate([top, joints.transpose(2, 0, 1, 3), feet[:, :, None, :]], axis=2)
-    tension = np.column_stack([np.linalg.norm(read(sensor)[:, 1:], axis=1) for sensor in model.lowest])
+    tension = np.column_stack(
+        [_along(read(sensor)[:, 1:], chain) for sensor, chain in zip(model.lowest, chains.swapaxes(0, 1), strict=True)]
+    )
+    _require_taut(time, tension)
     return Swing(
         time=time,
         yaw=np.unwrap(np.arctan2(rotation[:, 1, 0] - rotation[:, 0, 1], rotation[:, 0, 0] + rotation[:, 1, 1])),
@@ -183,6 +208,23 @@ def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, objec
         small_period=small.period,
         settings=settings,
     )
+
+
+def _along(force: Array, chain: Array) -> Array:
+    """Tension (n,) [N] in the lowest link of a rope: exudyn gives that of a constraint as a number, of a spring as a vector."""
+    if force.shape[1] == 1:
+        return force[:, 0]
+    link = chain[:, -1] - chain[:, -2]
+    return np.asarray(np.sum(force * link, axis=1) / np.linalg.norm(link, axis=1))
+
+
+def _require_taut(time: Array, tension: Array) -> None:
+    """Ropes cannot push, exudyn's links can."""
+    slack = np.argwhere(tension <= 0)
+    if len(slack):
+        (k, i) = slack[0]
+        said = f"rope {i + 1} slacks at {time[k]:.4g} s of the swing: it would have to push with {-tension[k, i]:.4g} N"
+        raise CheckFailed(f"{said}. Start with less, or hang the body more evenly", time=float(time[k]), rope=int(i + 1))
 
 
 def _settings(s: Suspension, small: Swings, h: float, every: int, gravity: float) -> dict[str, object]:
