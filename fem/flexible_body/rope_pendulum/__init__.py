@@ -5,7 +5,7 @@ stretch; the twist may be large, damped, and about a point that is not the CoG. 
 it elsewhere.
 """
 
-from fem.flexible_body.rope_pendulum.simulation import STANDARD_GRAVITY, Swing, swing
+from fem.flexible_body.rope_pendulum.simulation import STANDARD_GRAVITY, Swing, small_period, swing
 from fem.flexible_body.rope_pendulum.suspension import Suspension, hung, on_three_ropes, on_two_ropes
 
-__all__ = ["STANDARD_GRAVITY", "Suspension", "Swing", "hung", "on_three_ropes", "on_two_ropes", "swing"]
+__all__ = ["STANDARD_GRAVITY", "Suspension", "Swing", "hung", "on_three_ropes", "on_two_ropes", "small_period", "swing"]

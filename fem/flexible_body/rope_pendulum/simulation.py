@@ -4,8 +4,8 @@ Exudyn's generalised-alpha method, constraints on position level (index 3), spec
 ``(omega h)² / 12`` of it, so `STEPS` steps a period leave 3e-6 (`tests/fem/rope_pendulum` show figure and rate).
 
 Exudyn's Newton method leaves the geometric stiffness of distance constraints out of its tangent. It then converges only while
-the step resolves the fastest sway of ropes that do not stretch, ``omega h < 1/sqrt(beta)``, about 1.9. Springs are in the tangent:
-with ropes that stretch even their fastest mode, far beyond the step, leaves the period right to the same 3e-6.
+the step resolves the fastest sway of ropes that do not stretch, ``omega h < 1/sqrt(beta)``, about 1.9. Springs are in the
+tangent: with ropes that stretch even their fastest mode, far beyond the step, leaves the period right to the same 3e-6.
 
 It starts in the pose that the statics of the same ropes finds: at rest with the twist held and let go, or in equilibrium with the
 velocities of the small twist, so large that it swings as far. In both the velocities agree with the constraints.
@@ -120,6 +120,17 @@ def swing(
         model = build(exudyn, work, start, velocity, _torsional(small, suspension), _stretching(work, suspension))
         Watch(steps=steps, step=h, progress=progress).run(model.system, _solver(exudyn, work, h, steps, every), TASK)
         return _told(model, work, small, _settings(suspension, small, h, every, gravity))
+
+
+def small_period(inertia: Inertia, suspension: Suspension, gravity: float = STANDARD_GRAVITY) -> float:
+    """Period [s] of the small undamped twist, by statics alone.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `swing`.
+    """
+    work = ropework(inertia, suspension, gravity)
+    return swings(work, at_rest(work)).period
 
 
 def coarsest_step(small: Swings, *, stretching: bool) -> float:
