@@ -30,7 +30,7 @@ class Setup:
     Attributes
     ----------
     article : name
-    axis : of the article, upright
+    axis, along : of the article: upright, and on x, where two ropes are
     inertia : of the body as it hangs, about its CoG at the origin
     radii : s1 and s2 [m] as they are thought to be, for two ropes; the one radius for three
     height : [m] of the feet above the CoG
@@ -46,6 +46,7 @@ class Setup:
 
     article: str
     axis: str
+    along: str
     inertia: Inertia
     radii: tuple[float, ...]
     height: float

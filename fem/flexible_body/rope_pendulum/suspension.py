@@ -120,13 +120,18 @@ def hung(inertia: Inertia, axis: str = "z", along: str | None = None) -> Inertia
     ------
     BadInput : no such axis, or both the same.
     """
-    lying = along or ("x" if axis == "z" else "z")
-    for name, value in (("axis", axis), ("along", lying)):
+    ahead = along or lying(axis)
+    for name, value in (("axis", axis), ("along", ahead)):
         if value not in AXES:
             raise refused(name, f"x, y or z is expected, found {value!r}", "Name an axis of the article's own frame")
-    if lying == axis:
-        raise refused("along", f"{lying} is upright, no ropes can be set along it", "Name one of the two axes that lie")
-    return Inertia.from_cog(inertia.mass, np.zeros(3), inertia.tensor_cog).rotated(turned(axis, lying))
+    if ahead == axis:
+        raise refused("along", f"{ahead} is upright, no ropes can be set along it", "Name one of the two axes that lie")
+    return Inertia.from_cog(inertia.mass, np.zeros(3), inertia.tensor_cog).rotated(turned(axis, ahead))
+
+
+def lying(axis: str) -> str:
+    """The article's axis that is on x where nothing else is said: z where that lies, x where z is upright."""
+    return "x" if axis == "z" else "z"
 
 
 def turned(axis: str, along: str) -> Array:
