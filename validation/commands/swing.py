@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from geometry.errors import BadInput
 from validation.commands import options
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def command(
     question = setup(article, _words(words), asked)
     try:
         found = simulated(question, _watched(as_json))
-    except options.BadInput as error:
+    except BadInput as error:
         raise as_option(error) from None
     _write(found, out)
     _print(found, out, as_json)

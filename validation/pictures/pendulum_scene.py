@@ -1,4 +1,4 @@
-"""A rope pendulum rendered: the article where it is at one instant, its ropes from the ceiling, and the frame they are tied to."""
+"""A rope pendulum rendered: the article at one instant, its ropes from the ceiling, and the frame they are tied to."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ import numpy as np
 
 from geometry.arrays import Array, frozen
 from validation.pictures.bodies import DrawnBody
+from validation.pictures.moving import Integers, sharp_edges
 from validation.pictures.palette import INK, colours
 from validation.pictures.scene import SUPERSAMPLING, Image, Plotter, averaged, shot
 from validation.pictures.view import View, fitted
 
 ROPE, SPREADER, CEILING, AT_REST = "#8a6d3b", "#59616d", "#d9dde3", "#c3c8d0"
-CREASE = 30.0
+
+OVERHANG = 0.06
+"""Of the ceiling beyond the ropes [m]."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,11 +48,13 @@ class PendulumScene:
     Attributes
     ----------
     bodies : of the article, in the axes in which it hangs, origin in its CoG
+    edges : of every body, indices (e, 2) of the ends of its sharp edges
     rest : the pendulum at rest, drawn as an outline
     view : in which all instants fit
     """
 
     bodies: tuple[DrawnBody, ...]
+    edges: tuple[Integers, ...]
     rest: Instant
     view: View
 
@@ -60,7 +65,8 @@ def pendulum_scene(
     """The scene of `bodies` in an image of `size` [pixel] into which every one of `instants` fits."""
     vertices = np.concatenate([body.vertices for body in bodies])
     seen = [np.vstack([vertices @ one.rotation.T + one.place, one.chains.reshape(-1, 3)]) for one in (rest, *instants)]
-    return PendulumScene(bodies=tuple(bodies), rest=rest, view=fitted(np.concatenate(seen), size, margin))
+    view = fitted(np.concatenate([_box(rest.chains[:, 0]).points, *seen]), size, margin)
+    return PendulumScene(bodies=tuple(bodies), edges=tuple(map(sharp_edges, bodies)), rest=rest, view=view)
 
 
 def rendered(scene: PendulumScene, instant: Instant) -> Image:
@@ -71,13 +77,14 @@ def rendered(scene: PendulumScene, instant: Instant) -> Image:
 
 def _all(plotter: Plotter, scene: PendulumScene, instant: Instant) -> None:
     colour = colours(body.material for body in scene.bodies)
-    _ceiling(plotter, instant.chains[:, 0])
-    for body in scene.bodies:
-        _lines(plotter, body, scene.rest, AT_REST)
-        _body(plotter, body, instant, colour[body.material])
-        _lines(plotter, body, instant, INK)
+    plotter.add_mesh(_box(instant.chains[:, 0]), color=CEILING, ambient=0.7, diffuse=0.3)
+    for body, edges in zip(scene.bodies, scene.edges, strict=True):
+        points = _placed(body, instant)
+        _lines(plotter, edges, _placed(body, scene.rest), AT_REST)
+        _body(plotter, body, points, colour[body.material])
+        _lines(plotter, edges, points, INK)
     for chain in instant.chains:
-        _polyline(plotter, chain, ROPE, 2.4)
+        _polyline(plotter, chain, ROPE, 3.0)
     _spreader(plotter, instant)
 
 
@@ -85,33 +92,28 @@ def _placed(body: DrawnBody, instant: Instant) -> Array:
     return np.asarray(body.vertices @ instant.rotation.T + instant.place)
 
 
-def _mesh(body: DrawnBody, points: Array):  # type: ignore[no-untyped-def]  # a `pyvista.PolyData`; imported inside
+def _body(plotter: Plotter, body: DrawnBody, points: Array, colour: str) -> None:
     import pyvista
 
-    return pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
-
-
-def _body(plotter: Plotter, body: DrawnBody, instant: Instant, colour: str) -> None:
-    mesh = _mesh(body, _placed(body, instant))
+    mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
     plotter.add_mesh(mesh, color=colour, ambient=0.55, diffuse=0.55, specular=0.05)
 
 
-def _lines(plotter: Plotter, body: DrawnBody, instant: Instant, colour: str) -> None:
-    mesh = _mesh(body, _placed(body, instant))
-    edges = mesh.extract_feature_edges(CREASE, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
-    if edges.n_cells:
-        plotter.add_mesh(edges, color=colour, line_width=0.8 * SUPERSAMPLING, lighting=False)
-
-
-def _ceiling(plotter: Plotter, anchors: Array) -> None:
-    """A plate above the ropes' upper ends."""
+def _lines(plotter: Plotter, edges: Integers, points: Array, colour: str) -> None:
     import pyvista
 
-    reach = 0.25 * float(np.ptp(anchors[:, :2], axis=0).max())
-    (x0, y0), (x1, y1) = anchors[:, :2].min(axis=0) - reach, anchors[:, :2].max(axis=0) + reach
-    z = float(anchors[:, 2].max())
-    plate = pyvista.Box(bounds=(x0, x1, y0, y1, z, z + 0.06 * reach))
-    plotter.add_mesh(plate, color=CEILING, ambient=0.7, diffuse=0.3)
+    if len(edges):
+        lines = pyvista.PolyData(points, lines=np.column_stack([np.full(len(edges), 2), edges]).ravel())
+        plotter.add_mesh(lines, color=colour, line_width=0.8 * SUPERSAMPLING, lighting=False)
+
+
+def _box(anchors: Array):  # type: ignore[no-untyped-def]  # a `pyvista.PolyData`; the library is imported inside
+    """The ceiling, as much of it as the ropes need."""
+    import pyvista
+
+    (x0, y0, z), (x1, y1, _) = anchors.min(axis=0) - OVERHANG, anchors.max(axis=0) + OVERHANG
+    z += OVERHANG
+    return pyvista.Box(bounds=(x0, x1, y0, y1, z, z + OVERHANG / 4))
 
 
 def _spreader(plotter: Plotter, instant: Instant) -> None:

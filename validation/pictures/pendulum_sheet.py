@@ -73,7 +73,7 @@ def pendulum_picture(swing: DrawnSwing, path: Path, about: str = "") -> None:
     canvas = figure.add_axes((0, 0, 1, 1))
     canvas.set_axis_off()
     canvas.imshow(image, interpolation="none", aspect="auto")
-    more = {"metadata": {ABOUT: about}} if about else {}
+    more: dict[str, Any] = {"metadata": {ABOUT: about}} if about else {}
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
 
 

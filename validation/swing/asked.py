@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def setup(article: str, words: Words, asked: Asked) -> Setup:
     off_centre = _pair(words.off_centre)
     height = value.get("height", HEIGHT)
     rope_mass = value.get("rope_mass", 0.0)
-    fields: dict[str, object] = {
+    fields: dict[str, Any] = {
         "length": value["length"],
         "amplitude": value["amplitude"],
         "damping_ratio": value.get("damping", 0.0),

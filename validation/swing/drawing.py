@@ -18,7 +18,7 @@ from validation.swing.record import Record
 from validation.swing.shifts import Simulated
 
 FRAMES_A_SECOND = 12
-CYCLES = 2.0
+CYCLES = 1.0
 """Of the animation, which runs in its own time and begins anew."""
 
 
@@ -82,5 +82,5 @@ def _instant(swing: Swing, k: int) -> Instant:
 
 
 def _at_rest(swing: Swing) -> Instant:
-    """The sample nearest to no twist, turned back what is left of it."""
+    """The sample nearest to no twist."""
     return _instant(swing, int(np.argmin(np.abs(swing.yaw))))

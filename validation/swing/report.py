@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -80,11 +81,7 @@ def _periods(found: Simulated) -> Grid:
     small = record.swing.small_period
     lines = [
         ("by Eq. 5 from the inertia", f"{setup.ideal_period:.6f}", ""),
-        (
-            "small swings, by statics",
-            f"{record.swing.small_period:.6f}",
-            _percent(record.swing.small_period / setup.ideal_period - 1),
-        ),
+        ("small swings, by statics", f"{small:.6f}", _percent(small / setup.ideal_period - 1)),
         (f"recorded, {record.decay.cycles:.1f} cycles", f"{record.period:.6f}", _percent(record.shift)),
     ]
     return Grid(header=("period", "T [s]", "from Eq. 5 [%]"), lines=_columns(lines))
@@ -112,7 +109,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:+.4f}"
 
 
-def _columns(lines: list[tuple[str, ...]], *, words: bool = False) -> tuple[tuple[str, ...], ...]:
+def _columns(lines: Sequence[tuple[str, ...]], *, words: bool = False) -> tuple[tuple[str, ...], ...]:
     columns = list(zip(*lines, strict=True))
     last = len(columns) - 1 if words else len(columns)
     shown = [columns[0], *map(aligned, columns[1:last]), *columns[last:]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -86,25 +87,25 @@ class Setup:
     def alone(self, effect: str | None) -> Setup:
         """The same with `effect` alone, on ropes that are ideal otherwise; None leaves nothing but the ideal."""
         s = self.suspension
-        keep = {
+        fields: dict[str, dict[str, Any]] = {
             "amplitude": {"amplitude": s.amplitude},
             "damping": {"damping_ratio": s.damping_ratio},
             "rope-mass": {"rope_mass": s.rope_mass, "links": s.links},
             "rope-stretch": {"stiffness": s.stiffness},
             "unequal ropes": {"extra": s.extra},
-        }.get(effect or "", {})
+        }
         off_centre = self.off_centre if effect == "off-centre" else (0.0, 0.0)
-        ideal = {"length": s.length, "amplitude": SMALL, "start": s.start}
+        ideal = {"length": s.length, "amplitude": SMALL, "start": s.start, **fields.get(effect or "", {})}
         return replace(
             self,
             off_centre=off_centre,
-            suspension=suspended(self.radii, self.height, off_centre, **(ideal | keep)),
+            suspension=suspended(self.radii, self.height, off_centre, **ideal),
             noise=0.0,
             step=None,
         )
 
 
-def suspended(radii: Sequence[float], height: float, off_centre: Sequence[float], **fields: object) -> Suspension:
+def suspended(radii: Sequence[float], height: float, off_centre: Sequence[float], **fields: Any) -> Suspension:
     """Two ropes where `radii` (2,) [m] are s1 and s2, three where it is the one radius.
 
     Raises

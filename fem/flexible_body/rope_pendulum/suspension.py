@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -82,7 +82,7 @@ class Suspension:
 
 
 def on_two_ropes(
-    s1: float, s2: float, *, height: float = HEIGHT, off_centre: Sequence[float] = (0.0, 0.0), **more: object
+    s1: float, s2: float, *, height: float = HEIGHT, off_centre: Sequence[float] = (0.0, 0.0), **more: Any
 ) -> Suspension:
     """Two ropes `s1` and `s2` [m] to either side of where the CoG is thought to be, along x, feet `height` [m] above it.
 
@@ -97,9 +97,7 @@ def on_two_ropes(
     return _moved(np.array([[-s1, 0.0, height], [s2, 0.0, height]]), off_centre, more)
 
 
-def on_three_ropes(
-    radius: float, *, height: float = HEIGHT, off_centre: Sequence[float] = (0.0, 0.0), **more: object
-) -> Suspension:
+def on_three_ropes(radius: float, *, height: float = HEIGHT, off_centre: Sequence[float] = (0.0, 0.0), **more: Any) -> Suspension:
     """Three ropes evenly on a circle of `radius` [m], the first on the x axis; see `on_two_ropes`.
 
     Raises
@@ -156,9 +154,9 @@ def require_positive(name: str, value: float, unit: str) -> None:
         raise refused(name, f"it must be positive, found {value:.6g} {unit}".rstrip(), "Check the sign and the number")
 
 
-def _moved(feet: npt.NDArray[np.float64], off_centre: Sequence[float], more: dict[str, object]) -> Suspension:
+def _moved(feet: npt.NDArray[np.float64], off_centre: Sequence[float], more: dict[str, Any]) -> Suspension:
     shift = np.array([*off_centre, 0.0])
-    return Suspension(feet=feet - shift, **more)  # type: ignore[arg-type]  # names are checked by the constructor
+    return Suspension(feet=feet - shift, **more)
 
 
 def _require_sizes(s: Suspension) -> None:
