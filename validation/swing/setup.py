@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fem.flexible_body.rope_pendulum import STANDARD_GRAVITY, Suspension, on_three_ropes, on_two_ropes
+from fem.flexible_body.rope_pendulum.suspension import require_positive
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from validation.pendulum import rope_pendulum
@@ -121,8 +122,10 @@ def require_recordable(setup: Setup) -> None:
 
     Raises
     ------
-    BadInput : ropes that would cross or lie flat, too few cycles, too slow a recorder, negative noise.
+    BadInput : no mass or gravity, ropes that would cross or lie flat, too few cycles, too slow a recorder, negative noise.
     """
+    require_positive("mass", setup.inertia.mass, "kg")
+    require_positive("gravity", setup.gravity, "m/s²")
     s1, s2 = setup.s1_s2
     kappa = setup.inertia.mass * s1 * s2 / setup.reference
     rope_amplitude_factor(setup.suspension.amplitude, (max(s1, s2) / setup.suspension.length) ** 2, kappa)

@@ -187,10 +187,11 @@ def _solver(exudyn: Any, work: Ropework, h: float, steps: int, every: int) -> An
     run.numberOfSteps, run.endTime = steps, h * steps
     run.generalizedAlpha.spectralRadius = RADIUS
     run.newton.useModifiedNewton = True
+    run.newton.relativeTolerance = 1e-11  # at 1e-8, exudyn's own, small swings came out too fast by 1e-6
     run.adaptiveStep = False  # a step that fails is said, not made a hundred times smaller in silence
     # What the rounding of places makes of the force of a stiff link cannot be iterated away.
     stiffest = max((1 / c for c in work.compliance if c), default=0.0) * float(work.link_lengths.max())
-    run.newton.absoluteTolerance = 1e-12 * work.body.mass * work.gravity + 100 * np.finfo(float).eps * stiffest * work.links
+    run.newton.absoluteTolerance = 1e-14 * work.body.mass * work.gravity + 20 * np.finfo(float).eps * stiffest * work.links
     return settings
 
 
