@@ -143,7 +143,8 @@ def _carriers(name: str, modes: Modes) -> tuple[Array, Array]:
     """Frequencies (m,) [rad/s] and participation (6, m) of modes with sum of L L^T / omega² = R, within the mass that is left.
 
     With R V = M V diag(mu), V^T M V = 1, M the mass beside the kept modes, mode s is L_s = omega_s sqrt(mu_s) M v_s, which takes
-    the share omega_s² mu_s of the mass in its direction.
+    the share omega_s² mu_s of the mass in its direction. Where mu is negative, as extrapolation from mesh to mesh can leave it, R
+    is less than it is known to, and left out.
     """
     from scipy.linalg import eigh
 

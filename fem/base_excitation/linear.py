@@ -44,7 +44,7 @@ def respond(rig: Rig, motion: BaseMotion, *, keep_coordinates: bool = False, pro
     n, cells, names = len(done.samples), len(structure.cells), list(structure.places)
     widths = [TABLE, TABLE, 3 * cells, 3 * len(names)]
     loads, cover, forces, places, coordinates = np.split(done.samples, np.cumsum(widths), axis=1)
-    warning = ring_down.judged(motion.driven + ring_down.lasting(system, load(structure), done), motion)
+    warning = ring_down.judged(motion.driven + ring_down.lasting(structure, system, done), motion)
     return Response(
         sampling_rate=motion.sampling_rate,
         table=motion.acceleration,

@@ -1,7 +1,8 @@
 """How long a record must go on after the drive ends, so that what still rings is nothing that a spectrum would miss.
 
 At the end of the drive every mode has a state, from which it decays with its own pole. The record is long enough when each of
-them loads the table by less than a share of the greatest load of the run, forces and moments apart.
+them loads the table by less than a share of the greatest load of the run, a moment counting as the force that makes it at the
+radius of gyration.
 """
 
 from __future__ import annotations
@@ -11,14 +12,17 @@ from dataclasses import replace
 import numpy as np
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.driven_states import Channels, Run, driven, load, run, seen
+from fem.base_excitation.driven_states import Run, driven, load, run, seen
 from fem.base_excitation.recursion import States, poles
 from fem.base_excitation.rig import Rig
-from fem.base_excitation.rig_structure import TABLE, matrices
+from fem.base_excitation.rig_structure import TABLE, RigStructure, matrices
 from geometry.arrays import Array
 
 SHARE = 1e-4
 """Share of the greatest load below which what is left of a mode does no harm."""
+
+HAIR = 0.01
+"""Share of a ring-down by which a record may be short without a word: its length may come from another sampling rate."""
 
 UNDAMPED = 1e-14
 """Decay as a share of the highest frequency that is nothing but rounding."""
@@ -35,8 +39,8 @@ def needed(rig: Rig, motion: BaseMotion, share: float = SHARE) -> float:
     CheckFailed : something on the table swings freely.
     """
     structure = matrices(_linear(rig))
-    system, channels = driven(structure), load(structure)
-    return motion.driven + lasting(system, channels, run(structure, system, channels, motion), share)
+    system = driven(structure)
+    return motion.driven + lasting(structure, system, run(structure, system, load(structure), motion), share)
 
 
 def warning(rig: Rig, motion: BaseMotion) -> str:
@@ -51,7 +55,7 @@ def warning(rig: Rig, motion: BaseMotion) -> str:
 
 def judged(length: float, motion: BaseMotion) -> str:
     """The sentence of `warning`, from the `length` [s] that is needed."""
-    if motion.duration + 1 / motion.sampling_rate >= length:
+    if motion.duration + 1 / motion.sampling_rate >= length - HAIR * (length - motion.driven):
         return ""
     cut = f"The record ends at {motion.duration:.4g} s"
     if not np.isfinite(length):
@@ -60,30 +64,25 @@ def judged(length: float, motion: BaseMotion) -> str:
     return f"{cut}, {rest}: {length:.4g} s are needed until no mode loads the table by more than {SHARE:g} of the greatest load"
 
 
-def lasting(system: States, channels: Channels, done: Run, share: float = SHARE) -> float:
-    """[s] after the drive until every mode's load has fallen below `share` of the greatest.
-
-    Parameters
-    ----------
-    channels : of the load
-    done : with the load as its first six channels
-    """
-    peak, uncoupled, wanted = _norms(done.samples[:, :TABLE].T).max(axis=1), poles(system), seen(channels, system).of_states
+def lasting(structure: RigStructure, system: States, done: Run, share: float = SHARE) -> float:
+    """[s] after the drive until every mode's load has fallen below `share` of the greatest; `done` begins with the load."""
+    uncoupled, wanted = poles(system), seen(load(structure), system).of_states
     if uncoupled is None:  # modes that cannot be told apart: all together, with the slowest decay
         decay = -np.array([np.linalg.eigvals(system.A).real.max()])
         loads = np.linalg.norm(wanted, axis=1)[:, None] * np.linalg.norm(done.state)
     else:
         decay, loads = -uncoupled.pole.real, np.abs((wanted @ uncoupled.shape) * (uncoupled.project @ done.state))
-    over = np.max(_norms(loads) / np.maximum(share * peak, np.finfo(np.float64).tiny)[:, None], axis=0, initial=0.0)
-    rings = over > 1
+    left, greatest = _size(structure, loads), _size(structure, done.samples[:, :TABLE].T).max()
+    rings = left > share * greatest
     if np.any(decay[rings] <= UNDAMPED * np.linalg.norm(system.A, 2)):
         return float("inf")
-    return float(np.max(np.log(over[rings]) / decay[rings], initial=0.0))
+    return float(np.max(np.log(left[rings] / (share * greatest)) / decay[rings], initial=0.0))
 
 
-def _norms(loads: Array) -> Array:
-    """(2, k) forces and moments of `loads` (6, k)."""
-    return np.array([np.linalg.norm(loads[:3], axis=0), np.linalg.norm(loads[3:], axis=0)])
+def _size(structure: RigStructure, loads: Array) -> Array:
+    """(k,) [N] size of `loads` (6, k), moments over the radius of gyration about F."""
+    M = np.diag(structure.mass)[:TABLE]
+    return np.asarray(np.sqrt((loads[:3] ** 2).sum(axis=0) + (loads[3:] ** 2).sum(axis=0) * M[:3].sum() / M[3:].sum()))
 
 
 def _linear(rig: Rig) -> Rig:

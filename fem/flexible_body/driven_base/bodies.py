@@ -44,24 +44,24 @@ class Reduced:
 
 def massless(scene: Scene) -> Rigid:
     """A table: no mass, so that what moves it is the load of what stands on it and nothing else."""
-    return _rigid(scene, mass=0.0, centerOfMass=[0.0] * 3, inertia=[0.0] * 6)
+    return _rigid(scene, "table", mass=0.0, centerOfMass=[0.0] * 3, inertia=[0.0] * 6)
 
 
-def rigid(scene: Scene, inertia: Inertia, source: str) -> Rigid:
+def rigid(scene: Scene, inertia: Inertia, name: str) -> Rigid:
     """A body with `inertia` about the origin.
 
     Raises
     ------
     BadInput : no body has this inertia.
     """
-    six = to_exudyn(inertia, source)
-    return _rigid(scene, mass=six.Mass(), centerOfMass=list(six.COM()), inertia=list(six.GetInertia6D()))
+    six = to_exudyn(inertia.about(np.zeros(3)), name)
+    return _rigid(scene, name, mass=six.Mass(), centerOfMass=list(six.COM()), inertia=list(six.GetInertia6D()))
 
 
 def reduced(scene: Scene, article: Body, seat: Array) -> Reduced:
     """The article's matrices as they are, its origin at `seat` (3,) [m]."""
     matrices, size = article.reduced, article.reduced.mass.shape[0]
-    node = _node(scene, seat)
+    node = _node(scene, seat, "base of the article")
     modes = _generic(scene, size - BASE) if size > BASE else None
     item = scene.items.ObjectGenericODE2(
         nodeNumbers=[node] if modes is None else [node, modes],
@@ -72,16 +72,18 @@ def reduced(scene: Scene, article: Body, seat: Array) -> Reduced:
     return Reduced(body=int(scene.system.AddObject(item)), node=node, modes=modes)
 
 
-def _rigid(scene: Scene, **inertia: Any) -> Rigid:
-    node = _node(scene, np.zeros(3))
+def _rigid(scene: Scene, name: str, **inertia: Any) -> Rigid:
+    node = _node(scene, np.zeros(3), name)
     body = scene.system.AddObject(scene.items.ObjectRigidBody(nodeNumber=node, **inertia))
     return Rigid(body=int(body), node=node)
 
 
-def _node(scene: Scene, position: Array) -> Number:
-    return int(scene.system.AddNode(scene.items.NodeRigidBodyRxyz(referenceCoordinates=[*position.tolist(), 0.0, 0.0, 0.0])))
+def _node(scene: Scene, position: Array, name: str) -> Number:
+    places = [*position.tolist(), 0.0, 0.0, 0.0]
+    return int(scene.system.AddNode(scene.items.NodeRigidBodyRxyz(name=name, referenceCoordinates=places)))
 
 
 def _generic(scene: Scene, size: int) -> Number:
     rest = {name: [0.0] * size for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
-    return int(scene.system.AddNode(scene.items.NodeGenericODE2(numberOfODE2Coordinates=size, **rest)))
+    node = scene.items.NodeGenericODE2(name="article", numberOfODE2Coordinates=size, **rest)
+    return int(scene.system.AddNode(node))

@@ -35,7 +35,7 @@ class Drive:
         self.targets = targets
         self.rate = rate
         self.progress = progress
-        self.step = 0
+        self.step, self.steps = 0, len(targets) - 1
         self.stopped: BaseException | None = None
 
     def __call__(self, system: Any, time: float) -> bool:
@@ -52,9 +52,9 @@ class Drive:
             system.SetObjectParameter(axis, "offset", value)
         for other in self.others:
             other(system)
-        steps = len(self.targets) - 1
-        if self.progress is not None and self.step % max(1, steps // TOLD) == 0:
-            self.progress(self.step / steps)
+        due = self.step % max(1, self.steps // TOLD) == 0 or self.step == self.steps
+        if self.progress is not None and due:
+            self.progress(self.step / self.steps)
 
 
 def driven(scene: Scene, table: Rigid, *, velocity: bool) -> tuple[Number, ...]:

@@ -4,10 +4,10 @@ It hangs on bristles, a spring and a damper between part and flange that cannot 
 
     f = min(max(k (q - s) + d q', -F), F),
 
-q being how far the part has moved on the flange. What the bristles cannot follow is slip: after every step s becomes the q - (f - d
-q') / k of its end, which is the backward Euler method of an elastic, perfectly plastic spring (Simo & Hughes, Computational
-Inelasticity, 1998, section 1.4). Sticking, the part would swing at `STICKING` [Hz], far above anything that is driven, and adds its mass at
-the article's origin but for a share (f / STICKING)².
+q being how far the part has moved on the flange. What the bristles cannot follow is slip: after every step s becomes the
+q - (f - d q') / k of its end, which is the backward Euler method of an elastic, perfectly plastic spring (Simo & Hughes,
+Computational Inelasticity, 1998, section 1.4). Sticking, the part would swing at `STICKING` [Hz], far above anything that is
+driven, and adds its mass at the article's origin but for a share (f / STICKING)².
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ STICKING_RATIO = 0.3
 def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> None:
     """Put the loose part of `friction` on the base of `article`, which stands at `seat` (3,) [m]."""
     items, system = scene.items, scene.system
-    part = system.AddNode(items.NodePoint(referenceCoordinates=seat.tolist()))
+    part = system.AddNode(items.NodePoint(name="loose part", referenceCoordinates=seat.tolist()))
     system.AddObject(items.ObjectMassPoint(mass=friction.mass, nodeNumber=part))
     loose = LATERAL.index(friction.axis)
     for axis in {0, 1, 2} - {loose}:

@@ -24,6 +24,8 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
     try:
         done = scene.system.SolveDynamic(settings)
     except Exception as error:
+        if "KeyboardInterrupt" in str(error):  # at the very moment when exudyn called back: it makes an error of its own of it
+            return KeyboardInterrupt()
         done, said = False, str(error)
     if not done and drive.stopped is None:
         raise _astray(scene, drive, said)
@@ -31,11 +33,27 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
 
 
 def _astray(scene: Scene, drive: Drive, said: str) -> CheckFailed:
-    q, rate = (np.array(values) for values in _state(scene))
-    worst = int(np.argmax(np.abs(q)))
-    return CheckFailed(f"{exudyn_version()} {said} {drive.step} {q[worst]} {rate[worst]}")
-
-
-def _state(scene: Scene) -> tuple[Any, Any]:
     data = scene.system.systemData
-    return data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+    q, rates = (np.asarray(values, dtype=np.float64) for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()))
+    worst = int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf)))
+    time, name = drive.step / drive.rate, _coordinate(scene, worst)
+    return CheckFailed(
+        f"exudyn {exudyn_version()} lost the rig at {time:.6g} s, in step {drive.step} of {drive.steps}: {said}. "
+        f"The largest of its last state is {name}, at {q[worst]:.4g} and changing by {rates[worst]:.4g} a second. "
+        "Take more steps a sample, and look for a damping or stiffness that feeds energy in.",
+        time=time,
+        step=drive.step,
+        coordinate=name,
+        value=float(q[worst]),
+        rate=float(rates[worst]),
+    )
+
+
+def _coordinate(scene: Scene, number: int) -> str:
+    """Name of one of exudyn's coordinates of second order."""
+    found = "none"
+    for node in range(scene.system.systemData.NumberOfNodes()):
+        first = scene.system.GetNodeODE2Index(node)
+        if 0 <= first <= number:
+            found = f"coordinate {number - first + 1} of the {scene.system.GetNode(node)['name']}"
+    return found

@@ -7,11 +7,13 @@ import numpy as np
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Rig
+from fem.base_excitation.rig_check import require_usable
 from fem.flexible_body.driven_base.assembly import Assembled, assembled
 from fem.flexible_body.driven_base.drive import Drive, Progress, targets
 from fem.flexible_body.driven_base.integration import integrate
 from fem.flexible_body.driven_base.scene import recorded
-from fem.flexible_body.driven_base.solver import Solver, described, residual, simulation
+from fem.flexible_body.driven_base.solver import Solver, described, simulation
+from fem.flexible_body.driven_base.steps import residual, subdivision
 from fem.flexible_body.running import finite, running
 from geometry.arrays import Array
 
@@ -33,20 +35,23 @@ def respond(
     BadInput : a rig, motion or solver that cannot be used.
     CheckFailed : the integration failed or went astray; with the time, the step and the last state.
     """
+    require_usable(rig)
     rate = motion.sampling_rate
+    steps = subdivision(rig, rate, solver)
+    velocity = solver.prescribes_velocity
+    allowed = residual(rig, motion, 1 / (rate * steps), solver)
     with running(TASK) as exudyn:
-        built = assembled(exudyn, rig, velocity=solver.prescribes_velocity)
-        path = targets(motion, solver.subdivision, velocity=solver.prescribes_velocity)
-        steering = Drive(built.scene, built.axes, path, rate * solver.subdivision, progress)
-        allowed = residual(solver, motion, rig)
-        settings = simulation(exudyn, solver, rate=rate, steps=len(path) - 1, allowed=allowed)
+        built = assembled(exudyn, rig, velocity=velocity)
+        steering = Drive(built.scene, built.axes, targets(motion, steps, velocity=velocity), rate * steps, progress)
+        samples = len(motion.acceleration)
+        settings = simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
         stopped = integrate(built.scene, settings, steering)
         if stopped is None:
-            return _response(built, rig, motion, solver, keep_coordinates)
+            return _response(built, rig, motion, described(solver, rate, steps), keep_coordinates)
     raise stopped
 
 
-def _response(built: Assembled, rig: Rig, motion: BaseMotion, solver: Solver, keep_coordinates: bool) -> Response:
+def _response(built: Assembled, rig: Rig, motion: BaseMotion, settings: dict[str, object], keep_coordinates: bool) -> Response:
     scene = built.scene
     acceleration = finite(recorded(scene, built.article), TASK)
     cells: Array = np.zeros((len(acceleration), 0, 3))
@@ -61,5 +66,5 @@ def _response(built: Assembled, rig: Rig, motion: BaseMotion, solver: Solver, ke
         places={name: acceleration @ shape.T for name, shape in rig.article.places.items()},
         coordinates=recorded(scene, built.coordinates) if keep_coordinates else np.zeros((0, 0)),
         reference_point=motion.reference_point,
-        settings=described(solver, motion.sampling_rate),
+        settings=settings,
     )

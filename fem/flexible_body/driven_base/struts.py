@@ -16,7 +16,7 @@ def attach(scene: Scene, strut: Strut, article: Body, stands: Reduced, seat: Arr
     position = seat + position_of(shape)
     other = place(scene, scene.ground if strut.to == "ground" else table.body, position)
     connector = scene.items.ObjectConnectorCartesianSpringDamper
-    ends = [_follower(scene, stands, shape, seat, position), other]
+    ends = [_follower(scene, strut.place, stands, shape, seat, position), other]
     scene.system.AddObject(connector(markerNumbers=ends, stiffness=strut.stiffness.tolist(), damping=strut.damping.tolist()))
 
 
@@ -26,10 +26,10 @@ def position_of(shape: Array) -> Array:
     return np.array([turn[1, 2] - turn[2, 1], turn[2, 0] - turn[0, 2], turn[0, 1] - turn[1, 0]]) / 2
 
 
-def _follower(scene: Scene, stands: Reduced, shape: Array, seat: Array, position: Array) -> Number:
+def _follower(scene: Scene, name: str, stands: Reduced, shape: Array, seat: Array, position: Array) -> Number:
     """A marker on a point without mass that one linear constraint ties to all coordinates of the article."""
     items, system = scene.items, scene.system
-    point = system.AddNode(items.NodePoint(referenceCoordinates=position.tolist()))
+    point = system.AddNode(items.NodePoint(name=name, referenceCoordinates=position.tolist()))
     system.AddObject(items.ObjectMassPoint(mass=0.0, nodeNumber=point))
     ends = [
         system.AddMarker(items.MarkerNodeCoordinates(nodeNumber=point)),

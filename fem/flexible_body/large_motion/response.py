@@ -15,11 +15,17 @@ from fem.flexible_body import native
 from fem.flexible_body.driven_base.drive import Drive, Progress, targets
 from fem.flexible_body.driven_base.integration import integrate
 from fem.flexible_body.driven_base.scene import Scene, recorded
-from fem.flexible_body.driven_base.solver import EPS, Solver, described, simulation
+from fem.flexible_body.driven_base.solver import Solver, described, simulation
 from fem.flexible_body.large_motion import gravity as weight
 from fem.flexible_body.large_motion import table as tables
 from fem.flexible_body.large_motion.article import plan_of
-from fem.flexible_body.large_motion.conditions import LOSS_FREQUENCY, Conditions, require_followable
+from fem.flexible_body.large_motion.conditions import (
+    LOSS_FREQUENCY,
+    SOLVER,
+    Conditions,
+    require_followable,
+    require_unconditional,
+)
 from fem.flexible_body.large_motion.table import Table
 from fem.flexible_body.large_motion.turning import Turning, turning
 from fem.flexible_body.losses import viscous
@@ -27,11 +33,13 @@ from fem.flexible_body.running import finite, running
 from fem.frame import Plan, placed
 from geometry.arrays import Array
 
+ROUTE = "exudyn, large motion: its own bodies and beams"
 TASK = "integrate the article on its moving base"
 
 ELEMENTS = 3
 """In a half-blade of Clumod, its mast has twice as many."""
 
+EPS = float(np.finfo(float).eps)
 ROUNDINGS = 8
 """Roundings of a coordinate that Newton's increments cannot get below."""
 
@@ -48,7 +56,7 @@ def respond(
     loss_frequency: float | None = LOSS_FREQUENCY,
     axes: str = "table",
     places: Mapping[str, Array] = NO_PLACES,
-    solver: Solver = Solver(),  # noqa: B008 - frozen
+    solver: Solver = SOLVER,
     progress: Progress | None = None,
 ) -> Response:
     """What the built-in article or stack called `article_name` does while the table follows `motion`.
@@ -75,7 +83,7 @@ def respond_of_plan(
     motion: BaseMotion,
     conditions: Conditions = Conditions(),  # noqa: B008 - frozen
     *,
-    solver: Solver = Solver(),  # noqa: B008 - frozen
+    solver: Solver = SOLVER,
     progress: Progress | None = None,
     settings: Mapping[str, object] = beam.NO_CHANGES,
 ) -> Response:
@@ -91,20 +99,22 @@ def respond_of_plan(
     BadInput, CheckFailed : as `respond`.
     """
     require_followable(motion)
+    require_unconditional(solver)
+    steps = solver.subdivision or 1
     with running(TASK) as exudyn:
-        scene, table = _assembled(exudyn, placed(plan, -motion.reference_point), motion, conditions, solver)
-        path = targets(motion, solver.subdivision, velocity=solver.prescribes_velocity)
+        scene, table = _assembled(exudyn, placed(plan, -motion.reference_point), motion, conditions)
         if conditions.gravity:
             weight.settle(scene)
-        steering = Drive(scene, table.axes, path, motion.sampling_rate * solver.subdivision, progress)
-        stopped = integrate(scene, _simulation(exudyn, motion, solver, len(path) - 1), steering)
+        path = targets(motion, steps, velocity=False)
+        steering = Drive(scene, table.axes, path, motion.sampling_rate * steps, progress)
+        stopped = integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
         if stopped is None:
-            told = {"route": "large motion, exudyn's own bodies and beams", **settings, **_said(conditions)}
-            return _response(scene, table, motion, conditions, {**told, **described(solver, motion.sampling_rate)})
+            told = {**described(solver, motion.sampling_rate, steps), **settings, **_said(conditions), "route": ROUTE}
+            return _response(scene, table, motion, conditions, told)
     raise stopped
 
 
-def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditions, solver: Solver) -> tuple[Scene, Table]:
+def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditions) -> tuple[Scene, Table]:
     """`plan`, whose origin is the reference point, on its table, with sensors."""
     damping = None if conditions.loss_frequency is None else viscous(plan, conditions.loss_frequency)
     article = native.build(exudyn, plan, held=False, damping=damping)
@@ -112,7 +122,7 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
     if conditions.gravity:
         weight.pull(scene, conditions.gravity)
     places = {name: place - motion.reference_point for name, place in conditions.places.items()}
-    table = tables.under(scene, article, places, velocity=solver.prescribes_velocity)
+    table = tables.under(scene, article, places, velocity=False)
     scene.system.Assemble()
     return scene, table
 
@@ -123,9 +133,10 @@ def _simulation(exudyn: Any, motion: BaseMotion, solver: Solver, steps: int) -> 
     Increments tell nothing of the joints' forces, so every step has a Jacobian of its own: with that of a table turned otherwise
     the moments are 18 % off after a radian while the coordinates are right to the last digit.
     """
-    step = 1 / (motion.sampling_rate * solver.subdivision)
-    allowed = max(solver.tolerance * float(np.abs(motion.acceleration).max()) * step**2, ROUNDINGS * EPS)
-    settings = simulation(exudyn, solver, rate=motion.sampling_rate, steps=steps, allowed=allowed)
+    rate = motion.sampling_rate
+    allowed = max(solver.tolerance * float(np.abs(motion.acceleration).max()) / (rate * steps) ** 2, ROUNDINGS * EPS)
+    samples = len(motion.acceleration)
+    settings = simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
     settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
     newton = settings.timeIntegration.newton
     newton.residualMode, newton.modifiedNewtonJacUpdatePerStep = 1, True

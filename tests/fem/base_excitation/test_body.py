@@ -1,5 +1,6 @@
 """Reduced bodies answer as the structure they come from, and refuse what does not belong to it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from fem.base_excitation import body
 from fem.base_excitation.rig import Body
 from fem.damping import Damping
 from fem.modes import Modes, fixed_base
-from fem.structure import Structure
+from fem.structure import Structure, rigid_motion
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
@@ -141,3 +142,22 @@ def test_a_place_off_the_structure_is_refused(four: Structure, modes: Modes) -> 
 def test_modes_without_shapes_are_refused(four: Structure, modes: Modes) -> None:
     with pytest.raises(BadInput, match="`modes`: shapes on all 402"):
         body.flexible("c", four, replace(modes, shapes=np.zeros((0, 30))))
+
+
+def test_a_solid_about_another_point_is_reduced_about_the_articles_origin(block: Callable[..., Structure]) -> None:
+    """A column of point masses and springs, whose base is not where its reference point is."""
+    column, point = block(2, 2, 4), np.array([0.3, -0.2, 0.1])
+    points = column.points
+    elsewhere = replace(column, reference_point=point, rigid=translations(points, point))
+    modes = fixed_base(elsewhere, 4, damping=Damping())
+    made = body.flexible("column", elsewhere, modes, places={"corner": points[-1]})
+    lines = np.array([0.0, 0.2, 0.4]) * modes.frequency[0]
+    expected = dynamic_mass.direct(elsewhere, lines, Damping()).about(np.zeros(3)).matrix
+    # Four of 36 modes and six static answers leave out what grows with the sixth power.
+    assert_allclose(dynamic_mass_of(made, lines), expected, atol=1e-6 * np.abs(expected).max())
+    assert_allclose(made.reduced.basis[:, :6], translations(points, np.zeros(3)), atol=1e-15)
+    assert_allclose(made.places["corner"], made.reduced.basis[-3:], atol=1e-15)
+
+
+def translations(points: np.ndarray, reference_point: np.ndarray) -> np.ndarray:
+    return rigid_motion(points, reference_point).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.body import rigid
 from fem.base_excitation.rig import Body, Cell
 from fem.reduction import Reduced
 from geometry.frames import rigid_transformation
@@ -50,11 +51,7 @@ def inertia() -> Inertia:
 @pytest.fixture(scope="session")
 def block(inertia: Inertia) -> Body:
     """The block as an article without a mode."""
-    nothing = np.zeros((6, 6))
-    matrices = Reduced(
-        stiffness=nothing, mass=inertia.mass_matrix, viscous=nothing, structural=nothing, interface=6, basis=np.eye(6)
-    )
-    return Body(name="block", reduced=matrices, kept=np.zeros(0), places={"corner": rigid_transformation([0.1, 0.2, 0.3])})
+    return rigid("block", inertia, {"corner": [0.1, 0.2, 0.3]})
 
 
 @pytest.fixture(scope="session")
@@ -68,3 +65,19 @@ def cells() -> tuple[Cell, ...]:
     """Four cells, so stiff that the block swings on them above 400 Hz."""
     corners = ((0.12, 0.12), (-0.12, 0.12), (-0.12, -0.12), (0.12, -0.12))
     return tuple(Cell(position=[x, y, 0.0], stiffness=[2e8, 2e8, 4e8], damping=[2e3] * 3) for x, y in corners)
+
+
+@pytest.fixture(scope="session")
+def reed(inertia: Inertia) -> Callable[..., Body]:
+    """The block with one mode: an oscillator at its tip that moves along x."""
+
+    def made(frequency: float, ratio: float) -> Body:
+        L, omega = np.array([2.0, 0.1, 0.1, 0.1, -1.0, 0.2]), 2 * np.pi * frequency
+        M, K, C = np.eye(7), np.zeros((7, 7)), np.zeros((7, 7))
+        M[:6, :6], M[6, :6], M[:6, 6] = inertia.mass_matrix, L, L
+        K[6, 6], C[6, 6] = omega**2, 2 * ratio * omega
+        reduced = Reduced(stiffness=K, mass=M, viscous=C, structural=np.zeros((7, 7)), interface=6, basis=np.eye(7))
+        tip = np.hstack([rigid_transformation([0.1, 0.2, 0.3]), [[0.3], [0.1], [0.0]]])
+        return Body(name="reed", reduced=reduced, kept=np.array([frequency]), places={"tip": tip})
+
+    return made

@@ -14,10 +14,12 @@ import pytest
 import fem.frame
 import fem.solid.elasticity
 import fem.solid.model
+from fem.base_excitation.response import Response
 from fem.modes import Modes
 from fem.structure import Structure
 from validation.verification import (
     FAMILIES,
+    base_excitation,
     checks,
     dynamic_mass,
     exudyn_beams,
@@ -134,6 +136,34 @@ def _stiffer(section: object) -> object:
     return replace(section, **{name: SOFT * getattr(section, name) for name in names})
 
 
+def recursion_load(patch: Patch) -> None:
+    _wrong_run(patch, base_excitation.linear)
+
+
+def exudyn_load(patch: Patch) -> None:
+    _wrong_run(patch, base_excitation.driven_base)
+
+
+def _wrong_run(patch: Patch, route: object) -> None:
+    right = route.respond
+
+    def wrong(*args: object) -> Response:
+        run = right(*args)
+        return replace(run, load=1.02 * run.load, cells=1.02 * run.cells)
+
+    patch.setattr(route, "respond", wrong)
+
+
+def rig_dynamic_mass(patch: Patch) -> None:
+    right = base_excitation.dynamic_mass
+
+    def wrong(*args: object) -> object:
+        H = right(*args)
+        return replace(H, matrix=SOFT * H.matrix)
+
+    patch.setattr(base_excitation, "dynamic_mass", wrong)
+
+
 @dataclass(frozen=True)
 class Family:
     """The breaks that together fail every row of a family."""
@@ -151,6 +181,7 @@ CASES = (
     Family("rods", (solid_stiffness, solid_mass)),
     Family("dynamic-mass", (beam_stiffness, solid_mass, beam_mass, article_mass, residual, reciprocity)),
     Family("exudyn", (exudyn_stiffness,)),
+    Family("time", (recursion_load, exudyn_load, rig_dynamic_mass)),
 )
 
 
@@ -166,6 +197,7 @@ def coarse(monkeypatch: Patch) -> None:
     monkeypatch.setattr(fem.solid.model, "bodies", cache(fem.solid.model.bodies))
     monkeypatch.setattr(rods, "article", cache(rods.article))
     monkeypatch.setitem(exudyn_beams.ELEMENTS, Mesh.FAST, 6)
+    monkeypatch.setitem(base_excitation.RATE, Mesh.FAST, 2048.0)
     monkeypatch.setattr(dynamic_mass, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
 
 
