@@ -90,9 +90,9 @@ def test_half_the_step_gives_a_quarter_of_the_error(
 
 
 def test_motion_that_is_hardly_more_than_the_rounding_of_beams_still_converges(smooth: MakeMotion) -> None:
-    """A millionth of a level at 4 kHz, where the tolerance asked of Newton's iteration would be 1e-17 m."""
-    tiny = smooth(1e-8 * np.eye(6)[0], OMEGA, 0.02, 4096.0)
-    found = respond("clumod-4", tiny, elements=2)
+    """Of a level's hundred-thousandth at 4 kHz the tolerance asked of Newton's iteration would be 1e-18 m."""
+    tiny = smooth(1e-6 * np.eye(6)[0], OMEGA, 0.03, 4096.0)
+    found = respond("clumod-4", tiny, elements=3)
     assert_allclose(found.table, tiny.acceleration, rtol=0, atol=0.01 * np.abs(tiny.acceleration).max())
 
 
