@@ -35,8 +35,8 @@ LIMIT = 0.02
 """Largest share of the load, in the time record of a rigid article, that the linear equations may leave out: 2 %, an angle of 1.1
 degrees, twice what the paper's sweeps reach. At the driven frequency that is 0.04 %, in full-record spectra of a sweep 1 %.
 
-Exudyn's own bodies and beams, on a table that really turns, stay below that share in every case tried, rigid and flexible, from the
-paper's level to thirty times it (`examples/large_motion.py`)."""
+Exudyn's own bodies and beams, on a table that really turns, stay below that share in every case tried, rigid and flexible, from
+the paper's level to thirty times it (`examples/large_motion.py`)."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -65,6 +65,14 @@ def test_pictures_of_flexible_bodies_show_the_articles_as_they_are_now(root: Pat
         assert program["frequencies"](name) == pytest.approx(frequencies, rel=1e-3), "draw it again: python examples/pictures.py"
 
 
+def test_the_picture_of_the_pendulum_shows_the_article_as_it_is_now(root: Path) -> None:
+    program = runpy.run_path(str(root / "examples" / "pictures.py"))
+    then = json.loads(said_about(root / "docs" / "pictures" / "swing.png"))
+    assert program["swung"](program["swing_setup"]()) == pytest.approx(then, rel=1e-3), (
+        "draw it again: python examples/pictures.py"
+    )
+
+
 def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

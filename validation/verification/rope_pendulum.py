@@ -1,4 +1,4 @@
-"""Rows about the rope pendulum: exudyn's body on ropes, its record reduced as a measured one, against Eq. 5 and its corrections."""
+"""Rows about the rope pendulum: exudyn's body on ropes, its record reduced as a measured one, held against closed forms."""
 
 from __future__ import annotations
 
