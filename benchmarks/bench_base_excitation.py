@@ -75,10 +75,10 @@ def with_struts(article: Body, count: int) -> Rig:
 
 
 def shown(title: str, calls: Mapping[str, Call], seconds: Mapping[str, float], base: str, rounds: int = 3) -> None:
-    """One table: times over that of `base`, and how long a second of test takes."""
+    """One table: times over that of `base`, and seconds of computing a second of test."""
     timings: dict[str, Timing] = measure(calls, rounds=rounds)
-    notes = {name: f"{timing.fastest / seconds[name]:.2g} s a second of test" for name, timing in timings.items()}
-    show(title, timings, base=base, notes=notes)
+    notes = {name: f"{timing.fastest / seconds[name]:.2g} s/s" for name, timing in timings.items()}
+    show(f"{title} (s/s: computing over test)", timings, base=base, notes=notes)
 
 
 def exudyn(rig: Rig, motion: BaseMotion) -> Call:

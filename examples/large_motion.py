@@ -19,6 +19,7 @@ from fem.base_excitation.small_motion import LIMIT
 from fem.flexible_body.large_motion import cost
 from fem.flexible_body.large_motion.article import plan_of
 from fem.flexible_body.large_motion.cost import Cost
+from validation.progress import counted
 
 ARTICLES = ("cuboid:rigid", "clumod-1:rigid", "clumod-1")
 DRIVEN = (("alpha",), ("beta",), ("gamma",), ("x", "gamma"), ("alpha", "beta", "gamma"))
@@ -39,8 +40,9 @@ def table(names: Sequence[str], driven: Sequence[Sequence[str]]) -> Table:
     for column in ("article", "driven", "level", "angle [mrad]", "rate [rad/s]", "peak", "rms", "at 4 Hz"):
         shown.add_column(column, justify="left" if column in ("article", "driven") else "right", no_wrap=True)
     for name in names:
-        for axes in driven:
-            _add(shown, name, axes, studied(name, axes))
+        listed = {" + ".join(axes): axes for axes in driven}
+        for words in counted(listed, f"Driving {name} along and about"):
+            _add(shown, name, words, studied(name, listed[words]))
     return shown
 
 
@@ -55,8 +57,7 @@ def sweeps(name: str) -> str:
     return f"In the spectrum of a whole sweep of {name} at nominal level, at most: {', '.join(worst.values())}."
 
 
-def _add(shown: Table, name: str, axes: Sequence[str], costs: Sequence[Cost]) -> None:
-    driven = " + ".join(axes)
+def _add(shown: Table, name: str, driven: str, costs: Sequence[Cost]) -> None:
     for each in costs:
         shares = [_share(x) for x in (each.peak, each.rms, each.at_line)]
         shown.add_row(name, driven, f"{each.factor:g}", f"{1e3 * each.angle:.1f}", f"{each.rate:.3g}", *shares)

@@ -3,8 +3,8 @@
     python examples/pictures.py [FOLDER] [SHEET]
 
 Writes one picture an article into FOLDER (``out/pictures``) and the contact sheet to SHEET (``docs/pictures/articles.png``);
-beside the sheet go the modes of Clumod, its dynamic mass, and Clumod on three ropes. These carry what they show in figures too,
-so that a test sees when the articles have moved on.
+beside the sheet go the modes of Clumod, its dynamic mass, a sweep that it was driven with, and Clumod on three ropes. These carry
+what they show in figures too, so that a test sees when the articles have moved on.
 """
 
 import json
@@ -20,6 +20,10 @@ from geometry import multibody
 from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
 from validation.article_reference import Asked as Unchanged
+from validation.excitation.asked import Question, drive
+from validation.excitation.attached import Attached
+from validation.excitation.plots import sheet as driven_sheet
+from validation.excitation.runs import done, ready
 from validation.flexible.dynamic_mass import BAND, STEP, dynamic_mass, lines, reference_point
 from validation.flexible.model import Asked, flexible
 from validation.flexible.plots import note_on
@@ -27,6 +31,7 @@ from validation.flexible.shapes import draw_sheet
 from validation.output import inertia_json
 from validation.pictures import contact_sheet, drawn_bodies, picture
 from validation.pictures.curves import Curve, side_by_side
+from validation.pictures.excitation import draw_sheet as draw_driven
 from validation.pictures.pendulum_sheet import pendulum_picture
 from validation.swing.asked import Words, setup
 from validation.swing.drawing import drawn
@@ -60,6 +65,28 @@ def flexible_bodies(folder: Path) -> None:
     note = note_on(drawn[0].mass, "F", "in each article's frame")
     about = json.dumps({name: frequencies(name) for name in SIDE_BY_SIDE})
     side_by_side(title, drawn, folder / "dynamic-mass.png", note, about)
+
+
+def base_excitation(folder: Path) -> None:
+    """Draw Clumod with one blade on a table that sweeps about beta as in the paper, into `folder`."""
+    sweep = drive(
+        axes=["beta"],
+        every=False,
+        pattern="sweep",
+        band=BAND,
+        octaves_per_minute=2.0,
+        level=1.0,
+        cross=0.03,
+        seed=0,
+        duration=None,
+        ring_down="auto",
+    )
+    question = Question(
+        article="clumod-1", model=None, asked=Asked(count=30), attached=Attached(), drive=sweep, route=None, rate=1024.0
+    )
+    made = ready(question)
+    (one,) = done(made)
+    draw_driven(driven_sheet(made, one), folder / "excite-clumod-1.png", json.dumps(frequencies("clumod-1")))
 
 
 def pendulum(folder: Path) -> None:
@@ -111,4 +138,5 @@ if __name__ == "__main__":
     folder, sheet = (*given, *DEFAULTS[len(given) :])
     main(folder, sheet)
     flexible_bodies(sheet.parent)
+    base_excitation(sheet.parent)
     pendulum(sheet.parent)

@@ -25,6 +25,7 @@ COMMANDS = {
     "swing": "A rope pendulum simulated by exudyn, recorded and reduced as a measured one.",
     "modes": "Eigenfrequencies, mode shapes and effective masses.",
     "dynamic-mass": "The base-excited 6 x 6 dynamic mass over frequency.",
+    "excite": "Base excitation in time: sweeps, random, bursts; loads, load cells, resonances.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

@@ -39,6 +39,9 @@ class Step:
     needs: Path | None = None
 
 
+GAP = '--cells --preload "1 kN" --band 10 20 --octaves-per-minute 30 --ring-down "2 s"'
+"""A quick sweep past the mast's resonance on preloaded cells."""
+
 STEPS = (
     Step(
         title="The four articles, Clumod in both configurations: three routes beside published and measured values, and pictures",
@@ -67,6 +70,18 @@ STEPS = (
     ),
     Step(title="Eigenfrequencies of Clumod, beside those in print", command="massline modes clumod-4"),
     Step(title="What a base-excitation test of it should see, with plots", command="massline dynamic-mass clumod-1 --plot"),
+    Step(
+        title="Base excitation in time: four times as fast as the paper, past the resonance of the mast; plot and animation",
+        command="massline excite clumod-1 --axis beta --octaves-per-minute 8 --plot --animate",
+    ),
+    Step(
+        title="Load cells that lift off their preload, integrated by exudyn: at the nominal level ...",
+        command=f"massline excite fmd+clumod-1 --axis beta {GAP} --out out/gap-nominal.h5",
+    ),
+    Step(
+        title="... and at a third of it, where they stay closed and nothing is driven along z",
+        command=f"massline excite fmd+clumod-1 --axis beta {GAP} --level 0.3333 --out out/gap-third.h5",
+    ),
     Step(title="How far these predictions can be trusted: closed forms, benchmarks, rates", command="massline verify"),
     Step(title="Your own article: a STEP assembly and two meshes", command="python examples/own_article.py out/own-article"),
     Step(title="... with a material for each body", command="massline reference out/own-article --view"),

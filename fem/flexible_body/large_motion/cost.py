@@ -16,6 +16,9 @@ which for a sine is its angle. It is proportional to the level, and lies at rest
 frequency itself there is nothing of it. An elastic article answers to it at these other frequencies, which may come nearer to a
 resonance than the driven one, and turns second order into third at the driven one. The record of a sweep as a whole has no such
 separation: the line f also holds twice the frequency that was driven at f / 2.
+
+Where an axis is driven along and another about at once, the load also turns away from the prescribed acceleration, by the angle.
+Whoever measures it on the table does not see that: accelerometers and load cells turn together.
 """
 
 from __future__ import annotations
@@ -89,10 +92,10 @@ def of_a_sine(
     BadInput, CheckFailed : as `fem.flexible_body.large_motion.respond`.
     """
     weight, levels = size_of(plan), {axis: LEVELS[axis] for axis in axes}
-    small = _load(plan, _sine(levels, SMALL, frequency), conditions) / SMALL
+    small = _load(plan, sine_of({axis: SMALL * level for axis, level in levels.items()}, frequency), conditions) / SMALL
     found = []
     for number, factor in enumerate(factors):
-        motion = _sine(levels, factor, frequency)
+        motion = sine_of({axis: factor * level for axis, level in levels.items()}, frequency)
         found.append(_cost(factor, motion, _load(plan, motion, conditions) - factor * small, factor * small, weight, frequency))
         if progress is not None:
             progress((number + 1) / len(factors))
@@ -133,14 +136,14 @@ def _load(plan: Plan, motion: BaseMotion, conditions: Conditions) -> Array:
     return respond_of_plan(plan, motion, conditions).load
 
 
-def _sine(levels: Mapping[str, float], factor: float, frequency: float) -> BaseMotion:
-    """`RISE` cycles in which a sine of all axes rises to `factor` times `levels`, and `STEADY` cycles of it; it does not stop."""
+def sine_of(levels: Mapping[str, float], frequency: float) -> BaseMotion:
+    """A sine of all axes in phase that rises to `levels` [m/s², rad/s²] in `RISE` cycles and stays there for `STEADY`."""
     omega, rate = 2 * np.pi * frequency, STEPS * frequency
     time = np.arange((RISE + STEADY) * STEPS + 1) / rate
     end = float(time[-1])
     angle = Jet(omega * time, np.full_like(time, omega), np.zeros_like(time))
     jet = omega**-2 * (window(time, 0.0, RISE / frequency, 2 * end, 3 * end) * sine(angle))
-    level = [-factor * levels.get(axis, 0.0) for axis in MOTIONS]
+    level = [-levels.get(axis, 0.0) for axis in MOTIONS]
     displacement, velocity, acceleration = (np.outer(x, level) for x in (jet.value, jet.first, jet.second))
     return BaseMotion(
         sampling_rate=rate,

@@ -20,8 +20,9 @@ from geometry.arrays import Array
 SIGNS = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
 """From what exudyn's joint reports to the load of the table on the foot.
 
-Forces are those on the first marker. The torque about x has their sign, those about y and z the opposite one: they are the
-multipliers of the constraints z1 . y0, z1 . x0 and y1 . x0 between the axes of both markers.
+Forces are those on the first marker, the table. Torques are the multipliers of the constraints z0 . y1 = 0, z0 . x1 = 0 and
+x0 . y1 = 0 between the axes of both markers (exudyn's documentation of ObjectJointGeneric): a small turn of the second about x
+raises the first, turns about y and z lower the other two, so that these alone change sign.
 """
 
 LEVEL = ("Acceleration", "AngularAcceleration")

@@ -71,6 +71,14 @@ def test_a_strut_to_the_table_does_nothing_to_a_block_that_stands_on_it(moves: C
     assert_allclose(found, 0.0, atol=2e-4 * load)
 
 
+def test_struts_at_one_place_add_up(moves: Callable[[int], BaseMotion], block: Body) -> None:
+    motion, strut = moves(0), Strut(place="corner", stiffness=[2e3, 3e3, 5e3], damping=[5.0, 6.0, 7.0])
+    twice = respond(Rig(article=block, seat=SEAT, struts=(strut, strut)), motion).load
+    doubled = Strut(place="corner", stiffness=2 * strut.stiffness, damping=2 * strut.damping)
+    once = respond(Rig(article=block, seat=SEAT, struts=(doubled,)), motion).load
+    assert_allclose(twice, once, atol=1e-9 * np.abs(once).max())
+
+
 def steady_amplitude(values: Array, motion: BaseMotion) -> Array:
     """(k,) complex amplitude of the last two cycles of `values` (n, k), against the table's sine."""
     samples = round(2 * motion.sampling_rate / FREQUENCY)

@@ -7,12 +7,17 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body.large_motion import Conditions, respond, respond_of_plan
+from fem.flexible_body.large_motion import Conditions, respond, respond_of_plan, response
+from fem.flexible_body.large_motion import gravity as weight
 from fem.flexible_body.large_motion.article import rigid
 from fem.flexible_body.large_motion.turning import accelerometer, turning
+from fem.flexible_body.running import running
+from fem.frame import Member, Plan
+from fem.section import rectangle
 from geometry.arrays import Array
 from geometry.frames import rigid_transformation
 from geometry.inertia import Inertia
+from geometry.materials import material
 
 G = 9.81
 FREQUENCY = 4.0
@@ -92,6 +97,31 @@ def test_an_elastic_article_weighs_as_much_and_stands_still_under_gravity(smooth
     # the sag of the blades moves the CoG by some tenths of a millimetre
     assert_allclose(elastic.settings["load_at_rest"], stiff.settings["load_at_rest"], rtol=0, atol=1e-3 * weight)
     assert np.abs(elastic.load).max() < 1e-6 * weight
+
+
+@pytest.mark.parametrize("gravity", [3.0, -3.0])
+def test_a_column_pressed_by_its_weight_swings_more_slowly_and_a_hanging_one_faster(gravity: float) -> None:
+    """Euler's column under its own weight buckles at q L³ / (E I) = 7.8373, and its squared frequency falls to zero there nearly
+    on a straight line (Southwell): measured from the linearised system in exudyn, settled.
+    """
+    length, bar = 1.0, rectangle(0.02, 0.004, material("steel"))
+    nodes = np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, length], 13)
+    member = Member(nodes=tuple(range(13)), section=bar, z_axis=np.array([1.0, 0.0, 0.0]))
+    plan = Plan(nodes=nodes, carriers=tuple(range(13)), members=(member,))
+    squares = [lowest_square(plan, g) for g in (gravity, 1e-9)]
+    softest = min(bar.bending_y, bar.bending_z)
+    buckling = 7.8373 * softest / (bar.mass * length**3)
+    assert squares[0] / squares[1] - 1 == pytest.approx(-gravity / buckling, rel=0.05)
+
+
+def lowest_square(plan: Plan, gravity: float) -> float:
+    """Square of the lowest frequency [(rad/s)²] of `plan` on a table that stands still, at rest under `gravity`."""
+    nothing = np.zeros((2, 6))
+    still = BaseMotion(sampling_rate=64.0, displacement=nothing, velocity=nothing, acceleration=nothing, driven=0.0)
+    with running("settle the column") as exudyn:
+        scene, _table = response._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
+        weight.settle(scene)
+        return float(scene.system.ComputeODE2Eigenvalues(numberOfEigenvalues=2, useAbsoluteValues=False)[0][0])
 
 
 def test_rotation_of_the_block_is_what_the_angles_say(block: Inertia, smooth: Callable[..., BaseMotion]) -> None:
