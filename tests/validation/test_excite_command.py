@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -287,6 +288,19 @@ def test_bad_input_is_refused_in_words_before_anything_is_written(
     assert words in " ".join(err.split())
     assert (code, out) == (cli.BAD_INPUT, "")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_terminal_sees_how_far_a_run_has_come_and_json_keeps_silent(
+    run: Run, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    arguments = ("excite", "disc", "--band", "8", "16", "--axis", "x", "--axis", "y", *FAST, "--rate", "128", "--out", "run.npz")
+    code, _, err = run(*arguments)
+    assert code == cli.DONE
+    assert "x, linear (1 of 2)" in err
+    assert "y: writing run-y.npz" in err
+    assert run(*arguments, "--json")[2].count("massline: wrote") == 2
+    assert "linear (" not in run(*arguments, "--json")[2]
 
 
 def test_ctrl_c_in_the_middle_of_a_run_leaves_no_file(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 STIFF = 10.0
 """Times the highest driven frequency at which a first mode swells no load by more than 1 %."""
 
+CUT = "The record ends at"
+"""How a warning of `fem.base_excitation.ring_down` begins."""
+
 Progress = Callable[[float], None]
 
 
@@ -107,7 +110,8 @@ def done(made: Ready, *, keep_coordinates: bool = False, quiet: bool = False) ->
     for number, run in enumerate(made.runs, start=1):
         words = f"{run.name}, {made.route.name} ({number} of {len(made.runs)})"
         with percent(words, quiet=quiet) as progress:
-            yield _done(made, run, cross, progress, keep_coordinates)
+            one = _done(made, run, cross, progress, keep_coordinates)
+        yield one  # outside: the caller may show what it is doing with it
 
 
 def _highest(question: Question) -> float:
@@ -144,9 +148,15 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
             needed=max(length - motion.driven, 0.0),
             step=1 / motion.sampling_rate,
             cells=cell_loads(simulated, rig.cells),
-            warnings=response.warnings or tuple(filter(None, (ring_down.judged(length, motion),))),
+            warnings=_warnings(response, ring_down.judged(length, motion)),
         ),
     )
+
+
+def _warnings(response: Response, cut: str) -> tuple[str, ...]:
+    """What the route warned of, and that the record is `cut`, where it has not said so itself."""
+    said = any(warning.startswith(CUT) for warning in response.warnings)
+    return (*response.warnings, *([cut] if cut and not said else []))
 
 
 def _rest(made: Ready, needed: float) -> float:
