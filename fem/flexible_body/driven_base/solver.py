@@ -10,7 +10,7 @@
   18, 2007, doi:10.1007/s11044-007-9084-0). Frequencies as "newmark"; what is far too fast for the step dies out. With a spectral
   radius of 1 nothing dies out and the load is lost in an oscillation from step to step.
 
-Measured against the exact recursion at 8192 Hz, one blade swept from 4 to 32 Hz along x and about z, greatest error of the load in
+Measured against the exact recursion at 8192 Hz, one blade swept from 4 to 32 Hz along x and about z, greatest error of load in
 units of the greatest load: 1.4e-5 and 7e-5, 1.1e-3 and 6.5e-3, 1.2e-3 and 6.5e-3. All fall with the square of the step; with a
 radius of 1 the last one is 7e-2, and more than 1 at half the step.
 """
