@@ -81,6 +81,12 @@ def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(run: Run, wor
     assert said in err
 
 
+def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(run: Run) -> None:
+    code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 mrad", "--noise", "1 mrad", *SHORT)
+    assert code == 2
+    assert "no decaying sinusoid" in err
+
+
 def test_an_article_that_does_not_exist_is_refused(run: Run) -> None:
     code, _, err = run("swing", "cubiod")
     assert code == 2

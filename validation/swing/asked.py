@@ -35,6 +35,9 @@ OPTIONS = {
 }
 """Options that are quantities, and their dimension."""
 
+OTHERS = ("ropes", "axis", "along", "off_centre", "links", "start", "cycles", "rate", "seed")
+"""Options that are none."""
+
 FIELDS = {"stiffness": "rope_stiffness", "extra": "unequal", "damping_ratio": "damping"}
 """Fields of a suspension whose option is called otherwise."""
 
@@ -117,9 +120,9 @@ def inertia_of(article: str, asked: Asked) -> Inertia:
 
 
 def as_option(error: BadInput) -> BadInput:
-    """`error` about a field of the pendulum, said of the option that it came from."""
+    """`error` about a field of the pendulum, said of the option that it came from; others pass unchanged."""
     name = FIELDS.get(error.field, error.field)
-    if not name or name.startswith("-"):
+    if name not in (*OPTIONS, *OTHERS):
         return error
     return BadInput(source=f"--{name.replace('_', '-')}", problem=error.problem, remedy=error.remedy)
 

@@ -60,9 +60,10 @@ def notes(found: Simulated) -> tuple[str, ...]:
     setup, swing = found.record.setup, found.record.swing
     s, tensor = setup.suspension, setup.inertia.tensor_cog
     tilt = float(np.abs(tensor[2, :2]).max() / tensor[2, 2])
-    how = "let go at rest from a twist" if s.start == "twist" else "pushed about the vertical out of rest, so as to swing as far,"
     said = {
-        f"The body is {how} of {s.amplitude:.4g} rad.": True,
+        f"The body is let go at rest from a twist of {s.amplitude:.4g} rad.": s.start == "twist",
+        f"The body is pushed about the vertical out of its equilibrium, so that it swings to {s.amplitude:.4g} rad.": s.start
+        == "push",
         f"Exudyn {swing.settings['version']}, {swing.settings['method']}, "
         f"{swing.settings['steps_per_period']:.0f} steps a period. "
         "The method's own share of the period is 3e-6 at 1000, and falls with the square.": True,

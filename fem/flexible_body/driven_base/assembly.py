@@ -22,8 +22,9 @@ class Assembled:
     ----------
     scene : with the system, assembled
     axes : the constraints that drive the table
-    table, cover, loads, cells, article : sensors of accelerations, constraint forces, cell forces, accelerations of the article
-    coordinates : sensors of the article's coordinates
+    table, cover, loads, cells : sensors of accelerations, constraint forces, cell forces
+    article : sensors of its accelerations, when it has places
+    coordinates : sensors of the article's coordinates, when they are to be kept
     """
 
     scene: Scene
@@ -36,7 +37,7 @@ class Assembled:
     coordinates: tuple[Number, ...]
 
 
-def assembled(exudyn: Any, rig: Rig, *, velocity: bool) -> Assembled:
+def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) -> Assembled:
     """`rig` on a table whose displacements, or velocities, are prescribed.
 
     Raises
@@ -63,8 +64,8 @@ def assembled(exudyn: Any, rig: Rig, *, velocity: bool) -> Assembled:
         cover=(watch_node(scene, cover.node, "Coordinates_tt"),),
         loads=drive.loads(scene, axes),
         cells=cells,
-        article=tuple(watch_node(scene, node, "Coordinates_tt") for node in article.nodes),
-        coordinates=tuple(watch_node(scene, node, "Coordinates") for node in article.nodes),
+        article=tuple(watch_node(scene, node, "Coordinates_tt") for node in article.nodes if rig.article.places),
+        coordinates=tuple(watch_node(scene, node, "Coordinates") for node in article.nodes if keep_coordinates),
     )
     scene.system.Assemble()
     return result

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem.base_excitation.rig import Body
-from fem.flexible_body.driven_base.scene import Number, Scene
+from fem.flexible_body.driven_base.scene import Number, Scene, node
 from fem.flexible_body.inertia import to_exudyn
 from geometry.arrays import Array
 from geometry.inertia import Inertia
@@ -61,29 +61,28 @@ def rigid(scene: Scene, inertia: Inertia, name: str) -> Rigid:
 def reduced(scene: Scene, article: Body, seat: Array) -> Reduced:
     """The article's matrices as they are, its origin at `seat` (3,) [m]."""
     matrices, size = article.reduced, article.reduced.mass.shape[0]
-    node = _node(scene, seat, "base of the article")
+    base = _base(scene, seat, "base of the article")
     modes = _generic(scene, size - BASE) if size > BASE else None
     item = scene.items.ObjectGenericODE2(
-        nodeNumbers=[node] if modes is None else [node, modes],
+        nodeNumbers=[base] if modes is None else [base, modes],
         massMatrix=np.array(matrices.mass),
         stiffnessMatrix=np.array(matrices.stiffness),
         dampingMatrix=np.array(matrices.viscous),
     )
-    return Reduced(body=int(scene.system.AddObject(item)), node=node, modes=modes)
+    return Reduced(body=int(scene.system.AddObject(item)), node=base, modes=modes)
 
 
 def _rigid(scene: Scene, name: str, **inertia: Any) -> Rigid:
-    node = _node(scene, np.zeros(3), name)
-    body = scene.system.AddObject(scene.items.ObjectRigidBody(nodeNumber=node, **inertia))
-    return Rigid(body=int(body), node=node)
+    base = _base(scene, np.zeros(3), name)
+    body = scene.system.AddObject(scene.items.ObjectRigidBody(nodeNumber=base, **inertia))
+    return Rigid(body=int(body), node=base)
 
 
-def _node(scene: Scene, position: Array, name: str) -> Number:
+def _base(scene: Scene, position: Array, name: str) -> Number:
     places = [*position.tolist(), 0.0, 0.0, 0.0]
-    return int(scene.system.AddNode(scene.items.NodeRigidBodyRxyz(name=name, referenceCoordinates=places)))
+    return node(scene, name, scene.items.NodeRigidBodyRxyz(referenceCoordinates=places))
 
 
 def _generic(scene: Scene, size: int) -> Number:
     rest = {name: [0.0] * size for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
-    node = scene.items.NodeGenericODE2(name="article", numberOfODE2Coordinates=size, **rest)
-    return int(scene.system.AddNode(node))
+    return node(scene, "article", scene.items.NodeGenericODE2(numberOfODE2Coordinates=size, **rest))

@@ -31,8 +31,8 @@ class Drive:
 
     def __init__(self, scene: Scene, axes: tuple[Number, ...], targets: Array, rate: float, progress: Progress | None) -> None:
         self.others = scene.before_step
-        self.axes = axes
-        self.targets = targets
+        moving = np.flatnonzero(targets.any(axis=0))  # the others stay where they are: a callback costs more than a step
+        self.axes, self.targets = tuple(axes[axis] for axis in moving), targets[:, moving]
         self.rate = rate
         self.progress = progress
         self.step, self.steps = 0, len(targets) - 1

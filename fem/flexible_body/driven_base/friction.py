@@ -19,7 +19,7 @@ import numpy as np
 
 from fem.base_excitation.rig import LATERAL, Friction
 from fem.flexible_body.driven_base.bodies import Reduced
-from fem.flexible_body.driven_base.scene import Number, Scene, coordinate
+from fem.flexible_body.driven_base.scene import Number, Scene, coordinate, node
 from geometry.arrays import Array
 
 STICKING = 1000.0
@@ -35,7 +35,7 @@ STICKING_RATIO = 0.3
 def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> None:
     """Put the loose part of `friction` on the base of `article`, which stands at `seat` (3,) [m]."""
     items, system = scene.items, scene.system
-    part = system.AddNode(items.NodePoint(name="loose part", referenceCoordinates=seat.tolist()))
+    part = node(scene, "loose part", items.NodePoint(referenceCoordinates=seat.tolist()))
     system.AddObject(items.ObjectMassPoint(mass=friction.mass, nodeNumber=part))
     loose = LATERAL.index(friction.axis)
     for axis in {0, 1, 2} - {loose}:

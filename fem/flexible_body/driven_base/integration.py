@@ -51,9 +51,7 @@ def _astray(scene: Scene, drive: Drive, said: str) -> CheckFailed:
 
 def _coordinate(scene: Scene, number: int) -> str:
     """Name of one of exudyn's coordinates of second order."""
-    found = "none"
-    for node in range(scene.system.systemData.NumberOfNodes()):
-        first = scene.system.GetNodeODE2Index(node)
-        if 0 <= first <= number:
-            found = f"coordinate {number - first + 1} of the {scene.system.GetNode(node)['name']}"
-    return found
+    starts = {scene.system.GetNodeODE2Index(node): node for node in range(scene.system.systemData.NumberOfNodes())}
+    first = max(start for start in starts if 0 <= start <= number)
+    node = starts[first]
+    return f"coordinate {number - first + 1} of the {scene.names.get(node) or scene.system.GetNode(node)['name']}"

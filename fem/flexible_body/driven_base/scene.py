@@ -26,6 +26,7 @@ class Scene:
     system : exudyn's `MainSystem`
     ground : number of the ground object
     origin : number of a ground node, against which coordinates are measured
+    names : what the nodes are, by number; exudyn's own names must differ, and there may be two of a kind
     alive : what exudyn refers to and would not keep alive by itself
     before_step : what brings the state of a part up to date before every step
     """
@@ -36,6 +37,7 @@ class Scene:
     system: Any
     ground: Number
     origin: Number
+    names: dict[Number, str] = field(default_factory=dict)
     alive: list[Any] = field(default_factory=list)
     before_step: list[Callable[[Any], None]] = field(default_factory=list)
 
@@ -52,9 +54,16 @@ def empty(exudyn: Any) -> Scene:
     return Scene(exudyn=exudyn, items=items, container=container, system=system, ground=int(ground), origin=int(origin))
 
 
-def coordinate(scene: Scene, node: Number, number: int) -> Number:
-    """A marker on one coordinate of `node`."""
-    return int(scene.system.AddMarker(scene.items.MarkerNodeCoordinate(nodeNumber=node, coordinate=number)))
+def node(scene: Scene, name: str, item: Any) -> Number:
+    """Add the node `item`, which is called `name` when something goes wrong with it."""
+    number = int(scene.system.AddNode(item))
+    scene.names[number] = name
+    return number
+
+
+def coordinate(scene: Scene, of: Number, number: int) -> Number:
+    """A marker on one coordinate of the node `of`."""
+    return int(scene.system.AddMarker(scene.items.MarkerNodeCoordinate(nodeNumber=of, coordinate=number)))
 
 
 def place(scene: Scene, body: Number, position: Array) -> Number:

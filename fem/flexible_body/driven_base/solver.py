@@ -9,6 +9,10 @@
 - "generalised-alpha": the table's displacement is prescribed (constraints of index 3; Arnold & Brüls, Multibody System Dynamics
   18, 2007, doi:10.1007/s11044-007-9084-0). Frequencies as "newmark"; what is far too fast for the step dies out. With a spectral
   radius of 1 nothing dies out and the load is lost in an oscillation from step to step.
+
+Measured against the exact recursion at 8192 Hz, one blade swept from 4 to 32 Hz along x and about z, greatest error of the load in
+units of the greatest load: 1.4e-5 and 7e-5, 1.1e-3 and 6.5e-3, 1.2e-3 and 6.5e-3. All fall with the square of the step; with a
+radius of 1 the last one is 7e-2, and more than 1 at half the step.
 """
 
 from __future__ import annotations
@@ -28,6 +32,9 @@ BETA = {"fox-goodwin": 1 / 12, "newmark": 1 / 4}
 
 STABLE = {"fox-goodwin": float(np.sqrt(6.0))}
 """The largest omega h that a method bears, of those that do not bear any."""
+
+EARLY = 1e-9
+"""Share of a sample by which exudyn's instants of recording run ahead, so that no rounding of its clock skips one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +92,7 @@ def simulation(exudyn: Any, solver: Solver, *, rate: float, samples: int, subdiv
     alpha.useIndex2Constraints = alpha.useNewmark = solver.prescribes_velocity
     alpha.newmarkBeta, alpha.newmarkGamma = BETA.get(solver.method, 1 / 4), 1 / 2
     settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = 1 / rate
+    settings.solution.sensors.writePeriod = (1 - EARLY) / rate
     return settings
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.base_excitation.rig import Body, Strut
 from fem.flexible_body.driven_base.bodies import BASE, Reduced, Rigid
-from fem.flexible_body.driven_base.scene import Number, Scene, place
+from fem.flexible_body.driven_base.scene import Number, Scene, node, place
 from geometry.arrays import Array
 
 
@@ -29,7 +29,7 @@ def position_of(shape: Array) -> Array:
 def _follower(scene: Scene, name: str, stands: Reduced, shape: Array, seat: Array, position: Array) -> Number:
     """A marker on a point without mass that one linear constraint ties to all coordinates of the article."""
     items, system = scene.items, scene.system
-    point = system.AddNode(items.NodePoint(name=name, referenceCoordinates=position.tolist()))
+    point = node(scene, f"place {name}", items.NodePoint(referenceCoordinates=position.tolist()))
     system.AddObject(items.ObjectMassPoint(mass=0.0, nodeNumber=point))
     ends = [
         system.AddMarker(items.MarkerNodeCoordinates(nodeNumber=point)),

@@ -55,7 +55,8 @@ class Swing:
     Attributes
     ----------
     time : (n,) [s]
-    yaw : (n,) [rad] rotation about the vertical, without jumps
+    yaw : (n,) [rad] rotation about the vertical, without jumps; of a body that also tilts, what is left when the tilt about a
+        level axis is taken off
     place : (n, 3) [m] CoG of the article
     rotation : (n, 3, 3) from the axes as it hangs to the fixed frame
     chains : (n, ropes, links + 1, 3) [m] every rope, from the ceiling to its foot

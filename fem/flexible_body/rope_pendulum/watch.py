@@ -44,6 +44,8 @@ class Watch:
         try:
             done = system.SolveDynamic(settings)
         except Exception as error:  # exudyn raises errors of several kinds
+            if "KeyboardInterrupt" in str(error):  # at the very moment when it called back: it makes an error of its own of it
+                raise KeyboardInterrupt from None
             done, said = False, " ".join(str(error).split())
         if self.stopped is not None:
             raise self.stopped

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Body, Flange, Rig, Strut
-from fem.flexible_body.driven_base import respond
+from fem.flexible_body.driven_base import Solver, respond
 from geometry.arrays import Array
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
@@ -18,6 +18,8 @@ from geometry.inertia import Inertia
 SEAT = (0.01, -0.02, 0.0445)
 
 FREQUENCY = 8.0
+
+DEFAULT = Solver()
 
 AXES = range(6)
 
@@ -34,9 +36,10 @@ def corner(block: Body) -> Array:
     return np.asarray(block.places["corner"] @ rigid_transformation_6(SEAT))
 
 
-def pulled(block: Body, motion: BaseMotion, strut: Strut) -> Array:
+def pulled(block: Body, motion: BaseMotion, strut: Strut, solver: Solver = DEFAULT) -> Array:
     """(n, 6) the load that `strut` adds."""
-    with_it, without = (respond(Rig(article=block, seat=SEAT, struts=struts), motion).load for struts in ((strut,), ()))
+    rigs = (Rig(article=block, seat=SEAT, struts=struts) for struts in ((strut,), ()))
+    with_it, without = (respond(rig, motion, solver=solver).load for rig in rigs)
     return np.asarray(with_it - without)
 
 
@@ -51,6 +54,15 @@ def test_a_cable_to_the_ground_adds_its_stiffness_over_omega_squared(
     steady = slice(-round(motion.sampling_rate / FREQUENCY), None)
     over_omega = -motion.acceleration / (2 * np.pi * FREQUENCY) ** 2 @ corner.T @ K @ corner
     assert_allclose(found[steady], over_omega[steady], atol=1e-3 * np.abs(expected).max())
+
+
+def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(
+    moves: Callable[[int], BaseMotion], block: Body, corner: Array
+) -> None:
+    motion, K = moves(4), np.diag([2000.0, 3000.0, 5000.0])
+    found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)), Solver(method="generalised-alpha"))
+    expected = motion.displacement @ corner.T @ K @ corner
+    assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("axis", AXES)
@@ -69,6 +81,14 @@ def test_a_strut_to_the_table_does_nothing_to_a_block_that_stands_on_it(moves: C
     load = np.abs(respond(Rig(article=block, seat=SEAT), motion).load).max()
     found = pulled(block, motion, Strut(place="corner", to="table", stiffness=[1e4] * 3, damping=[1e2] * 3))
     assert_allclose(found, 0.0, atol=2e-4 * load)
+
+
+def test_struts_at_one_place_add_up(moves: Callable[[int], BaseMotion], block: Body) -> None:
+    motion, strut = moves(0), Strut(place="corner", stiffness=[2e3, 3e3, 5e3], damping=[5.0, 6.0, 7.0])
+    twice = respond(Rig(article=block, seat=SEAT, struts=(strut, strut)), motion).load
+    doubled = Strut(place="corner", stiffness=2 * strut.stiffness, damping=2 * strut.damping)
+    once = respond(Rig(article=block, seat=SEAT, struts=(doubled,)), motion).load
+    assert_allclose(twice, once, atol=1e-9 * np.abs(once).max())
 
 
 def steady_amplitude(values: Array, motion: BaseMotion) -> Array:

@@ -81,3 +81,13 @@ def test_a_part_that_always_slides_wears_away_the_energy_of_coulombs_law(
     stroke = LEVEL / (2 * np.pi * FREQUENCY) ** 2
     expected = 4 * slip_force * stroke * np.sqrt(1 - (np.pi * share / 2) ** 2)
     assert_allclose(work, expected, rtol=5e-3)
+
+
+def test_two_loose_parts_lie_on_one_flange(block: Body, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
+    motion = shake([2.0, 1.0, 0, 0, 0, 0], rate=8192.0)
+    parts = (Friction(axis="x", slip_force=0.5, mass=MASS), Friction(axis="y", slip_force=0.3, mass=MASS))
+    response = respond(Rig(article=block, frictions=parts), motion)
+    pull = response.load - response.table @ inertia.mass_matrix
+    across = MASS * motion.acceleration[:, :2]
+    assert_allclose(np.abs(pull[:, 0] - across[:, 0]).max(), 0.5, rtol=5e-3)
+    assert_allclose(np.abs(pull[:, 1] - across[:, 1]).max(), 0.3, rtol=5e-3)

@@ -29,7 +29,7 @@ PULSE = 0.04
 @pytest.fixture(scope="module")
 def kicked() -> tuple[BaseMotion, Array]:
     """A short kick along y with a turn about x, and lines [Hz] at which it has something."""
-    t = np.arange(round(2.5 * RATE) + 1) / RATE
+    t = np.arange(round(1.8 * RATE) + 1) / RATE
     s = (t - 8 * PULSE) / PULSE
     bell = np.exp(-(s**2) / 2)
     shapes = (bell, -s / PULSE * bell, (s**2 - 1) / PULSE**2 * bell)

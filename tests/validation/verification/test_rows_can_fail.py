@@ -15,6 +15,7 @@ import fem.frame
 import fem.solid.elasticity
 import fem.solid.model
 from fem.base_excitation.response import Response
+from fem.flexible_body.rope_pendulum import Swing
 from fem.modes import Modes
 from fem.structure import Structure
 from validation.verification import (
@@ -25,6 +26,7 @@ from validation.verification import (
     exudyn_beams,
     plates,
     rods,
+    rope_pendulum,
     sandwich,
     solids,
 )
@@ -164,6 +166,17 @@ def rig_dynamic_mass(patch: Patch) -> None:
     patch.setattr(base_excitation, "dynamic_mass", wrong)
 
 
+def pendulum_record(patch: Patch) -> None:
+    """A clock that is slow by a ten-thousandth."""
+    right = rope_pendulum.swing
+
+    def wrong(*args: object, **kwargs: object) -> Swing:
+        run = right(*args, **kwargs)
+        return replace(run, time=1.0001 * run.time)
+
+    patch.setattr(rope_pendulum, "swing", wrong)
+
+
 @dataclass(frozen=True)
 class Family:
     """The breaks that together fail every row of a family."""
@@ -182,6 +195,7 @@ CASES = (
     Family("dynamic-mass", (beam_stiffness, solid_mass, beam_mass, article_mass, residual, reciprocity)),
     Family("exudyn", (exudyn_stiffness,)),
     Family("time", (recursion_load, exudyn_load, rig_dynamic_mass)),
+    Family("pendulum", (pendulum_record,)),
 )
 
 
