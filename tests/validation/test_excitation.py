@@ -9,9 +9,11 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
+from fem.beam import load_cells
 from geometry.articles import built_in
 from geometry.articles.locations import locations
 from geometry.frames import rigid_transformation, rigid_transformation_6
+from geometry.materials import material
 from geometry.multibody import inertia
 from validation import cli
 from validation.excitation import moving
@@ -20,7 +22,10 @@ from validation.excitation.drives import Run
 from validation.excitation.passage import amplitude, amplitudes, passed
 from validation.excitation.rig import mounted
 from validation.excitation.rig_modes import RigModes, rig_modes
-from validation.flexible.model import Asked
+from validation.flexible.drawing import Moved
+from validation.flexible.model import Asked, Flexible
+from validation.flexible.motion import node_displacement
+from validation.pictures.bodies import DrawnBody
 
 RATE = 512.0
 MASS = 12.0
@@ -69,6 +74,18 @@ def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises() ->
     )
     assert np.all(on_cells <= alone * (1 + 1e-12))
     assert_allclose(on_cells, alone, rtol=0.02)
+
+
+def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_their_material_does() -> None:
+    """Along z through its CoG: 2 pi f = sqrt(4 k / m), zeta = eta / 2, both of the steel of the cells (assumed)."""
+    found = rig_modes(mounted("fmd", "beam", Asked(), Attached(cells=True)).rig)
+    mass, k = inertia(built_in("fmd")).mass, load_cells()[0, 2]
+    r = int(np.argmax(np.abs(found.participation[2])))
+    eta = material("steel").loss_factor
+    assert eta is not None
+    assert found.frequency[r] == pytest.approx(np.sqrt(4 * k / mass) / (2 * np.pi), rel=1e-9)
+    assert found.damping_ratio[r] == pytest.approx(eta / 2, rel=1e-9)
+    assert found.participation[2, r] ** 2 == pytest.approx(mass, rel=1e-9)
 
 
 def test_places_ride_on_the_article() -> None:
@@ -164,16 +181,32 @@ def test_from_frame_to_frame_the_drive_goes_on_by_whole_cycles_and_a_tenth(rate:
         assert_allclose(steps % 1, 1 / moving.STROBE, atol=1e-3)
 
 
+def needle(model: Flexible, shapes: np.ndarray) -> tuple[Moved, ...]:
+    """Instead of the CAD's surface, which takes seconds to be meshed: a band along the points of the beam model."""
+    assert model.structure is not None
+    u, at = node_displacement(model.structure, shapes), model.structure.points
+    side = np.array([0.05, 0.0, 0.0])
+    body = DrawnBody(
+        name="needle",
+        material="steel",
+        vertices=np.concatenate([at - side, at + side]),
+        faces=np.array([[k, k + 1, k + len(at)] for k in range(len(at) - 1)]),
+    )
+    return ((body, np.zeros((0, 2), dtype=np.int64), np.concatenate([u, u])),)
+
+
 @pytest.fixture(scope="module")
 def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The folder that a plot and an animation were written into."""
+    fast = ("--band", "10", "20", "--octaves-per-minute", "60", "--ring-down", "1 s", "--modes", "8", "--rate", "256")
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("drawn")
         patch.chdir(folder)
         patch.setattr(moving, "FRAMES", 3)
-        fast = ("--axis", "beta", "--band", "10", "20", "--octaves-per-minute", "60", "--ring-down", "1 s", "--modes", "8")
-        assert cli.run(["excite", "fmd+clumod-1", "--cells", *fast, "--plot", "--animate"]) == cli.DONE
-        assert cli.run(["excite", "clumod-1", "--pattern", "burst", "--ring-down", "1 s", "--plot"]) == cli.DONE
+        patch.setattr(moving, "moved_bodies", needle)
+        assert cli.run(["excite", "fmd+clumod-1", "--cells", "--axis", "beta", *fast, "--plot", "--animate"]) == cli.DONE
+        burst = ("--pattern", "burst", "--duration", "2 s", "--ring-down", "1 s", "--rate", "256")
+        assert cli.run(["excite", "clumod-1", *burst, "--plot"]) == cli.DONE
         yield folder / "out"
 
 
