@@ -87,7 +87,7 @@ def mounted(article: str, model: str, asked: Asked, attached: Attached, highest:
         return Mounted(article=article, rig=_bare(asked, attached), model=None)
     above = _above(article)
     own = replace(asked, cells=False, changes=changes_of(above, asked.changes) if is_stack(article) else asked.changes)
-    made = _followed(flexible(above, model, own), model, own, highest)
+    made = _followed(flexible(above, model, own), above, model, own, highest)
     body = _body(made, places(article, made.model, asked), highest)
     common = {"flange": attached.flange, "struts": attached.struts, "frictions": attached.frictions}
     if above == article:
@@ -104,12 +104,12 @@ def _above(article: str) -> str:
     return rest if plus and first == FMD and is_stack(article) else article
 
 
-def _followed(made: Flexible, model: str, asked: Asked, highest: float) -> Flexible:
-    """`made` without its modes above `highest` [Hz], but for the first."""
+def _followed(made: Flexible, article: str, model: str, asked: Asked, highest: float) -> Flexible:
+    """`made`, the `model` of `article`, without its modes above `highest` [Hz], but for the first."""
     count = int(np.sum(made.modes.frequency <= highest))
     if count == len(made.modes.frequency) or made.structure is None:
         return made
-    return flexible(made.article, model, replace(asked, count=max(count, 1)))
+    return flexible(article, model, replace(asked, count=max(count, 1)))
 
 
 def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> Body:
