@@ -23,9 +23,10 @@ class Response:
     table : (n, 6) acceleration of the table about the reference point, x, y, z [m/s²], alpha, beta, gamma [rad/s²]
     cover : (n, 6) the same of what carries the article: of the FMD's cover plate, of the table when there are no cells
     load : (n, 6) force [N] and moment [N m] about the reference point
-    cells : (n, c, 3) force [N] of every load cell along x, y, z; c is 0 when there are none
+    cells : (n, c, 3) force [N] of every load cell along x, y, z of the laboratory; c is 0 when there are none
     places : (n, 3) acceleration [m/s²] of places of the article by name, in the laboratory's axes
-    coordinates : (n, k) the coordinates of the model, when they were asked for; (n, 0) otherwise
+    coordinates : (n, k) when they were asked for, (n, 0) otherwise; by the recursion all of the rig relative to the table, as
+        `fem.base_excitation.rig_structure` orders them, by exudyn those of the article in the laboratory
     reference_point : (3,) [m]
     settings : how it was found: route, program and version, step, what it kept; JSON values
     warnings : sentences
