@@ -30,6 +30,7 @@ TRESPASSES = {
 
 DOORS = {
     "cadquery": "geometry/cad/solids.py",
+    "pyuff": "identification/files/uff.py",
     "trimesh": "geometry/mesh/mass.py",
     "igl": "geometry/mesh/self_intersection.py",
     "pinocchio": "geometry/multibody.py",
