@@ -18,6 +18,7 @@ TRESPASSES = {
     "gmsh": ("fem", "import gmsh"),
     "skfem": ("validation", "from skfem import MeshTet2"),
     "pyyeti": ("fem", "from pyyeti import cb"),
+    "pyuff": ("validation", "import pyuff"),
     "trimesh": ("validation", "import trimesh"),
     "igl": ("geometry", "from igl.copyleft import cgal"),
     "pinocchio": ("fem", "import coal"),
