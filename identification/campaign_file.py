@@ -212,6 +212,7 @@ def _signals(recorded: Recording, campaign: Campaign) -> Signals:
         sampling_rate=recorded.sampling_rate,
         frequency=recorded.frequency,
         units={c.name: _stated(c.quantity, sizes[k]) for k, c in enumerate(campaign.table.channels)},
+        labels={c.name: c.unit for c in campaign.table.channels},
     )
 
 

@@ -10,10 +10,10 @@ from geometry.errors import BadInput
 from geometry.keys import nearest
 from geometry.sensors import SI, Channel, ChannelTable
 from identification import soundness
-from identification.files.contents import Samples, Signals, StatedUnits
+from identification.files.contents import Samples, Signals
 from identification.files.mat_names import variable
 from identification.recording import Recording
-from identification.units import SAME, named
+from identification.units import SAME, is_same, is_unit, named
 from identification.units import factor as factor_of
 
 
@@ -76,22 +76,23 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
         except BadInput as error:
             found.append(error)
             break
-    stated = signals.units.get(channel.name)
-    if stated is not None:
-        found += _contradiction(stated, channel, signals.source, toml)
-    return found
+    return found + _contradictions(channel, signals, toml)
 
 
-def _contradiction(stated: StatedUnits, channel: Channel, source: str, toml: str) -> list[BadInput]:
-    """Dataset 164 and ``campaign.toml`` on one unit."""
-    theirs, ours = stated.size(channel.quantity), _factor(channel)
-    if abs(theirs - ours) <= SAME * ours:
-        return []
-    problem = (
-        f"dataset 164 ({stated.words}) gives it in {named(theirs, channel.quantity)}, {toml} in {channel.unit}: "
-        f"1 {channel.unit} is {ours:.7g} {SI[channel.quantity]}, the file's unit {theirs:.7g}"
-    )
-    return [BadInput(source=source, field=channel.name, problem=problem, remedy="Correct the one that is wrong")]
+def _contradictions(channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
+    """What the signal file says about a unit beside what ``campaign.toml`` says: dataset 164, and the label of the ordinate."""
+    ours, said = _factor(channel), []
+    units, label = signals.units.get(channel.name), signals.labels.get(channel.name, "")
+    if units is not None and abs(units.size(channel.quantity) - ours) > SAME * ours:
+        theirs = units.size(channel.quantity)
+        size = f"1 {channel.unit} is {ours:.7g} {SI[channel.quantity]}, the file's unit {theirs:.7g}"
+        said.append(
+            f"dataset 164 ({units.words}) gives it in {named(theirs, channel.quantity)}, {toml} in {channel.unit}: {size}"
+        )
+    if is_unit(label) and not is_same(label, channel.unit, channel.quantity):
+        said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
+    remedy = "Correct the one that is wrong"
+    return [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
 
 
 def _clipped(samples: Mapping[str, Samples], table: ChannelTable, source: str) -> list[str]:

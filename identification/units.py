@@ -46,6 +46,13 @@ def is_unit(text: str) -> bool:
     return any(_SPELT.get(text, text) in units for units in UNITS.values())
 
 
+def is_same(unit: str, other: str, quantity: str) -> bool:
+    """Whether both are the same unit of `quantity`."""
+    known = UNITS[quantity]
+    sizes = [known.get(_SPELT.get(one, one)) for one in (unit, other)]
+    return sizes[0] is not None and sizes[0] == sizes[1]
+
+
 def named(size: float, quantity: str) -> str:
     """The unit of `quantity` with the factor `size`, or the factor in SI when it has no name."""
     names = [name for name, value in UNITS[quantity].items() if math.isclose(value, size, rel_tol=SAME)]

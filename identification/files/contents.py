@@ -53,7 +53,8 @@ class Signals:
     samples : by name of the channel, all of one length
     sampling_rate : [Hz], of time histories
     frequency : (n,) [Hz], of spectra
-    units : by name of the channel, what the file says about its unit
+    units : by name of the channel, the system of units that the file states for it
+    labels : by name of the channel, what the file calls its unit; empty where it does not
     warnings : what is odd, in words
     """
 
@@ -62,6 +63,7 @@ class Signals:
     sampling_rate: float | None = None
     frequency: Array | None = None
     units: Mapping[str, StatedUnits] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
