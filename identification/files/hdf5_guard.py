@@ -19,6 +19,9 @@ from identification.files.contents import DAMAGED, LARGEST_BYTES, Samples, too_l
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
+MOST_CHUNKS = 100_000
+"""Pieces of one dataset; ten times what the smallest sensible ones need."""
+
 _OWN_DATA = "Copy what it points to into this file"
 _FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}
 """Filters that are known here, by their number in the format; others lose digits or need plug-ins."""
@@ -80,7 +83,7 @@ def dataset(group: Any, name: str, source: str) -> Any:
         raise refused("is no dataset", "Put one dataset a channel there")
     if entry.external or entry.is_virtual:
         raise refused("has its numbers in another file", _OWN_DATA)
-    if not _is_plain(entry.dtype):
+    if not _is_plain(entry.dtype) or not _is_ieee(entry):
         raise refused(f"must hold floating-point numbers, found the type {entry.dtype}", "Write it as 64-bit floating point")
     if int(entry.size or 0) * entry.dtype.itemsize > LARGEST_BYTES:
         raise too_large(source, int(entry.size) * entry.dtype.itemsize)
@@ -139,6 +142,14 @@ def _is_plain(dtype: Any) -> bool:
     return dtype.kind in "fc" and dtype.itemsize in ((4, 8) if dtype.kind == "f" else (8, 16))
 
 
+def _is_ieee(entry: Any) -> bool:
+    """Whether the type in the file is the standard one, bit by bit: a damaged description of it would still be read as numbers."""
+    import h5py
+
+    stored = entry.id.get_type()
+    return any(stored.equal(h5py.h5t.py_create(entry.dtype.newbyteorder(sign))) for sign in "<>")
+
+
 def _require_written(entry: Any, name: str, source: str) -> None:
     def refused(problem: str) -> BadInput:
         return BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
@@ -147,15 +158,17 @@ def _require_written(entry: Any, name: str, source: str) -> None:
         if entry.id.get_storage_size() != entry.size * entry.dtype.itemsize:
             raise refused(f"declares {entry.size} samples, but they were never written")
         return
-    expected = {tuple(at) for at in np.ndindex(*(-(-side // step) for side, step in zip(entry.shape, entry.chunks, strict=True)))}
-    infos = [entry.id.get_chunk_info(k) for k in range(entry.id.get_num_chunks())]
-    found = [tuple(at // step for at, step in zip(info.chunk_offset, entry.chunks, strict=True)) for info in infos]
-    if len(found) != len(expected) or set(found) != expected:
-        raise refused(f"declares {entry.size} samples in {len(expected)} pieces, found {len(found)}")
+    counts = [-(-side // step) for side, step in zip(entry.shape, entry.chunks, strict=True)]
+    expected, found = int(np.prod(counts, dtype=object)), entry.id.get_num_chunks()
+    if found != expected or expected > MOST_CHUNKS:
+        raise refused(f"declares {entry.size} samples in {expected} pieces, found {found}")
+    corners = (tuple(at * step for at, step in zip(place, entry.chunks, strict=True)) for place in np.ndindex(*counts))
     plain = int(np.prod(entry.chunks)) * entry.dtype.itemsize
     filters = _filters(entry, refused)
-    if any(info.filter_mask for info in infos) or (not filters and any(info.size != plain for info in infos)):
-        raise refused("is stored otherwise than it says")
+    for corner in corners:
+        left_out, _ = entry.id.read_direct_chunk(corner)  # fails where reading the numbers would fill in zeros
+        if left_out or not (filters or entry.id.get_chunk_info_by_coord(corner).size == plain):
+            raise refused("is stored otherwise than it says")
 
 
 def _filters(entry: Any, refused: Any) -> list[int]:
@@ -170,8 +183,11 @@ def _filters(entry: Any, refused: Any) -> list[int]:
 
 
 def _require_apart(found: dict[str, Any], source: str) -> None:
-    """No two datasets share bytes of the file."""
-    ranges = sorted((one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one))
+    """No two datasets share bytes of the file, nor do numbers and the heads of datasets."""
+    from h5py import h5o
+
+    heads = [(h5o.get_info(one.id).addr, 1, f"the head of {name}") for name, one in found.items()]
+    ranges = sorted(heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)])
     for (start, size, name), (after, _, other) in pairwise(ranges):
         if start + size > after:
             raise BadInput(source=source, field=other, problem=f"lies in the bytes of {name}", remedy=DAMAGED)

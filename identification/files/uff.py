@@ -106,6 +106,8 @@ def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
     except Exception as error:  # pyuff raises bare exceptions
         problem = f"it cannot be read as a universal file: {error}"
         raise BadInput(source=str(path), problem=problem, remedy=DAMAGED) from None
+    if agreed and any(one.get("type") != 58 or "z_axis_spec_data_type" not in one for one in sets):
+        raise BadInput(source=str(path), problem="a dataset 58 has a damaged header", remedy=DAMAGED)
     if not agreed:
         problem = f"its marks -1 tell {file.get_n_sets()} datasets apart where {count} are framed"
         raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
