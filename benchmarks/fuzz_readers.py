@@ -1,4 +1,4 @@
-"""Every reader of campaigns on files that were damaged on their way: ``python -m benchmarks.fuzz_readers [COUNT]``, 10,000 by default.
+"""Every reader of campaigns on files that were damaged on their way: ``python -m benchmarks.fuzz_readers [COUNT]``.
 
 A damaged file is refused in words, or read as it was. A sample may come out changed only where damage hit its own digits: at most
 one a byte that was replaced, at most one where the file was cut, and none where the file carries checksums. Any other exception
@@ -71,7 +71,12 @@ class Mutant:
 
 def table() -> ChannelTable:
     """Four channels, two of them of names that formats have to think about."""
-    named = (("cover-1x", "acceleration", "cover"), ("fmd z,1", "force", "fmd"), ("fmd-x12", "force", "fmd"), ("m", "moment", "fmd"))
+    named = (
+        ("cover-1x", "acceleration", "cover"),
+        ("fmd z,1", "force", "fmd"),
+        ("fmd-x12", "force", "fmd"),
+        ("m", "moment", "fmd"),
+    )
     place = Place(position=np.array([0.1, 0.2, 0.0]), direction=np.array([0.0, 0.0, 1.0]))
     return ChannelTable(channels=tuple(Channel(name=n, quantity=q, group=g, places=(place,)) for n, q, g in named))
 
@@ -93,7 +98,7 @@ def signals(names: tuple[str, ...], *, spectra: bool, seed: int = 5) -> Signals:
     if not spectra:
         return Signals(source="made", samples=found, sampling_rate=RATE)
     complex_ones = {name: one + 1j * generator.standard_normal(SAMPLES) for name, one in found.items()}
-    return Signals(source="made", samples=complex_ones, frequency=4.0 + 0.05 * np.arange(SAMPLES))
+    return Signals(source="made", samples=complex_ones, frequency=np.asarray(4.0 + 0.05 * np.arange(SAMPLES)))
 
 
 def _foreign_hdf5(path: Path, of: Signals) -> None:
@@ -216,7 +221,9 @@ def campaign() -> Campaign:
         notes="two\nlines",
         table=table(),
         runs=(
-            Run(name="x", file="x.h5", axis="x", excitation=Excitation(kind="sine-sweep", figures={"start_hz": 4.0, "level": 2.5})),
+            Run(
+                name="x", file="x.h5", axis="x", excitation=Excitation(kind="sine-sweep", figures={"start_hz": 4.0, "level": 2.5})
+            ),
             Run(name="all", file="all.uff"),
         ),
         processing=Processing(method="peak-reference-hold"),
@@ -261,7 +268,9 @@ def _changes(whole: Recording, found: Recording) -> int:
     """How many numbers differ, as far as the record goes; a record that is longer, or another axis, is a change, too."""
     n = min(len(whole), len(found))
     parts = [np.stack([one.values[:n].real, one.values[:n].imag]) for one in (whole, found)]
-    axis = 0.0 if whole.frequency is None or found.frequency is None else float(np.sum(whole.frequency[:n] != found.frequency[:n]))
+    axis = (
+        0.0 if whole.frequency is None or found.frequency is None else float(np.sum(whole.frequency[:n] != found.frequency[:n]))
+    )
     rate = whole.sampling_rate != found.sampling_rate
     return int(np.sum(parts[0] != parts[1])) + int(axis) + int(rate) + max(len(found) - len(whole), 0)
 

@@ -188,8 +188,8 @@ def summation(channels: Sequence[Channel], point: npt.ArrayLike) -> Summation:
 def resultants(channels: Sequence[Channel], point: npt.ArrayLike) -> Array:
     """The six resultants about `point` (3,) [m] from what force and moment `channels` read: (6, n), least squares.
 
-    Cells that one channel adds up share its reading equally. On one line of action that is no assumption: their moment is the same
-    wherever on the line the force acts.
+    Cells that one channel adds up share its reading equally. On one line of action that is no assumption: wherever on the line
+    the force acts, its moment is the same.
     """
     of = summation(channels, point)
     return np.asarray(of.gives @ np.linalg.pinv(of.adds)) if channels else np.zeros((6, 0))

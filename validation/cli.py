@@ -24,6 +24,7 @@ COMMANDS = {
     "pendulum": "Reduce pendulum periods to moments of inertia.",
     "modes": "Eigenfrequencies, mode shapes and effective masses.",
     "dynamic-mass": "The base-excited 6 x 6 dynamic mass over frequency.",
+    "check": "What a recorded campaign holds, and what is wrong with it.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

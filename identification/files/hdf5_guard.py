@@ -143,7 +143,7 @@ def _is_plain(dtype: Any) -> bool:
 
 
 def _is_ieee(entry: Any) -> bool:
-    """Whether the type in the file is the standard one, bit by bit: a damaged description of it would still be read as numbers."""
+    """Whether the type in the file is the standard one, bit by bit: with a damaged one, other numbers would be read."""
     import h5py
 
     stored = entry.id.get_type()
@@ -187,7 +187,9 @@ def _require_apart(found: dict[str, Any], source: str) -> None:
     from h5py import h5o
 
     heads = [(h5o.get_info(one.id).addr, 1, f"the head of {name}") for name, one in found.items()]
-    ranges = sorted(heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)])
+    ranges = sorted(
+        heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)]
+    )
     for (start, size, name), (after, _, other) in pairwise(ranges):
         if start + size > after:
             raise BadInput(source=source, field=other, problem=f"lies in the bytes of {name}", remedy=DAMAGED)

@@ -37,7 +37,7 @@ def read(path: Path) -> Signals:
 
     Raises
     ------
-    BadInput : no universal file, damaged, no function, a function of another type, without or with another's name, axes that differ.
+    BadInput : no universal file, damaged, no function, one of another type, without name or with another's, axes that differ.
     """
     require_file(path)
     source = str(path)

@@ -1,7 +1,7 @@
 """The datasets of a universal file, told apart and measured before anybody reads numbers from them.
 
-pyuff looks for the end of a dataset by its sign and takes as many numbers as it finds. Here every dataset 58 must have exactly the
-numbers that its header promises, in fields of the width that the format has, so that a byte that came in or fell out is noticed.
+pyuff looks for the end of a dataset by its sign and takes as many numbers as it finds. Here every dataset 58 must have exactly
+the numbers that its header promises, in fields of the width that the format has, so that a byte too many or too few is noticed.
 What has been measured is read at once, an order of magnitude faster than line by line.
 """
 

@@ -90,7 +90,7 @@ def _abscissa(signals: Signals, binary: bool, source: str) -> tuple[float, float
         return 0.0, 1 / float(signals.sampling_rate or 1.0), True
     lines = np.asarray(signals.frequency, dtype=np.float64)
     start, step = lines[0], (lines[-1] - lines[0]) / (len(lines) - 1)
-    printed = float(f"{start:13.5E}") + float(f"{step:13.5E}") * np.arange(len(lines))
+    printed = np.asarray(float(f"{start:13.5E}") + float(f"{step:13.5E}") * np.arange(len(lines)), dtype=np.float64)
     if _same(printed, lines):
         return float(start), float(step), True
     if not binary and not _same(np.array([float(f"{one:13.5E}") for one in lines]), lines):

@@ -76,13 +76,13 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
         view = view_of([mode.bodies for mode in modes], TILE, MARGIN)
         tiles = [rendered(view, mode.bodies, 1.0) for mode in modes]
     width, height = max(columns * TILE[0], 2 * TILE[0]), HEAD + rows * (TILE[1] + CAPTION) + FOOT
-    figure, canvas = _blank(width, height)
-    _write(canvas, 24, 40, title, 26, weight="bold", va="center")
+    figure, canvas = blank(width, height)
+    write(canvas, 24, 40, title, 26, weight="bold", va="center")
     for k, (mode, tile) in enumerate(zip(modes, tiles, strict=True)):
         _tile(canvas, mode, tile, k % columns * TILE[0], HEAD + k // columns * (TILE[1] + CAPTION))
     _bar(figure, width, height)
     for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
-        _write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
+        write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
     more = {"metadata": {ABOUT: about}} if about else {}
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
 
@@ -94,35 +94,46 @@ def animation(title: str, mode: DrawnMode, path: Path) -> None:
     ------
     CheckFailed : nothing can be rendered on this machine.
     """
-    from PIL import Image as Pictures
-
-    from geometry.atomic import write_with
-
     head = _head(title, mode)
     with off_screen():
         view = view_of([mode.bodies], MOVING_TILE, MARGIN)
         shares = np.sin(2 * np.pi * np.arange(FRAMES) / FRAMES)
-        frames = [Pictures.fromarray(np.vstack([head, rendered(view, mode.bodies, share)])) for share in shares]
-    palette = frames[FRAMES // 4].quantize(255, method=Pictures.Quantize.MEDIANCUT, dither=Pictures.Dither.NONE)
-    small = [frame.quantize(palette=palette, dither=Pictures.Dither.NONE) for frame in frames]
-    how: dict[str, Any] = {"save_all": True, "append_images": small[1:], "duration": PERIOD // FRAMES, "loop": 0}
+        frames = [np.vstack([head, rendered(view, mode.bodies, share)]) for share in shares]
+    write_gif(path, frames, PERIOD // FRAMES, FRAMES // 4)
+
+
+def write_gif(path: Path, frames: Sequence[Image], duration: int, colourful: int) -> None:
+    """Write `frames` as an endless GIF, `duration` [ms] each, in the colours of the frame with the number `colourful`."""
+    from PIL import Image as Pictures
+
+    from geometry.atomic import write_with
+
+    pictures = [Pictures.fromarray(frame) for frame in frames]
+    palette = pictures[colourful].quantize(255, method=Pictures.Quantize.MEDIANCUT, dither=Pictures.Dither.NONE)
+    small = [picture.quantize(palette=palette, dither=Pictures.Dither.NONE) for picture in pictures]
+    how: dict[str, Any] = {"save_all": True, "append_images": small[1:], "duration": duration, "loop": 0}
     write_with(path, lambda temporary: small[0].save(temporary, format="GIF", **how))
 
 
 def _head(title: str, mode: DrawnMode) -> Image:
     """The strip above the moving picture."""
-    figure, canvas = _blank(MOVING_TILE[0], 84)
-    _write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
-    _write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
+    figure, canvas = blank(MOVING_TILE[0], 84)
+    write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
+    write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
+    return pixels(figure)
+
+
+def pixels(figure: Any) -> Image:
+    """What `figure` shows, as an image."""
     figure.canvas.draw()
     return np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
 
 
 def _tile(canvas: Any, mode: DrawnMode, tile: Image, x: float, y: float) -> None:
     canvas.imshow(tile, extent=(x, x + TILE[0], y + CAPTION + TILE[1], y + CAPTION), interpolation="none")
-    _write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
+    write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
     for i, line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
-        _write(canvas, x + 24, y + 38 + 16 * i, line, 13, FAINT, va="center")
+        write(canvas, x + 24, y + 38 + 16 * i, line, 13, FAINT, va="center")
 
 
 def _bar(figure: Any, width: float, height: float) -> None:
@@ -136,7 +147,7 @@ def _bar(figure: Any, width: float, height: float) -> None:
     axes.set_title("displacement over its largest", fontsize=9, color=FAINT, pad=4)
 
 
-def _blank(width: int, height: int) -> tuple[Any, Any]:
+def blank(width: int, height: int) -> tuple[Any, Any]:
     """A white figure and axes that cover it, one unit a pixel, y downwards."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -150,5 +161,6 @@ def _blank(width: int, height: int) -> tuple[Any, Any]:
     return figure, canvas
 
 
-def _write(canvas: Any, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> None:
+def write(canvas: Any, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> None:
+    """Put `text` of so many pixels onto the axes of `blank`."""
     canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", parse_math=False, **how)
