@@ -88,7 +88,8 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
     unit = problems.attempt(length_unit, str(frame.get("length_unit", "m")), source, "frame.length_unit")
     metres = unit.metres if unit else 1.0
     origin = reader.vector(frame.get("origin", [0, 0, 0]), "frame.origin", metres)
-    gravity = reader.number(reader.table(table, "environment", ("gravity",)), "environment", "gravity", low=0.0)
+    around = reader.table(table, "environment", ("gravity",))
+    gravity = reader.number(around, "environment", "gravity", low=0.0) if "environment" in table else None
     mounting = reader.mounting(table, metres)
     processing = reader.processing(table)
     channels = reader.named(table, "channel", partial(reader.channel, metres=metres))
@@ -144,10 +145,9 @@ class _Reader:
     def number(
         self, table: dict[str, Any], where: str, key: str, *, low: float = -LARGEST, high: float = LARGEST
     ) -> float | None:
-        """The number under `key`, from `low` to `high`; None without a word where it is missing and its table is, too."""
+        """The number under `key`, from `low` to `high`."""
         if key not in table:
-            if table:
-                self.refuse(f"{where}.{key}", "is missing", "Add it")
+            self.refuse(f"{where}.{key}", "is missing", "Add it")
             return None
         value = table[key]
         if _is_number(value) and low <= value <= high:
