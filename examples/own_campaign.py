@@ -103,7 +103,9 @@ def _recording(channels: ChannelTable, axis: int, noise: np.random.Generator) ->
     pickups = [channels.channels[k] for k in channels.select(quantity="acceleration")]
     cells = [channels.channels[k] for k in channels.select(quantity="force")]
     loads = motion @ BLOCK.mass_matrix.T
-    read = np.hstack([motion @ motion_rows(pickups, channels.origin).T, loads @ np.linalg.pinv(resultants(cells, channels.origin)).T])
+    read = np.hstack(
+        [motion @ motion_rows(pickups, channels.origin).T, loads @ np.linalg.pinv(resultants(cells, channels.origin)).T]
+    )
     floors = np.array([channel.noise_rms or 0.0 for channel in channels.channels])
     return Recording(names=channels.names, values=read + floors * noise.standard_normal(read.shape), sampling_rate=RATE)
 

@@ -7,11 +7,14 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import BadInput
 
-UNEVEN = 0.05
-"""How far a time stamp may lie from its place, in sampling intervals: the rounding of printed digits, never a lost sample."""
+UNEVEN = 0.3
+"""How far a time stamp may lie from its place at most, in sampling intervals, when its printed digits have no more to say."""
 
-CLOSEST = 1e-9
-"""Relative rounding that sums of binary fractions leave on an axis."""
+EVEN = 1e-4
+"""How far it may lie with all digits there: clocks agree better, and a lost sample is off by one."""
+
+MOST_DECIMALS = 9
+"""Time stamps of more decimals are taken as complete."""
 
 
 def roundest(low: float, high: float) -> float:
@@ -51,18 +54,30 @@ def rate_of_times(time: Array, source: str, field: str) -> float:
         raise refused(f"holds {len(time)} time stamps, and at least two are needed")
     if not np.all(np.isfinite(time)):
         raise refused(f"is not finite in row {int(np.argmin(np.isfinite(time))) + 1}")
-    step = float(np.median(np.diff(time)))
-    if step <= 0:
-        raise refused(f"must ascend, found a median step of {step:g} s")
-    span = float(time[-1] - time[0])
-    step = span / (len(time) - 1) if abs(span / step - (len(time) - 1)) < 0.5 else step
-    off = np.abs(time - time[0] - step * np.arange(len(time)))
-    worst = int(np.argmax(off > UNEVEN * step))
-    if off[worst] > UNEVEN * step:
-        where = f"is sampled unequally: row {worst + 1} stands at {time[worst]:.9g} s, expected {time[0] + step * worst:.9g} s"
-        raise refused(where)
-    rounding = max(2 * float(off.max()), CLOSEST * 1e-6 * span)
-    return roundest((len(time) - 1) / (span + rounding), (len(time) - 1) / max(span - rounding, span / 2))
+    steps, span, count = np.diff(time), float(time[-1] - time[0]), len(time) - 1
+    usual = float(np.median(steps))
+    if usual <= 0 or span <= 0:
+        raise refused(f"must ascend, found a median step of {usual:g} s")
+    off = np.abs(time - time[0] - span / count * np.arange(len(time)))
+    if np.any(off > np.clip(2 * _rounding(time), EVEN * usual, UNEVEN * usual)):
+        k = int(np.argmax(np.abs(steps - usual)))
+        raise refused(
+            f"is sampled unequally: row {k + 2} comes {steps[k]:.6g} s after the one before it, most come {usual:.6g} s after"
+        )
+    ends = float(_rounding(time)[[0, -1]].sum())
+    return roundest(count / (span + ends), count / max(span - ends, span / 2))
+
+
+def _rounding(time: Array) -> Array:
+    """Half a unit of the last digit that each of the time stamps (n,) [s] was printed with: so many decimals, or six digits."""
+    largest = float(np.abs(time).max())
+    binary = 4 * np.finfo(np.float64).eps * largest
+    for decimals in range(MOST_DECIMALS):
+        if np.all(np.abs(np.round(time, decimals) - time) <= binary):
+            return np.full(len(time), 0.5 * 10.0**-decimals)
+    if all(float(f"{one:.5e}") == one for one in time.tolist()):
+        return 5e-6 * np.abs(time)
+    return np.full(len(time), binary)
 
 
 def require_lines(frequency: Array, source: str, field: str) -> None:

@@ -23,9 +23,7 @@ def cell(name: str, *places: tuple[tuple[float, float, float], np.ndarray], quan
 
 
 def pickup(name: str, at: tuple[float, float, float], along: np.ndarray, group: str = "cover") -> Channel:
-    return Channel(
-        name=name, quantity="acceleration", group=group, places=(Place(position=np.array(at), direction=along),)
-    )
+    return Channel(name=name, quantity="acceleration", group=group, places=(Place(position=np.array(at), direction=along),))
 
 
 def paper() -> list[Channel]:

@@ -234,10 +234,15 @@ def campaigns(draw: st.DrawFn) -> Campaign:
         hardware=draw(words),
         notes=draw(words),
         table=ChannelTable(channels=tuple(draw(channels(name)) for name in called), origin=draw(points)),
-        runs=tuple(Run(name=n, file="x.h5", axis=draw(st.sampled_from(["", "x", "gamma"])), excitation=draw(excitation)) for n in run_names),
+        runs=tuple(
+            Run(name=n, file="x.h5", axis=draw(st.sampled_from(["", "x", "gamma"])), excitation=draw(excitation))
+            for n in run_names
+        ),
         mounting=draw(st.none() | pose),
         gravity=draw(st.floats(0, 20)),
-        processing=draw(st.none() | st.builds(Processing, method=st.just("full-record"), **{k: st.just(v) for k, v in grid.items()})),
+        processing=draw(
+            st.none() | st.builds(Processing, method=st.just("full-record"), **{k: st.just(v) for k, v in grid.items()})
+        ),
     )
 
 
