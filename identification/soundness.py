@@ -17,16 +17,20 @@ OVERSHOOT = 4.0
 """Steps of resolution by which the signal, continued as it arrived, would have passed the flat top: beyond, it was cut off."""
 
 
+LARGEST = 1e15
+"""In the unit of the file: numbers whose bytes came in another order are of any size at all."""
+
+
 def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
-    """Refuse NaN and infinity in the samples (n,) of a channel.
+    """Refuse NaN, infinity, and what no sensor reads in the samples (n,) of a channel.
 
     Raises
     ------
     BadInput : how many there are, and where the first stands.
     """
-    bad = ~np.isfinite(values)
+    bad = ~(np.abs(values) < LARGEST)
     if np.any(bad):
-        what = "NaN" if np.any(np.isnan(values)) else "infinite"
+        what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {LARGEST:g}, which no sensor reads"
         problem = (
             f"holds {int(bad.sum())} samples that are {what}, the first is number {int(np.argmax(bad)) + 1} of {len(values)}"
         )
