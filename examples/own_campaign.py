@@ -126,10 +126,11 @@ def _run(axis: str) -> Run:
 
 
 def main(folder: Path) -> None:
-    """Write the campaign below `folder`, once in every format."""
+    """Write the campaign below `folder`, once in every format that is not there yet: a campaign is never overwritten."""
     made = campaign()
     for ending in ENDINGS:
-        campaign_file.write(folder / ending[1:], made, ending=ending)
+        if not (folder / ending[1:]).exists():
+            campaign_file.write(folder / ending[1:], made, ending=ending)
 
 
 if __name__ == "__main__":
