@@ -24,7 +24,8 @@ from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
 from identification import files
 from identification.campaign import Campaign, Excitation, Processing, Run
-from identification.campaign_text import Problems, parse
+from identification.campaign_text import parse
+from identification.campaign_values import Problems
 from identification.campaign_words import text
 from identification.files import csv, hdf5, mat, uff
 from identification.files.contents import Signals

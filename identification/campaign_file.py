@@ -21,7 +21,8 @@ from geometry.errors import BadInput
 from identification import files
 from identification.campaign import Campaign, Run
 from identification.campaign_checks import problems_of_table, warnings_of_recordings
-from identification.campaign_text import Problems, parse
+from identification.campaign_text import parse
+from identification.campaign_values import Problems
 from identification.campaign_words import text
 from identification.files.contents import Signals, StatedUnits, require_file
 from identification.matching import recording
@@ -155,7 +156,12 @@ def _table(folder: Path, path: Path) -> Mapping[str, object]:
 
 
 def _recorded(folder: Path, run: Run, campaign: Campaign, problems: Problems) -> Recording | None:
-    signals = files.read(inside(folder, run.file, f"{folder}/{NAME}", f"run.{run.name}.file"))
+    path = inside(folder, run.file, f"{folder}/{NAME}", f"run.{run.name}.file")
+    try:
+        signals = files.read(path)
+    except OSError as error:
+        problem = f"it cannot be read: {error.strerror or error}"
+        raise BadInput(source=str(path), problem=problem, remedy="Check its name and permissions") from None
     made, found = recording(signals, campaign.table, f"{folder.name}/{NAME}")
     problems.found += found
     return made

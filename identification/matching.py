@@ -48,8 +48,14 @@ def _factor(channel: Channel) -> float:
 def _matched(signals: Signals, table: ChannelTable) -> tuple[dict[str, Samples], list[BadInput]]:
     """Samples by the name of the channel table, and the channels that are missing or too many."""
     is_mat = signals.source.lower().endswith(".mat")
-    called = {(variable(name) if is_mat else name): name for name in table.names}
+    called: dict[str, str] = {}
     problems = []
+    for name in table.names:
+        key = variable(name) if is_mat else name
+        if key in called:
+            problem = f"stands for {called[key]!r} and {name!r}: a MAT file cannot tell them apart"
+            problems.append(BadInput(source=signals.source, field=key, problem=problem, remedy="Rename one, or export .h5"))
+        called[key] = name
     for name in called:
         if name not in signals.samples:
             problem = f"the channel {called[name]!r} is missing"

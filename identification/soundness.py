@@ -28,7 +28,7 @@ def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
     ------
     BadInput : how many there are, and where the first stands.
     """
-    bad = ~(np.abs(values) < LARGEST)
+    bad = ~((np.abs(values.real) < LARGEST) & (np.abs(values.imag) < LARGEST))
     if np.any(bad):
         what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {LARGEST:g}, which no sensor reads"
         problem = (

@@ -13,6 +13,9 @@ UNEVEN = 0.3
 EVEN = 1e-4
 """How far it may lie with all digits there: clocks agree better, and a lost sample is off by one."""
 
+LARGEST = 1e12
+"""Seconds or hertz: no axis goes beyond."""
+
 MOST_DECIMALS = 9
 """Time stamps of more decimals are taken as complete."""
 
@@ -52,8 +55,10 @@ def rate_of_times(time: Array, source: str, field: str) -> float:
 
     if len(time) < 2:
         raise refused(f"holds {len(time)} time stamps, and at least two are needed")
-    if not np.all(np.isfinite(time)):
-        raise refused(f"is not finite in row {int(np.argmin(np.isfinite(time))) + 1}")
+    good = np.abs(time) < LARGEST
+    if not np.all(good):
+        k = int(np.argmin(good))
+        raise refused(f"must be a time in row {k + 1}, found {time[k]:g} s")
     steps, span, count = np.diff(time), float(time[-1] - time[0]), len(time) - 1
     usual = float(np.median(steps))
     if usual <= 0 or span <= 0:
@@ -87,8 +92,8 @@ def require_lines(frequency: Array, source: str, field: str) -> None:
     ------
     BadInput : the first line that is wrong.
     """
-    good = np.isfinite(frequency) & (frequency >= 0)
-    good[1:] &= np.diff(frequency, prepend=0.0)[1:] > 0
+    good = (frequency < LARGEST) & (frequency >= 0)
+    good[1:] &= frequency[1:] > frequency[:-1]
     if not np.all(good):
         k = int(np.argmin(good))
         problem = f"must be finite, not negative and ascend, found {frequency[k]:g} Hz in line {k + 1}"

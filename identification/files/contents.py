@@ -116,6 +116,9 @@ def require_one_length(samples: Mapping[str, Samples], count: int | None, source
             raise BadInput(source=source, field=name, problem=problem, remedy="Record all channels at one rate and length")
 
 
-def as_float(values: npt.ArrayLike) -> Array:
-    """`values` as float64."""
-    return np.asarray(values, dtype=np.float64)
+def as_complex(real: npt.ArrayLike, imaginary: npt.ArrayLike) -> Samples:
+    """Complex numbers (n,) of two parts; infinite ones stay what they are, which a sum with 1j would make NaN."""
+    parts = np.asarray(real, dtype=np.float64), np.asarray(imaginary, dtype=np.float64)
+    found = np.empty(parts[0].shape, dtype=np.complex128)
+    found.real, found.imag = parts
+    return found

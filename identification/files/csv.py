@@ -16,7 +16,7 @@ from geometry.arrays import Array
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from identification.files.axis import rate_of_times, require_lines
-from identification.files.contents import DAMAGED, Samples, Signals, require_file, require_one_length
+from identification.files.contents import DAMAGED, Samples, Signals, as_complex, require_file, require_one_length
 
 ENDINGS = (".csv",)
 
@@ -122,4 +122,4 @@ def _complex(header: list[str], table: Array, source: str) -> dict[str, Samples]
             problem = f"a spectrum takes two columns: {missing}"
             raise BadInput(source=source, field=name, problem=problem, remedy="Write real and imaginary part")
     at = {name: k for k, name in enumerate(header)}
-    return {name: table[:, at[f"{name}.re"]] + 1j * table[:, at[f"{name}.im"]] for name in names}
+    return {name: as_complex(table[:, at[f"{name}.re"]], table[:, at[f"{name}.im"]]) for name in names}

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from geometry.errors import BadInput
-from identification.files.contents import DAMAGED, LARGEST_BYTES, Samples, too_large
+from identification.files.contents import DAMAGED, LARGEST_BYTES, Samples, as_complex, too_large
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -101,7 +101,7 @@ def values(entry: Any, name: str, source: str) -> Samples:
         _require_written(entry, name, source)
     numbers = np.asarray(entry[()])
     if numbers.dtype.names:
-        numbers = numbers[numbers.dtype.names[0]] + 1j * numbers[numbers.dtype.names[1]]
+        numbers = as_complex(*(numbers[part] for part in numbers.dtype.names))
     return numbers.astype(np.complex128 if numbers.dtype.kind == "c" else np.float64)
 
 

@@ -115,7 +115,7 @@ def _measured(element: bytes, order: _Order, source: str) -> str:
     def refused(problem: str, remedy: str = DAMAGED) -> BadInput:
         return BadInput(source=source, field=name, problem=problem, remedy=remedy)
 
-    if (flags[0], len(flags[1]), shape[0], word[0]) != (6, 8, 5, 1):
+    if (flags[0], len(flags[1]), shape[0], word[0]) != (6, 8, 5, 1) or len(shape[1]) % 4:
         raise refused("its head is damaged")
     about = order.words(flags[1], 0, 1)[0]
     array_class, is_complex = about & 0xFF, bool(about >> 8 & COMPLEX_FLAG)

@@ -15,8 +15,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.errors import BadInput
-from identification.files.axis import rate_of_increment, rate_of_times, require_lines, roundest
-from identification.files.contents import DAMAGED, Samples, Signals, StatedUnits, require_file, require_one_length
+from identification.files.axis import LARGEST, rate_of_increment, rate_of_times, require_lines, roundest
+from identification.files.contents import DAMAGED, Samples, Signals, StatedUnits, as_complex, require_file, require_one_length
 from identification.files.uff_blocks import COMPLEX, Block, blocks, column
 from identification.files.uff_writing import RATE, write
 
@@ -108,6 +108,8 @@ def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
         raise BadInput(source=str(path), problem=problem, remedy=DAMAGED) from None
     if agreed and any(one.get("type") != 58 or "z_axis_spec_data_type" not in one for one in sets):
         raise BadInput(source=str(path), problem="a dataset 58 has a damaged header", remedy=DAMAGED)
+    if any(not abs(one[key]) < LARGEST for one in sets for key in ("abscissa_min", "abscissa_inc")):
+        raise BadInput(source=str(path), problem="a dataset 58 has no finite abscissa", remedy=DAMAGED)
     if not agreed:
         problem = f"its marks -1 tell {file.get_n_sets()} datasets apart where {count} are framed"
         raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
@@ -121,7 +123,7 @@ def _split(one: dict[str, Any], block: Block) -> tuple[Array, Samples]:
         abscissa = one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(rows))
     else:
         abscissa, rows = rows[:, 0], rows[:, 1:]
-    return abscissa, rows[:, 0] + 1j * rows[:, 1] if one["ord_data_type"] in COMPLEX else rows[:, 0]
+    return abscissa, as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
 
 
 def _require_one_axis(sets: list[dict[str, Any]], abscissae: Sequence[Array], names: list[str], source: str) -> None:

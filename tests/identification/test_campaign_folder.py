@@ -274,10 +274,20 @@ class TestPaths:
             file.truncate(3 * 2**30)  # sparse: no disk is filled
         assert "3 GiB, more than 2" in str(campaign_file.examine(folder).problems[0])
 
+    def test_a_name_that_no_file_can_have_is_refused(self, folder: Path) -> None:
+        assert "cannot be read" in str(self.renamed(folder, f'"{"x" * 300}.h5"'))
+
     @pytest.mark.parametrize("name", ["nowhere", "campaign/campaign.toml", "."])
     def test_what_is_no_campaign_is_refused(self, folder: Path, name: str) -> None:
         with pytest.raises(BadInput):
             campaign_file.read(folder.parent / name)
+
+
+def test_channels_that_a_mat_file_cannot_tell_apart_are_refused(campaign: Campaign, tmp_path: Path) -> None:
+    campaign_file.write(tmp_path / "c", replace(campaign, runs=campaign.runs[:1]), ending=".mat")
+    text = (tmp_path / "c" / "campaign.toml").read_text(encoding="utf-8").replace('"cover-z2"', '"cover_z1"')
+    (tmp_path / "c" / "campaign.toml").write_text(text, encoding="utf-8")
+    assert "cannot tell them apart" in str(campaign_file.examine(tmp_path / "c").problems[0])
 
 
 @pytest.mark.parametrize("name", ["../x", "a/b", ".hidden", "a\nb"])

@@ -15,7 +15,8 @@ from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
 from identification.campaign import Campaign, Excitation, Processing, Run
-from identification.campaign_text import Problems, parse
+from identification.campaign_text import parse
+from identification.campaign_values import Problems
 from identification.campaign_words import text
 from identification.units import UNITS
 
@@ -166,6 +167,7 @@ def test_lengths_are_metres_whatever_the_file_is_written_in(unit: str, size: flo
         ('axis = "x"', 'axis = "yaw"', "run.x.axis", "one of"),
         ('name = "all"', 'name = "x"', "run.x", "2 have this name"),
         ('kind = "sine-sweep"', 'kind = "sine"', "run.x.excitation.kind", "sine-sweep"),
+        ('kind = "sine-sweep"', "kind = [1]", "run.x.excitation.kind", "[1]"),
         ("level = 2.5", "levle = 2.5", "run.x.excitation.levle", "level"),
         ("level = 2.5", 'level = "2.5 m/s^2"', "run.x.excitation.level", "finite number"),
     ],

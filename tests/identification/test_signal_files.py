@@ -198,7 +198,7 @@ class TestCsv:
             ("time,a\n0,1\n1,2\n3,3\n4,4\n5,1\n6,0\n7,1\n", "row 3 comes 2 s after"),
             ("time,a\n0,1\n1,2\n1,3\n2,4\n3,5\n4,6\n", "unequally"),
             ("time,a\n2,1\n1,2\n0,3\n", "ascend"),
-            ("time,a\n0,1\nnan,2\n2,3\n", "finite in row 2"),
+            ("time,a\n0,1\nnan,2\n2,3\n", "a time in row 2"),
             ("time\n0\n1\n", "no channel"),
             ("frequency,a\n1,2\n2,3\n", "a.re and a.im"),
             ("frequency,a.re\n1,2\n2,3\n", "a.im is missing"),
@@ -212,6 +212,10 @@ class TestCsv:
 
     def test_a_last_row_without_end_is_read_with_a_word(self, tmp_path: Path) -> None:
         assert "cut short" in self.read(tmp_path, "time,a\n0,1\n1,2").warnings[0]
+
+    def test_infinite_parts_of_a_spectrum_stay_infinite(self, tmp_path: Path) -> None:
+        found = self.read(tmp_path, "frequency,a.re,a.im\n1,2,inf\n2,3,4\n").samples["a"]
+        assert (found[0].real, found[0].imag) == (2.0, np.inf)
 
     def test_a_name_that_needs_quotes_comes_back(self, tmp_path: Path) -> None:
         made = signals({'a "b", c': np.array([1.0, 2.0])}, sampling_rate=10.0)
