@@ -58,7 +58,7 @@ class DrawnSensor:
 
 
 def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody], path: Path, note: str = "") -> None:
-    """Write a picture of `sensors` over the ghosts of `bodies`, of which there may be none.
+    """Write a picture of `sensors` on `bodies`, of which there may be none; the frame's origin is labelled F.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[Dra
     """
     require_format(path)
     length = ARROW * _extent(sensors)
-    arrows = [_arrow(sensor, length) for sensor in sensors]
+    arrows = [*(_arrow(sensor, length) for sensor in sensors), *_axes(length)]
     ghosts = [replace(body, counted=False) for body in bodies]
     figure, canvas = blank(*SIZE)
     write(canvas, 40, 52, title, 30, weight="bold", va="center")
@@ -85,7 +85,8 @@ def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[Dra
 
 
 def _points(sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody], length: float) -> Array:
-    ends = [point for one in sensors for point in (one.position, one.position + length * one.direction)]
+    ends = [np.zeros(3)]
+    ends += [point for one in sensors for point in (one.position, one.position + length * one.direction)]
     return np.vstack([np.asarray(ends), *(body.vertices for body in bodies)])
 
 
@@ -115,6 +116,11 @@ def _arrow(sensor: DrawnSensor, length: float) -> Arrow:
     return Arrow(start=sensor.position, end=end, radius=0.03 * length, colour=COLOURS[sensor.group])
 
 
+def _axes(length: float) -> list[Arrow]:
+    """The axes of the frame, at its origin."""
+    return [Arrow(start=np.zeros(3), end=1.2 * length * axis, radius=0.02 * length, colour=INK) for axis in np.eye(3)]
+
+
 def _labels(canvas: Any, view: View, sensors: Sequence[DrawnSensor], length: float, left: float) -> None:
     corner = np.array([left, TOP])
     tips = [view.pixel(one.position + 0.7 * length * one.direction) + corner for one in sensors]
@@ -132,6 +138,14 @@ def _labels(canvas: Any, view: View, sensors: Sequence[DrawnSensor], length: flo
         )
         for one, tip in zip(sensors, tips, strict=True)
     ]
+    origin = view.pixel(np.zeros(3)) + corner
+    tips_of_axes = [(view.pixel(arrow.end) + corner, name) for arrow, name in zip(_axes(length), "xyz", strict=True)]
+    labels += [
+        Label(text=name, anchor=tip, wish=tip - origin, extent=(LETTER + 8, 20), gap=8, colour=INK)
+        for tip, name in tips_of_axes
+        if np.linalg.norm(tip - origin) > 1
+    ]
+    labels.append(Label(text="F", anchor=origin, wish=np.array([-1.0, 1.0]), extent=(LETTER + 8, 20), gap=8, colour=INK))
     room = (corner + np.array(view.size) / 2, view.size)
     for label, place in zip(labels, arranged(labels, taken, room), strict=True):
         canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.7, zorder=4)
