@@ -1,15 +1,13 @@
 """What tests of campaigns ask for: the campaign of the example, whole and as a folder of its own."""
 
 import runpy
-from collections.abc import Callable
+import shutil
 from pathlib import Path
 
 import pytest
 
 from identification import campaign_file
 from identification.campaign import Campaign
-
-Folder = Callable[..., Path]
 
 
 @pytest.fixture(scope="session")
@@ -19,8 +17,15 @@ def campaign(root: Path) -> Campaign:
     return made
 
 
+@pytest.fixture(scope="session")
+def written(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The campaign in a folder that stays as it is."""
+    whole = tmp_path_factory.mktemp("written") / "campaign"
+    campaign_file.write(whole, campaign)
+    return whole
+
+
 @pytest.fixture
-def folder(campaign: Campaign, tmp_path: Path) -> Path:
+def folder(written: Path, tmp_path: Path) -> Path:
     """The campaign in a folder that a test may spoil."""
-    campaign_file.write(tmp_path / "campaign", campaign)
-    return tmp_path / "campaign"
+    return Path(shutil.copytree(written, tmp_path / "campaign"))

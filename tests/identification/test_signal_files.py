@@ -325,6 +325,15 @@ class TestMat:
         with pytest.raises(BadInput, match="sparse"):
             mat.read(self.saved(tmp_path, fs=1.0, a=csc_array(np.eye(3))))
 
+    def test_an_array_that_declares_more_than_follows_is_refused(self, tmp_path: Path) -> None:
+        path = self.saved(tmp_path, a=np.arange(40.0)[:, None])
+        content = path.read_bytes()
+        dimensions = np.array([5, 8, 40, 1], dtype="<i4").tobytes()
+        assert content.count(dimensions) == 1
+        path.write_bytes(content.replace(dimensions, np.array([5, 8, 41, 1], dtype="<i4").tobytes()))
+        with pytest.raises(BadInput, match="declares 41 numbers"):
+            mat.read(path)
+
     @pytest.mark.parametrize(("axes", "found"), [({}, "neither"), ({"fs": 1.0, "frequency": [1.0, 2.0]}, "both")])
     def test_one_axis_is_needed(self, tmp_path: Path, axes: dict[str, object], found: str) -> None:
         with pytest.raises(BadInput, match=found):

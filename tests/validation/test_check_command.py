@@ -2,6 +2,7 @@
 
 import json
 import runpy
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -27,11 +28,17 @@ def campaign(root: Path) -> Campaign:
     return made
 
 
+@pytest.fixture(scope="module")
+def written(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    whole = tmp_path_factory.mktemp("written") / "own"
+    campaign_file.write(whole, campaign)
+    return whole
+
+
 @pytest.fixture
-def folder(campaign: Campaign, tmp_path: Path) -> Path:
+def folder(written: Path, tmp_path: Path) -> Path:
     """The example's campaign; the command runs in the folder above it."""
-    campaign_file.write(tmp_path / "own", campaign)
-    return tmp_path / "own"
+    return Path(shutil.copytree(written, tmp_path / "own"))
 
 
 def test_a_sound_campaign_is_printed_and_ends_with_0(run: Run, folder: Path) -> None:
@@ -146,9 +153,13 @@ def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_
 
 
 @pytest.mark.usefixtures("folder", "renderer")
-def test_view_draws_a_map_under_out(run: Run, tmp_path: Path) -> None:
+def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from PIL import Image
 
+    from validation.pictures import sensor_page
+
+    monkeypatch.setattr(sensor_page, "HEIGHT", 300)  # a ninth of the pixels, and of the time
+    monkeypatch.setattr(sensor_page, "COLUMNS", ((10, 130), (150, 240), (400, 240)))
     code, _, err = run("check", "own", "--view")
     assert (code, err) == (cli.DONE, "massline: wrote out/sensors-own.png.\n")
     with Image.open(tmp_path / "out" / "sensors-own.png") as picture:
