@@ -3,13 +3,14 @@
     python examples/pictures.py [FOLDER] [SHEET]
 
 Writes one picture an article into FOLDER (``out/pictures``) and the contact sheet to SHEET (``docs/pictures/articles.png``);
-beside the sheet go the modes of Clumod and its dynamic mass. These carry what they show in figures too, so that a test sees when
-the articles have moved on.
+beside the sheet go the modes of Clumod, its dynamic mass, a sweep that it was driven with, and Clumod on three ropes. These carry
+what they show in figures too, so that a test sees when the articles have moved on.
 """
 
 import json
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,11 @@ import numpy as np
 from geometry import multibody
 from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
+from validation.article_reference import Asked as Unchanged
+from validation.excitation.asked import Question, drive
+from validation.excitation.attached import Attached
+from validation.excitation.plots import sheet as driven_sheet
+from validation.excitation.runs import done, ready
 from validation.flexible.dynamic_mass import BAND, STEP, dynamic_mass, lines, reference_point
 from validation.flexible.model import Asked, flexible
 from validation.flexible.plots import note_on
@@ -25,6 +31,12 @@ from validation.flexible.shapes import draw_sheet
 from validation.output import inertia_json
 from validation.pictures import contact_sheet, drawn_bodies, picture
 from validation.pictures.curves import Curve, side_by_side
+from validation.pictures.excitation import draw_sheet as draw_driven
+from validation.pictures.pendulum_sheet import pendulum_picture
+from validation.swing.asked import Words, setup
+from validation.swing.drawing import drawn
+from validation.swing.setup import Setup
+from validation.swing.shifts import simulated
 
 SIDE_BY_SIDE = {"disc+cuboid": "Cuboid on its disc", "clumod-1": "Clumod, one blade", "clumod-4": "Clumod, four blades"}
 
@@ -55,6 +67,53 @@ def flexible_bodies(folder: Path) -> None:
     side_by_side(title, drawn, folder / "dynamic-mass.png", note, about)
 
 
+def base_excitation(folder: Path) -> None:
+    """Draw Clumod with one blade on a table that sweeps about beta as in the paper, into `folder`."""
+    sweep = drive(
+        axes=["beta"],
+        every=False,
+        pattern="sweep",
+        band=BAND,
+        octaves_per_minute=2.0,
+        level=1.0,
+        cross=0.03,
+        seed=0,
+        duration=None,
+        ring_down="auto",
+    )
+    question = Question(
+        article="clumod-1", model=None, asked=Asked(count=30), attached=Attached(), drive=sweep, route=None, rate=1024.0
+    )
+    made = ready(question)
+    (one,) = done(made)
+    draw_driven(driven_sheet(made, one), folder / "excite-clumod-1.png", json.dumps(frequencies("clumod-1")))
+
+
+def pendulum(folder: Path) -> None:
+    """Draw Clumod with four blades on three ropes, its recorded twist below, into `folder`."""
+    found = simulated(swing_setup(), lambda words: nullcontext())
+    pendulum_picture(drawn(found, Unchanged()), folder / "swing.png", about=json.dumps(swung(found.record.setup)))
+
+
+def swing_setup() -> Setup:
+    """The pendulum of the picture."""
+    texts = {
+        "length": "2 m",
+        "amplitude": "20 deg",
+        "damping": "0.5 %",
+        "height": "950 mm",
+        "noise": "3 mrad",
+        "rope_mass": "0.3 kg",
+    }
+    recorder = {"off_centre": None, "links": None, "start": "twist", "cycles": 10.0, "rate": 50.0, "seed": 0}
+    return setup("clumod-4", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), Unchanged())
+
+
+def swung(test: Setup) -> dict[str, float]:
+    """What the picture of a pendulum shows: its body and the period that Eq. 5 gives it."""
+    return {"mass_kg": test.inertia.mass, "moi_kgm2": test.reference, "period_eq5_s": test.ideal_period}
+
+
 def curve(name: str) -> Curve:
     """The dynamic mass of the article `name` about F, 4 to 32 Hz, by its beam model."""
     model = flexible(name, "beam", Asked(count=30))
@@ -79,3 +138,5 @@ if __name__ == "__main__":
     folder, sheet = (*given, *DEFAULTS[len(given) :])
     main(folder, sheet)
     flexible_bodies(sheet.parent)
+    base_excitation(sheet.parent)
+    pendulum(sheet.parent)

@@ -7,7 +7,9 @@ in the others is another one. Loads are those of the table *on* the article, so 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -20,8 +22,8 @@ ComplexArray = npt.NDArray[np.complex128]
 MOTIONS = ("x", "y", "z", "alpha", "beta", "gamma")
 """Order of base motions (columns) and of interface loads (rows: forces along x, y, z and moments about them)."""
 
-LEVELS = (2.5, 2.5, 2.5, 3.0, 3.0, 6.0)
-"""Nominal acceleration of the base in the paper's sweeps, in the order of `MOTIONS` [m/s², rad/s²] (paper, section 4)."""
+LEVELS: Mapping[str, float] = MappingProxyType(dict(zip(MOTIONS, (2.5, 2.5, 2.5, 3.0, 3.0, 6.0), strict=True)))
+"""Nominal acceleration of the base in the paper's sweeps, by axis in the order of `MOTIONS` [m/s², rad/s²] (paper, section 4)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -13,6 +13,7 @@ divided by its nominal level before.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,7 +50,7 @@ def from_runs(
     frequency: npt.ArrayLike,
     reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
     *,
-    levels: npt.ArrayLike = LEVELS,
+    levels: Mapping[str, float] = LEVELS,
 ) -> Estimate:
     """H from the spectra of six runs or more (Eqs. 9 to 11; least squares of all runs at each line).
 
@@ -59,14 +60,14 @@ def from_runs(
     motion : (r, n, 6) spectra of the base acceleration about the same point
     frequency : (n,) lines [Hz]
     reference_point : (3,) [m]
-    levels : (6,) nominal acceleration of each axis, by which it is scaled for condition and solution
+    levels : nominal acceleration of each axis, by which it is scaled for condition and solution
 
     Raises
     ------
     BadInput : fewer than six runs, shapes that do not fit, or motions that runs leave undriven at a line.
     """
     F, U, lines = _fitting(load, motion, frequency)
-    scale = np.asarray(levels, dtype=np.float64)
+    scale = np.array([levels[axis] for axis in MOTIONS])
     columns = (U / scale).transpose(1, 2, 0)  # (n, 6, r)
     singular = np.linalg.svd(columns, compute_uv=False)
     condition = singular[:, 0] / np.maximum(singular[:, -1], np.finfo(np.float64).tiny)

@@ -233,10 +233,7 @@ def draw(name: str, asked: Asked, folder: Path = Path("out")) -> Path:
     """
     from validation.pictures import picture
 
-    if is_file(name):
-        title, bodies, inertia, note = _users_drawing(name, asked)
-    else:
-        title, bodies, inertia, note = _drawing(name, asked)
+    title, bodies, inertia, note = drawing(name, asked)
     path = folder / f"{file_name(title)}.png"
     picture(title, bodies, inertia, path, note)
     return path
@@ -248,6 +245,16 @@ def file_name(title: str) -> str:
 
 
 _Drawing = tuple[str, "tuple[DrawnBody, ...]", Inertia, str]
+
+
+def drawing(name: str, asked: Asked) -> _Drawing:
+    """Title, bodies, inertia and note of a picture of the article `name`, in the article's own frame.
+
+    Raises
+    ------
+    BadInput : no such article.
+    """
+    return _users_drawing(name, asked) if is_file(name) else _drawing(name, asked)
 
 
 def _drawing(name: str, asked: Asked) -> _Drawing:

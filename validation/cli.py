@@ -22,8 +22,10 @@ COMMANDS = {
     "cog": "Reduce a crane-and-balance test to a CoG height.",
     "verify": "Elements, modes and dynamic mass against closed forms and benchmarks.",
     "pendulum": "Reduce pendulum periods to moments of inertia.",
+    "swing": "A rope pendulum simulated by exudyn, recorded and reduced as a measured one.",
     "modes": "Eigenfrequencies, mode shapes and effective masses.",
     "dynamic-mass": "The base-excited 6 x 6 dynamic mass over frequency.",
+    "excite": "Base excitation in time: sweeps, random, bursts; loads, load cells, resonances.",
     "check": "What a recorded campaign holds, and what is wrong with it.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""

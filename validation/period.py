@@ -43,6 +43,7 @@ class Decay:
     damping_ratio : [1]
     amplitude : root mean square over the record of the peak amplitude, in the signal's unit
     cycles : in the record
+    fitted : (n,) the sinusoid with its drift, at the samples
     notes : what the user should know (noise, drift, correlated residuals), sentences
     """
 
@@ -50,6 +51,7 @@ class Decay:
     damping_ratio: UFloat
     amplitude: float
     cycles: float
+    fitted: Array
     notes: tuple[str, ...]
 
 
@@ -121,8 +123,9 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
     return Decay(
         period=tagged(2 * np.pi / omega, 2 * np.pi / omega**2 * s_omega, "fit of the signal"),
         damping_ratio=tagged(delta / np.hypot(delta, omega), s_delta / omega, "damping from the signal"),
-        amplitude=float(np.sqrt(2) * np.std(swing)),
+        amplitude=float(np.sqrt(np.mean(fit.envelope**2))),
         cycles=float(omega * t[-1] / (2 * np.pi)),
+        fitted=fit.full,
         notes=_notes(noise, correlation, fit, swing),
     )
 
@@ -139,6 +142,7 @@ def require_positive(value: UFloat, field: str, source: str) -> UFloat:
 class _Fit:
     full: Array
     baseline: Array
+    envelope: Array
 
 
 def _checked(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> tuple[Array, Array]:
@@ -214,7 +218,8 @@ def _fitted(t: Array, y: Array, omega0: float) -> tuple[float, float, Array, _Fi
     columns, coefficients = linear(best.x)
     variance = np.sum(best.fun**2) / max(len(t) - 6, 1)
     covariance = omega0**2 * variance * np.linalg.inv(best.jac.T @ best.jac)
-    fit = _Fit(full=columns @ coefficients, baseline=columns[:, 2:] @ coefficients[2:])
+    envelope = np.exp(-best.x[0] * omega0 * (t - t[-1] / 2)) * np.hypot(*coefficients[:2])
+    fit = _Fit(full=columns @ coefficients, baseline=columns[:, 2:] @ coefficients[2:], envelope=envelope)
     return float(best.x[0] * omega0), float(best.x[1] * omega0), covariance, fit
 
 

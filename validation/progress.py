@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 
@@ -25,3 +25,15 @@ def counted(items: Iterable[str], words: str, *, quiet: bool = False) -> Iterato
     for number, item in enumerate(listed, start=1):
         with shown(f"{words}: {item} ({number} of {len(listed)})", quiet=quiet):
             yield item
+
+
+@contextmanager
+def percent(words: str, *, quiet: bool = False) -> Iterator[Callable[[float], None]]:
+    """Show `words` with the share done while the block runs, as `shown` does; it is told by calling what the block is given."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda share: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(words) as status:
+        yield lambda share: status.update(f"{words}: {100 * min(max(share, 0.0), 1.0):.0f} %")

@@ -3,4 +3,7 @@
 The nouns are shared by every way to an answer: `BaseMotion` drives a `Rig`, and a `Response` comes out. `linear` answers by an
 exact recursion in modal coordinates; `fem.flexible_body.driven_base` lets exudyn integrate joints, gaps and friction as well.
 Neither knows the other's equations.
+
+`patterns` says what the table is driven with, `small_motion` whether linear equations may answer it, and `decimation` brings a
+simulated run down to the rate of a record, all channels through one filter.
 """

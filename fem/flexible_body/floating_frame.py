@@ -14,17 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from fem.factorisers import factorise
 from fem.flexible_body.running import finite, running
+from fem.held_base import restricted
+from fem.static_answer import static_shapes
 from fem.structure import Integers, Structure
 from geometry.arrays import Array
 from geometry.errors import BadInput
 
 LARGEST = 100_000
 """Degrees of freedom beyond which exudyn's factorisations, three by SuperLU, take hours and the memory of a large machine."""
-
-REDUNDANT = 1e-8
-"""Share of an added mode that may lie outside the modes already there, below which it is left out."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -119,15 +117,12 @@ def _with_static(structure: Structure, solid: Any, modes: Array) -> Array:
     """`modes` and beside them what the free part does statically when the base is accelerated, mass-orthogonal to them."""
     order = structure.translations.ravel()
     free = np.flatnonzero(np.isin(order, structure.free))
-    M, K = solid.massMatrix, solid.stiffnessMatrix
-    static = np.zeros((len(order), 6))
-    static[free] = factorise(K[free][:, free], definite=True).solve((M @ structure.rigid[order])[free])
-    static /= np.sqrt(np.einsum("ir,ir->r", static, M @ static))
-    left = static - modes @ (modes.T @ (M @ static))
-    left -= modes @ (modes.T @ (M @ left))
-    size, directions = np.linalg.eigh(left.T @ (M @ left))
-    kept = size > REDUNDANT**2
-    return np.hstack([modes, left @ directions[:, kept] / np.sqrt(size[kept])])
+    M, K = (restricted(matrix, free) for matrix in (solid.massMatrix, solid.stiffnessMatrix))
+    load = (solid.massMatrix @ structure.rigid[order])[free]
+    added = static_shapes(K, M, load, modes[free])
+    beside = np.zeros((len(order), added.shape[1]))
+    beside[free] = added
+    return np.hstack([modes, beside])
 
 
 def _held_nodes(structure: Structure) -> Integers:

@@ -20,6 +20,15 @@ def lossy(plan: Plan) -> Plan:
     return replace(plan, members=tuple(_scaled(member, plan) for member in plan.members), ports=ports)
 
 
+def viscous(plan: Plan, frequency: float) -> Plan:
+    """`plan` with viscous dampings instead of stiffnesses: C = sum of eta_p K_p / omega, equal to its loss at `frequency` [Hz].
+
+    Below it loses less, above it more: in time there is no damping that follows the displacement.
+    """
+    omega = 2 * np.pi * frequency
+    return lossy(replace(plan, loss_factors={part: eta / omega for part, eta in plan.loss_factors.items()}))
+
+
 def _scaled(member: Member, plan: Plan) -> Member:
     eta, section = plan.loss_factors, member.section
     if not isinstance(section, Sandwich):

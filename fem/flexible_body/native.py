@@ -10,12 +10,17 @@ small motions in the frame. Askew it may not: exudyn takes no stiffness between 
 A sandwich is what it is in the workshop: two beams as faces and, between them, springs for the layer that only shears. Its
 torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their
 warping.
+
+Damping, where it is asked for, is viscous and written as a second plan whose stiffnesses are dampings (`losses.viscous`).
+Exudyn's beam takes a damping matrix and makes no force of it (1.13.6), so a damper stands beside every beam, between arms that
+reach from both nodes to its middle: there the relative motion of the arms is the constant strain of the beam times its length,
+and nothing moves when the whole turns.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -31,6 +36,8 @@ from geometry.inertia import Inertia
 
 THICKNESS_OVER_SHEAR = 50.0
 """Stiffness of a nearly incompressible layer across its thickness over that in shear, 2 (1 - nu) / (1 - 2 nu) at nu = 0.49."""
+
+NOTHING = np.zeros((6, 6))
 
 Node = int
 """A node of exudyn. Its coordinates are x, y, z, alpha, beta, gamma and begin at six times its number."""
@@ -57,16 +64,23 @@ class Native:
         object.__setattr__(self, "points", frozen(self.points, np.shape(self.points), "points"))
 
 
-def build(exudyn: Any, plan: Plan, *, held: bool) -> Native:
-    """`plan` in exudyn, its foot joined to the ground when `held`, free otherwise."""
-    return _Builder(exudyn, plan).build(held)
+def build(exudyn: Any, plan: Plan, *, held: bool, damping: Plan | None = None) -> Native:
+    """`plan` in exudyn, its foot joined to the ground when `held`, free otherwise.
+
+    Parameters
+    ----------
+    damping : the same plan with viscous dampings [N s, N m² s ...] where `plan` has stiffnesses; undamped when None
+    """
+    return _Builder(exudyn, plan, damping).build(held)
 
 
 class _Builder:
-    def __init__(self, exudyn: Any, plan: Plan) -> None:
+    def __init__(self, exudyn: Any, plan: Plan, damping: Plan | None) -> None:
         from exudyn import itemInterface
 
         self.exudyn, self.plan = exudyn, plan
+        undamped = [replace(p, stiffness=np.zeros_like(p.stiffness)) for p in plan.ports]
+        self.damping: Any = (damping.members, damping.ports) if damping else ([None] * len(plan.members), undamped)
         self.items: Any = itemInterface
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
@@ -76,13 +90,14 @@ class _Builder:
 
     def build(self, held: bool) -> Native:
         self._rigid_bodies()
-        for member in self.plan.members:
+        for member, damper in zip(self.plan.members, self.damping[0], strict=True):
+            losses = damper.section if damper else None
             if isinstance(member.section, Sandwich):
-                self._sandwich(member, member.section)
+                self._sandwich(member, member.section, losses)
             else:
-                self._chain(member, member.section, [self._node(k) for k in member.nodes])
-        for ports in self.plan.ports:
-            self._ports(ports)
+                self._chain(member, member.section, [self._node(k) for k in member.nodes], losses)
+        for ports, damper in zip(self.plan.ports, self.damping[1], strict=True):
+            self._ports(ports, damper.stiffness)
         if held:
             self._hold()
         self.system.Assemble()
@@ -141,33 +156,36 @@ class _Builder:
     def _marker(self, body: Any, place: Array) -> Any:
         return self.system.AddMarker(self.items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist()))
 
-    def _chain(self, member: Member, section: Section, nodes: list[Node]) -> None:
+    def _chain(self, member: Member, section: Section, nodes: list[Node], losses: Section | None) -> None:
         for a, b in pairwise(nodes):
             axis = self.points[b] - self.points[a]
             length = float(np.linalg.norm(axis))
-            data = self._section(section, _axes(axis / length, member.z_axis))
+            axes = _axes(axis / length, member.z_axis)
+            data = self._section(section, axes)
             self.system.AddObject(self.items.ObjectBeamGeometricallyExact(nodeNumbers=[a, b], length=length, sectionData=data))
+            if losses is not None:
+                middle = (self.points[a] + self.points[b]) / 2
+                self._between(middle, a, b, damping=_turned(_strains(losses), axes) / length)
 
     def _section(self, s: Section, axes: Array) -> Any:
         """`s` with its stiffness and inertia in the frame's axes; the columns of `axes` are the section's."""
         if not np.isfinite([s.shear_y, s.shear_z]).all():
             raise ValueError("exudyn's beam needs the shear stiffness of its section, found one without shear deformation")
-        data, twice = self.exudyn.BeamSection(), np.kron(np.eye(2), axes)
-        stiffness = np.diag([s.axial, s.shear_y, s.shear_z, s.torsion, s.bending_y, s.bending_z])
+        data = self.exudyn.BeamSection()
         data.massPerLength = s.mass
         data.inertia = axes @ np.diag([s.rotary_y + s.rotary_z, s.rotary_y, s.rotary_z]) @ axes.T
-        turned = twice @ stiffness @ twice.T
+        turned = _turned(_strains(s), axes)
         if np.any(turned - np.diag(np.diag(turned))):
             raise ValueError("exudyn's beam takes a diagonal stiffness, so members must run along x, y or z, found another one")
         data.stiffnessMatrix = turned
         return data
 
-    def _sandwich(self, member: Member, sandwich: Sandwich) -> None:
+    def _sandwich(self, member: Member, sandwich: Sandwich, losses: Sandwich | None) -> None:
         """Two faces apart, and at every node the springs of as much layer as belongs to it."""
         offset = sandwich.distance / 2 * member.z_axis
         faces = [[self._new_node(self.plan.nodes[k] + side * offset) for k in member.nodes] for side in (-1, 1)]
         for nodes in faces:
-            self._chain(member, _face(sandwich), nodes)
+            self._chain(member, _face(sandwich), nodes, _face(losses) if losses else None)
         lengths = [float(np.linalg.norm(self.plan.nodes[b] - self.plan.nodes[a])) for a, b in pairwise(member.nodes)]
         shares = (np.array([0.0, *lengths]) + np.array([*lengths, 0.0])) / 2
         for number, share, bottom, top in zip(member.nodes, shares, *faces, strict=True):
@@ -176,30 +194,54 @@ class _Builder:
                 self._join(number, bottom)
                 self._join(number, top)
             else:
-                self._layer(member, number, share, bottom, top, sandwich)
+                axes = self._along(member, number)
+                springs, dampers = (_turned(_layer(each, sandwich, share), axes) for each in (sandwich, losses))
+                self._between(self.plan.nodes[number], bottom, top, springs, dampers)
 
-    def _ports(self, ports: Ports) -> None:
+    def _ports(self, ports: Ports, damping: Array) -> None:
         """Matrices on nodes, as they are: exudyn has no item that would know them. A sandwich moves as the mean of its faces."""
         for number in ports.nodes:
             self._node(number)
         owners = [self.nodes[number] for number in ports.nodes]
         rows = np.repeat(np.arange(len(owners)), [len(own) for own in owners])
         mean = np.kron(np.array([(rows == k) / len(own) for k, own in enumerate(owners)]), np.eye(6))
-        K, M = (mean.T @ matrix @ mean for matrix in (ports.stiffness, ports.mass))
+        K, M, C = (mean.T @ matrix @ mean for matrix in (ports.stiffness, ports.mass, damping))
         nodes = [node for own in owners for node in own]
-        self.system.AddObject(self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=M, stiffnessMatrix=K))
+        item = self.items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=M, stiffnessMatrix=K, dampingMatrix=C)
+        self.system.AddObject(item)
 
-    def _layer(self, member: Member, number: int, length: float, bottom: Node, top: Node, sandwich: Sandwich) -> None:
-        """Springs between both faces at the layer's middle, to which massless arms reach; nothing there is stressed at rest."""
-        middle, nothing = self.plan.nodes[number], Inertia(parameters=np.zeros(10))
-        markers = [self._marker(self._body(node, nothing), middle - self.points[node]) for node in (bottom, top)]
+    def _between(self, middle: Array, a: Node, b: Node, stiffness: Array = NOTHING, damping: Array = NOTHING) -> None:
+        """Springs and dampers at `middle` between massless arms that reach there from two nodes; nothing is stressed at rest."""
+        massless = Inertia(parameters=np.zeros(10))
+        markers = [self._marker(self._body(node, massless), middle - self.points[node]) for node in (a, b)]
+        item = self.items.ObjectConnectorRigidBodySpringDamper(markerNumbers=markers, stiffness=stiffness, damping=damping)
+        self.system.AddObject(item)
+
+    def _along(self, member: Member, number: int) -> Array:
+        """The section's axes of `member` at one of its nodes."""
         neighbours = [n for pair in pairwise(member.nodes) if number in pair for n in pair]
         axis = self.plan.nodes[neighbours[-1]] - self.plan.nodes[neighbours[0]]
-        axes = np.kron(np.eye(2), _axes(axis / np.linalg.norm(axis), member.z_axis))
-        shear, normal = sandwich.slip * length, THICKNESS_OVER_SHEAR * sandwich.slip * length
-        across = sandwich.faces.rotary_z / sandwich.faces.mass
-        springs = axes @ np.diag([shear, shear, normal, normal * across, 0.0, shear * across]) @ axes.T
-        self.system.AddObject(self.items.ObjectConnectorRigidBodySpringDamper(markerNumbers=markers, stiffness=springs))
+        return _axes(axis / np.linalg.norm(axis), member.z_axis)
+
+
+def _layer(layer: Sandwich | None, sandwich: Sandwich, length: float) -> Array:
+    """Diagonal of the springs, or dampers, of `length` [m] of a layer between its faces, in the section's axes."""
+    if layer is None:
+        return np.zeros(6)
+    shear, normal = layer.slip * length, THICKNESS_OVER_SHEAR * layer.slip * length
+    across = sandwich.faces.rotary_z / sandwich.faces.mass
+    return np.array([shear, shear, normal, normal * across, 0.0, shear * across])
+
+
+def _strains(s: Section) -> Array:
+    """Stiffness (6,) of a section against its strains: stretch, shear along y and z, twist, bending about y and z."""
+    return np.array([s.axial, s.shear_y, s.shear_z, s.torsion, s.bending_y, s.bending_z])
+
+
+def _turned(diagonal: Array, axes: Array) -> Array:
+    """A diagonal (6,) of the section's axes as (6, 6) in the frame's."""
+    twice = np.kron(np.eye(2), axes)
+    return np.asarray(twice @ np.diag(diagonal) @ twice.T)
 
 
 def _face(s: Sandwich) -> Section:

@@ -52,15 +52,25 @@ def test_the_sheet_in_the_readme_shows_the_articles_as_they_are_now(root: Path) 
             assert now[key] == pytest.approx(then[key], rel=1e-6, abs=1e-6), again
 
 
-@pytest.mark.parametrize(("picture", "names"), [("modes-clumod-4", ["clumod-4"]), ("dynamic-mass", None)])
-def test_pictures_of_flexible_bodies_show_the_articles_as_they_are_now(root: Path, picture: str, names: list[str] | None) -> None:
+@pytest.mark.parametrize(
+    ("picture", "name"), [("modes-clumod-4", "clumod-4"), ("excite-clumod-1", "clumod-1"), ("dynamic-mass", None)]
+)
+def test_pictures_of_flexible_bodies_show_the_articles_as_they_are_now(root: Path, picture: str, name: str | None) -> None:
     program = runpy.run_path(str(root / "examples" / "pictures.py"))
     said = json.loads(said_about(root / "docs" / "pictures" / f"{picture}.png"))
-    then = {"clumod-4": said} if names else said
-    assert list(then) == (names or list(program["SIDE_BY_SIDE"]))
+    then = {name: said} if name else said
+    assert list(then) == ([name] if name else list(program["SIDE_BY_SIDE"]))
     for name, frequencies in then.items():
         # a thousandth: no eye sees it, and every change of a dimension that matters shows
         assert program["frequencies"](name) == pytest.approx(frequencies, rel=1e-3), "draw it again: python examples/pictures.py"
+
+
+def test_the_picture_of_the_pendulum_shows_the_article_as_it_is_now(root: Path) -> None:
+    program = runpy.run_path(str(root / "examples" / "pictures.py"))
+    then = json.loads(said_about(root / "docs" / "pictures" / "swing.png"))
+    assert program["swung"](program["swing_setup"]()) == pytest.approx(then, rel=1e-3), (
+        "draw it again: python examples/pictures.py"
+    )
 
 
 def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
@@ -75,3 +85,16 @@ def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
     for _, coarse, _, fine in rows:
         assert float(fine) < float(coarse)  # conforming elements are too stiff
     assert re.search(r"the worst, mode \d at [\d.]+ Hz \(plate\), is [\d.]+% from its", text)
+
+
+def test_the_closure_example_finds_the_model_again_axis_by_axis(root: Path) -> None:
+    printed = io.StringIO()
+    main = runpy.run_path(str(root / "examples" / "closure.py"))["main"]
+    main(Console(file=printed, width=160), ("clumod-1", "120", "0.05", "2048"))
+    rows = re.findall(r"│ (\w+) +│(.+)│\n", printed.getvalue())
+    shares = {axis: [float(share) for share in re.findall(r"([\d.]+)%", cells)] for axis, cells in rows}
+    assert list(shares) == ["x", "y", "z", "alpha", "beta", "gamma"]
+    for exudyn_off, exudyn_at, recursion_off, recursion_at in shares.values():
+        assert max(exudyn_off, exudyn_at) < 0.1  # the bar of exudyn against the recursion, in per cent
+        assert recursion_off < 0.01
+        assert recursion_at < 0.05

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from geometry.dynamic_mass import LEVELS
+from geometry.dynamic_mass import LEVELS as BY_AXIS
 from geometry.errors import BadInput
 from identification.dynamic_mass import from_runs, quotient
 
 LINES = np.linspace(4.0, 32.0, 9)
+LEVELS = np.array(list(BY_AXIS.values()))
 RNG = np.random.default_rng(11)
 
 

@@ -97,3 +97,12 @@ def test_lists_that_hide_something_are_refused(times: list[float]) -> None:
 def test_counts_and_times_must_be_positive(count: int, time: float) -> None:
     with pytest.raises(BadInput):
         from_cycles(count, exact(time), "file")
+
+
+@pytest.mark.parametrize("cycles", [3.3, 5.5, 8.0])
+def test_the_amplitude_is_the_root_mean_square_of_the_envelope_whatever_part_of_a_cycle_is_left_over(cycles: float) -> None:
+    t = np.linspace(0, cycles, 400)
+    envelope = 0.2 * np.exp(-0.1 * t)
+    found = from_signal(t, envelope * np.cos(2 * np.pi * t) + 0.05 * t, "record")
+    assert_allclose(found.amplitude, np.sqrt(np.mean(envelope**2)), rtol=1e-6)
+    assert_allclose(found.fitted, envelope * np.cos(2 * np.pi * t) + 0.05 * t, atol=1e-7)

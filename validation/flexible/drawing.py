@@ -19,7 +19,7 @@ from validation.pictures.bodies import DrawnBody, drawn_bodies
 from validation.pictures.mode_sheet import DrawnMode
 from validation.pictures.moving import MovingBody, bendable, sharp_edges
 
-_Moved = tuple[DrawnBody, npt.NDArray[np.int64], Array]
+Moved = tuple[DrawnBody, npt.NDArray[np.int64], Array]
 """A body, its sharp edges, and the displacement (n, 3, m) of its vertices."""
 
 CHORD = 5e-4
@@ -54,9 +54,7 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
     chosen = np.array(numbers, dtype=np.intp) - 1
     shapes = model.modes.shapes[:, chosen]
     said = words(model)
-    bodies = [
-        _moved(model.structure, model.article_of_primitives, number, body, shapes) for number, body in enumerate(_surfaces(model))
-    ]
+    bodies = moved_bodies(model, shapes)
     return tuple(
         DrawnMode(
             number=number,
@@ -69,6 +67,14 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
         )
         for k, number in enumerate(numbers)
     )
+
+
+def moved_bodies(model: Flexible, shapes: Array) -> tuple[Moved, ...]:
+    """The surface of every part of `model`, and how it moves in `shapes` (N, m); none of a model whose surface is not known."""
+    if model.drawn is None or model.structure is None:
+        return ()
+    structure, article = model.structure, model.article_of_primitives
+    return tuple(_moved(structure, article, number, body, shapes) for number, body in enumerate(_surfaces(model)))
 
 
 def _surfaces(model: Flexible) -> tuple[DrawnBody, ...]:
@@ -86,6 +92,6 @@ def _users(article: Any) -> tuple[DrawnBody, ...]:
     )
 
 
-def _moved(structure: Structure, article: Article | None, part: int, body: DrawnBody, shapes: Array) -> _Moved:
+def _moved(structure: Structure, article: Article | None, part: int, body: DrawnBody, shapes: Array) -> Moved:
     owner = np.full(len(body.vertices), part, dtype=np.intp)
     return body, sharp_edges(body), displacement(structure, shapes, article, body.vertices, owner)

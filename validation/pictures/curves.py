@@ -74,7 +74,7 @@ def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") ->
     BadInput : the ending of `path` is unknown.
     """
     require_format(path)
-    figure = _figure(15.0, 10.2)
+    figure = new_figure(15.0, 10.2)
     grid = figure.add_gridspec(5, 3, height_ratios=(3, 1.15, 0.42, 3, 1.15), hspace=0.09, wspace=0.2, **_ROOM)
     for i in range(6):
         top, column = 3 * (i // 3), i % 3
@@ -89,7 +89,7 @@ def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") ->
             lower.set_xlabel("frequency [Hz]", fontsize=9.5)
         if i == 0:
             upper.legend(fontsize=8.5, loc="best", framealpha=0.85)
-    _finish(figure, title, note, path)
+    finish(figure, title, note, path)
 
 
 def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> None:
@@ -100,7 +100,7 @@ def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> Non
     BadInput : the ending of `path` is unknown.
     """
     require_format(path)
-    figure = _figure(20.0, 19.0)
+    figure = new_figure(20.0, 19.0)
     outer = figure.add_gridspec(6, 6, hspace=0.22, wspace=0.3, left=0.05, right=0.985, top=0.935, bottom=0.05)
     for i in range(6):
         for j in range(6):
@@ -116,7 +116,7 @@ def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> Non
                 lower.set_xlabel("frequency [Hz]", fontsize=8.5)
             if (i, j) == (0, 0):
                 upper.legend(fontsize=7, loc="best", framealpha=0.85)
-    _finish(figure, title, note, path)
+    finish(figure, title, note, path)
 
 
 def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = "", about: str = "") -> None:
@@ -129,7 +129,7 @@ def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = 
     BadInput : the ending of `path` is unknown.
     """
     require_format(path)
-    figure = _figure(4.6 * len(articles) + 1.0, 9.6)
+    figure = new_figure(4.6 * len(articles) + 1.0, 9.6)
     grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.07, **_ROOM)
     rows: dict[int, list[Axes]] = {0: [], 3: []}
     for column, curve in enumerate(articles):
@@ -154,7 +154,7 @@ def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = 
                 lower.set_xlabel("frequency [Hz]", fontsize=10)
     for row in rows.values():
         _at_least_a_decade(row[0])
-    _finish(figure, title, note, path, about)
+    finish(figure, title, note, path, about)
 
 
 def unit(row: int, column: int) -> str:
@@ -211,10 +211,15 @@ def _dress(upper: Axes, lower: Axes, f: Array) -> None:
     lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))
     upper.tick_params(labelbottom=False)
     for axes in (upper, lower):
-        axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
-        axes.tick_params(labelsize=8.5, colors=INK)
+        grid_lines(axes)
     upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
-    upper.set_axisbelow(True)
+
+
+def grid_lines(axes: Axes) -> None:
+    """Faint lines behind the curves, small figures beside them."""
+    axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
+    axes.tick_params(labelsize=8.5, colors=INK)
+    axes.set_axisbelow(True)
 
 
 def _at_least_a_decade(upper: Axes) -> None:
@@ -238,7 +243,8 @@ def _mark(upper: Axes, curve: Curve, entries: Sequence[int]) -> None:
             last = f
 
 
-def _figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
+    """An empty page of so many inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Page
 
@@ -247,7 +253,8 @@ def _figure(width: float, height: float) -> Figure:
     return figure
 
 
-def _finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
+def finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
+    """Write title and note onto `figure`, and `figure` to `path`; a PNG carries the words `about`."""
     width, height = figure.get_size_inches()
     figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
     figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)

@@ -55,16 +55,19 @@ def view_of(modes: Sequence[Sequence[MovingBody]], size: tuple[int, int], margin
 
 def rendered(view: View, bodies: Sequence[MovingBody], share: float) -> Image:
     """`bodies` at `share` (-1 to 1) of their swing. To be called inside of `off_screen`."""
-    return np.round(averaged(shot(view, lambda plotter: _all(plotter, bodies, share), peels=0).astype(np.float64))).astype(
-        np.uint8
-    )
+    return displaced(view, bodies, share * scale_of(bodies), largest(bodies))
 
 
-def _all(plotter: Plotter, bodies: Sequence[MovingBody], share: float) -> None:
-    scale, most = scale_of(bodies), largest(bodies)
+def displaced(view: View, bodies: Sequence[MovingBody], factor: float, most: float) -> Image:
+    """`bodies` with their displacement times `factor`, coloured from none to `most`. To be called inside of `off_screen`."""
+    pixels = shot(view, lambda plotter: _all(plotter, bodies, factor, most), peels=0)
+    return np.round(averaged(pixels.astype(np.float64))).astype(np.uint8)
+
+
+def _all(plotter: Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
     for body in bodies:
         _lines(plotter, body, body.vertices, AT_REST)
-        _body(plotter, body, body.vertices + share * scale * body.displacement, most)
+        _body(plotter, body, body.vertices + factor * body.displacement, most)
 
 
 def _body(plotter: Plotter, body: MovingBody, points: Array, most: float) -> None:

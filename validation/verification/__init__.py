@@ -18,10 +18,12 @@ FAMILIES = {
     "rods": "an article meshed by gmsh",
     "dynamic-mass": "dynamic mass",
     "exudyn": "exudyn's own beams",
+    "time": "base excitation in time",
+    "pendulum": "rope pendulum",
 }
 """Families by the name that the command takes, in the order of the table."""
 
-_MODULES = {"dynamic-mass": "dynamic_mass", "exudyn": "exudyn_beams"}
+_MODULES = {"time": "base_excitation", "pendulum": "rope_pendulum", "dynamic-mass": "dynamic_mass", "exudyn": "exudyn_beams"}
 """Where the module of this package is not called like its family."""
 
 

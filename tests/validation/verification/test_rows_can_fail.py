@@ -14,15 +14,19 @@ import pytest
 import fem.frame
 import fem.solid.elasticity
 import fem.solid.model
+from fem.base_excitation.response import Response
+from fem.flexible_body.rope_pendulum import Swing
 from fem.modes import Modes
 from fem.structure import Structure
 from validation.verification import (
     FAMILIES,
+    base_excitation,
     checks,
     dynamic_mass,
     exudyn_beams,
     plates,
     rods,
+    rope_pendulum,
     sandwich,
     solids,
 )
@@ -134,6 +138,45 @@ def _stiffer(section: object) -> object:
     return replace(section, **{name: SOFT * getattr(section, name) for name in names})
 
 
+def recursion_load(patch: Patch) -> None:
+    _wrong_run(patch, base_excitation.linear)
+
+
+def exudyn_load(patch: Patch) -> None:
+    _wrong_run(patch, base_excitation.driven_base)
+
+
+def _wrong_run(patch: Patch, route: object) -> None:
+    right = route.respond
+
+    def wrong(*args: object) -> Response:
+        run = right(*args)
+        return replace(run, load=1.02 * run.load, cells=1.02 * run.cells)
+
+    patch.setattr(route, "respond", wrong)
+
+
+def rig_dynamic_mass(patch: Patch) -> None:
+    right = base_excitation.dynamic_mass
+
+    def wrong(*args: object) -> object:
+        H = right(*args)
+        return replace(H, matrix=SOFT * H.matrix)
+
+    patch.setattr(base_excitation, "dynamic_mass", wrong)
+
+
+def pendulum_record(patch: Patch) -> None:
+    """A clock that is slow by a ten-thousandth."""
+    right = rope_pendulum.swing
+
+    def wrong(*args: object, **kwargs: object) -> Swing:
+        run = right(*args, **kwargs)
+        return replace(run, time=1.0001 * run.time)
+
+    patch.setattr(rope_pendulum, "swing", wrong)
+
+
 @dataclass(frozen=True)
 class Family:
     """The breaks that together fail every row of a family."""
@@ -151,6 +194,8 @@ CASES = (
     Family("rods", (solid_stiffness, solid_mass)),
     Family("dynamic-mass", (beam_stiffness, solid_mass, beam_mass, article_mass, residual, reciprocity)),
     Family("exudyn", (exudyn_stiffness,)),
+    Family("time", (recursion_load, exudyn_load, rig_dynamic_mass)),
+    Family("pendulum", (pendulum_record,)),
 )
 
 
@@ -166,6 +211,7 @@ def coarse(monkeypatch: Patch) -> None:
     monkeypatch.setattr(fem.solid.model, "bodies", cache(fem.solid.model.bodies))
     monkeypatch.setattr(rods, "article", cache(rods.article))
     monkeypatch.setitem(exudyn_beams.ELEMENTS, Mesh.FAST, 6)
+    monkeypatch.setitem(base_excitation.RATE, Mesh.FAST, 2048.0)
     monkeypatch.setattr(dynamic_mass, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
 
 

@@ -1,0 +1,173 @@
+"""From the rate of a simulation to that of a record: one anti-alias filter for all channels, then every q-th sample.
+
+Sampled motion is not piecewise linear, which every recursion takes it for: at the rates of a test (0.5 to 2 kHz) that alone
+biases the elastic part of the response. A run is therefore simulated at `LEAST` or more and brought down here.
+
+The filter is a symmetric FIR (Kaiser window), its delay taken off again, so that it changes no phase: up to `PASS` of the
+Nyquist frequency of the record amplitudes change by less than `RIPPLE`, and from that Nyquist frequency on everything is pressed
+below `RIPPLE`. What it does to one channel it does to all, so ratios of channels stay what they were. At both ends of the record
+it takes for granted that all is at rest beyond.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import ceil, isfinite
+from typing import Any, overload
+
+import numpy as np
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.response import Response
+from geometry.arrays import Array
+from geometry.errors import BadInput
+
+LEAST = 8000.0
+"""[Hz] at which a run is simulated at least."""
+
+PASS = 0.8
+"""Of the Nyquist frequency of the record: up to here the filter lets everything through."""
+
+RIPPLE = 1e-6
+"""Largest relative change of an amplitude in the pass-band, and what is left of one in the stop-band (-120 dB)."""
+
+HALF = 44
+"""Samples of the record on each side of a sample that the filter looks at; enough for `PASS` and `RIPPLE`."""
+
+
+def simulation_rate(output_rate: float, least: float = LEAST) -> float:
+    """The smallest whole multiple of `output_rate` that is `least` [Hz] or more.
+
+    Raises
+    ------
+    BadInput : a rate that is not positive.
+    """
+    _require_rate(output_rate, "output_rate")
+    return output_rate * max(1, ceil(least / output_rate - 1e-9))
+
+
+def pass_band(rate: float) -> float:
+    """[Hz] up to which a record of `rate` [Hz] holds amplitudes as they were."""
+    return PASS * rate / 2
+
+
+def require_recorded(highest: float, rate: float, source: str) -> None:
+    """Refuse a record whose rate is too low for what is driven.
+
+    Raises
+    ------
+    BadInput : `highest` [Hz] lies beyond the Nyquist frequency of `rate` [Hz], or beyond the pass-band of the filter.
+    """
+    _require_rate(rate, "rate")
+    if highest > pass_band(rate):
+        nyquist = f"Nyquist frequency of {rate / 2:g} Hz"
+        limit = nyquist if highest >= rate / 2 else f"pass-band of the anti-alias filter, {pass_band(rate):g} Hz"
+        raise BadInput(
+            source=source,
+            field="rate",
+            problem=f"it drives up to {highest:.4g} Hz, beyond the {limit}, that a record of {rate:g} Hz has",
+            remedy=f"Record at {2 * highest / PASS:.4g} Hz or more, or stop the excitation lower",
+        )
+
+
+@overload
+def decimated(record: BaseMotion, rate: float) -> BaseMotion: ...
+
+
+@overload
+def decimated(record: Response, rate: float) -> Response: ...
+
+
+def decimated(record: BaseMotion | Response, rate: float) -> BaseMotion | Response:
+    """`record` at `rate` [Hz], all channels through the one filter; itself when it has that rate already.
+
+    Raises
+    ------
+    BadInput : `rate` is not positive, or the record's rate is not a whole multiple of it.
+    """
+    factor = _factor(record.sampling_rate, rate)
+    if factor == 1:
+        return record
+    return _motion(record, factor) if isinstance(record, BaseMotion) else _response(record, factor)
+
+
+@cache
+def taps(factor: int) -> Array:
+    """The anti-alias filter for every `factor`-th sample: (2 `HALF` `factor` + 1,), symmetric, of sum 1."""
+    from scipy.signal import firwin, kaiser_beta
+
+    middle = (1 + PASS) / 2 / factor
+    found = np.asarray(firwin(2 * HALF * factor + 1, middle, window=("kaiser", kaiser_beta(-20 * np.log10(RIPPLE)))))
+    found.setflags(write=False)
+    return found
+
+
+def _motion(motion: BaseMotion, factor: int) -> BaseMotion:
+    rate = motion.sampling_rate / factor
+    return replace(
+        motion,
+        sampling_rate=rate,
+        displacement=_filtered(motion.displacement, factor),
+        velocity=_filtered(motion.velocity, factor),
+        acceleration=_filtered(motion.acceleration, factor),
+        driven=min(motion.driven + HALF / rate, motion.duration),
+    )
+
+
+def _response(response: Response, factor: int) -> Response:
+    rate = response.sampling_rate / factor
+    channels: dict[str, Any] = {
+        name: _filtered(getattr(response, name), factor) for name in ("table", "cover", "load", "cells", "coordinates")
+    }
+    return replace(
+        response,
+        **channels,
+        sampling_rate=rate,
+        places={name: _filtered(channel, factor) for name, channel in response.places.items()},
+        settings={**response.settings, "anti_alias": _described(response.sampling_rate, rate)},
+    )
+
+
+def _described(simulated: float, rate: float) -> dict[str, object]:
+    return {
+        "simulated_at_hz": simulated,
+        "recorded_at_hz": rate,
+        "pass_band_hz": pass_band(rate),
+        "stop_band_hz": rate / 2,
+        "ripple": RIPPLE,
+        "filter": "symmetric FIR, Kaiser window, delay compensated",
+    }
+
+
+def _filtered(channels: Array, factor: int) -> Array:
+    """Every `factor`-th of the filtered samples (n, ...), the first one kept in its place."""
+    from scipy.signal import upfirdn
+
+    n = len(channels)
+    flat = np.ascontiguousarray(channels.reshape(n, -1).T)
+    found = np.array([upfirdn(taps(factor), row, down=factor)[HALF : HALF + ceil(n / factor)] for row in flat])
+    return np.asarray(
+        found.T.reshape(-1, *channels.shape[1:]) if flat.size else np.zeros((ceil(n / factor), *channels.shape[1:]))
+    )
+
+
+def _factor(simulated: float, rate: float) -> int:
+    _require_rate(rate, "rate")
+    factor = max(1, round(simulated / rate))
+    if abs(simulated / rate - factor) > 1e-9 * factor:
+        less, more = simulated / (int(simulated / rate) + 1), simulated / max(1, int(simulated / rate))
+        below = f"Record at {less:g} or {more:g} Hz" if rate < simulated else f"Record at {simulated:g} Hz or less"
+        raise BadInput(
+            source="decimation",
+            field="rate",
+            problem=f"the simulation's {simulated:g} Hz must be a whole multiple of it, found {rate:g} Hz",
+            remedy=f"{below}, or simulate at {simulation_rate(rate, simulated):g} Hz",
+        )
+    return factor
+
+
+def _require_rate(rate: float, field: str) -> None:
+    if not (isfinite(rate) and rate > 0):
+        problem = f"must be positive and finite, found {rate:g} Hz"
+        raise BadInput(source="decimation", field=field, problem=problem, remedy="Give a positive rate")

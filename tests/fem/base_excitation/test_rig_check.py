@@ -1,0 +1,60 @@
+"""A rig that nobody can build is refused, and the message says what of it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
+from fem.base_excitation.rig_check import require_usable
+from geometry.errors import BadInput
+
+CORNERS = np.array([[0.1, 0.1, 0], [-0.1, 0.1, 0], [-0.1, -0.1, 0], [0.1, -0.1, 0]])
+STIFF = np.full(3, 1e8)
+
+
+def cells(places: np.ndarray = CORNERS, **last: Any) -> tuple[Cell, ...]:
+    made = [Cell(position=place, stiffness=STIFF) for place in places]
+    return (*made[:-1], replace(made[-1], **last))
+
+
+def test_a_rig_that_can_be_built_is_handed_back(mounted: Callable[..., Rig], rigid_block: Body) -> None:
+    rig = replace(mounted(rigid_block, preload=1e4), struts=(Strut(place="top", stiffness=STIFF),))
+    rig = replace(rig, frictions=(Friction(axis="y", slip_force=5.0),))
+    assert require_usable(rig) is rig
+
+
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "a cell without stiffness": (
+        {"cells": cells(stiffness=[1e8, 0, 1e8])},
+        r"`cells.4.stiffness`.*above zero, found 0 N/m along y",
+    ),
+    "a cell that drives": ({"cells": cells(damping=[0, 0, -1.0])}, r"`cells.4.damping`.*found -1 N s/m along z"),
+    "a negative preload": ({"cells": cells(preload=-200.0)}, r"`cells.4.preload`.*above zero, found -200 N"),
+    "a preload of nothing": ({"cells": cells(preload=0.0)}, r"`cells.4.preload`.*above zero, found 0 N"),
+    "cells in one line": ({"cells": cells(CORNERS[[0, 2]])}, r"`cells`.*hold the cover plate.*found 2"),
+    "one cell in the middle": ({"cells": cells(np.zeros((1, 3)))}, r"`cells`.*hold the cover plate.*found 1"),
+    "a negative compliance": ({"flange": Flange(compliance=[0, 0, -1e-9, 0, 0, 0])}, r"`flange.compliance`.*found -1e-09"),
+    "a flange that drives": ({"flange": Flange(compliance=np.zeros(6), damping_time=-1.0)}, r"`flange.damping_time`.*-1 s"),
+    "a strut nowhere": ({"struts": (Strut(place="tpo"),)}, r"`struts.place`.*block has no place 'tpo'.*top"),
+    "a strut to the moon": ({"struts": (Strut(place="top", to="moon"),)}, r"`struts.to`.*'moon'"),
+    "a strut that pushes": ({"struts": (Strut(place="top", stiffness=-STIFF),)}, r"`struts.stiffness`.*found -1e\+08"),
+    "a strut that drives": ({"struts": (Strut(place="top", damping=-STIFF),)}, r"`struts.damping`.*found -1e\+08"),
+    "friction along z": ({"frictions": (Friction(axis="z", slip_force=5.0),)}, r"`frictions.axis`.*'z'"),
+    "friction that slips at nothing": ({"frictions": (Friction(axis="x", slip_force=0.0),)}, r"`frictions.slip_force`"),
+    "friction without mass": ({"frictions": (Friction(axis="x", slip_force=5.0, mass=-2.0),)}, r"`frictions.mass`.*-2 kg"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), REFUSED.values(), ids=list(REFUSED))
+def test_what_nobody_can_build_is_refused(rigid_block: Body, changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(BadInput, match=message):
+        require_usable(replace(Rig(article=rigid_block), **changes))
+
+
+def test_structural_damping_has_no_place_in_time(rigid_block: Body) -> None:
+    lossy = replace(rigid_block, reduced=replace(rigid_block.reduced, structural=np.eye(6)))
+    with pytest.raises(BadInput, match=r"`article.reduced`.*must be viscous"):
+        require_usable(Rig(article=lossy))

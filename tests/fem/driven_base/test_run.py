@@ -1,0 +1,180 @@
+"""A run is watched, stopped, or lost - and says so; what it found carries how it was found."""
+
+from __future__ import annotations
+
+import _thread
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import version
+from time import perf_counter
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
+from fem.flexible_body.driven_base import Solver, respond
+from geometry.errors import BadInput, CheckFailed
+from geometry.inertia import Inertia
+
+
+@pytest.fixture(scope="module")
+def motion(shake: Callable[..., BaseMotion]) -> BaseMotion:
+    return shake([1.0, 0, 0, 0, 0, 0])
+
+
+@pytest.fixture(scope="module")
+def long(shake: Callable[..., BaseMotion]) -> BaseMotion:
+    """So long that nobody waits for its end."""
+    return shake([1.0, 0, 0, 0, 0, 0], seconds=60.0)
+
+
+def test_progress_is_told_from_the_beginning_to_the_end(block: Body, motion: BaseMotion) -> None:
+    shares: list[float] = []
+    respond(Rig(article=block), motion, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[0] < 0.02
+    assert shares[-1] == 1.0
+    assert 50 < len(shares) < 300
+
+
+class Enough(Exception):
+    """Anything that a hook may raise."""
+
+
+@pytest.mark.parametrize("reason", [KeyboardInterrupt, Enough])
+def test_what_the_hook_raises_ends_the_run_and_leaves_as_it_is(
+    reason: type[BaseException], block: Body, long: BaseMotion
+) -> None:
+    def stop(share: float) -> None:
+        if share > 0.01:
+            raise reason
+
+    started = perf_counter()
+    with pytest.raises(reason):
+        respond(Rig(article=block), long, progress=stop)
+    assert perf_counter() - started < 5.0
+
+
+def test_ctrl_c_ends_the_run(block: Body, long: BaseMotion) -> None:
+    def press(share: float) -> None:
+        if 0.005 < share < 0.01:
+            _thread.interrupt_main()
+
+    with pytest.raises(KeyboardInterrupt):
+        respond(Rig(article=block), long, progress=press)
+
+
+def test_a_rig_that_gains_energy_is_lost_with_the_time_the_step_and_the_last_state(
+    reed: Callable[..., Body], shake: Callable[..., BaseMotion]
+) -> None:
+    """A damping ratio of -3 grows by exp(6 omega t): lost after some hundredths of a second, whatever the step."""
+    with pytest.raises(CheckFailed, match="coordinate 1 of the article") as lost:
+        respond(Rig(article=reed(40.0, -3.0)), shake([1.0, 0, 0, 0, 0, 0], seconds=2.0))
+    evidence = lost.value.evidence
+    time, value = evidence["time"], evidence["value"]
+    assert isinstance(time, float)
+    assert isinstance(value, float)
+    assert 0.01 < time < 0.2
+    assert evidence["step"] == round(time * 4096)
+    assert abs(value) > 1e6
+    for said in (f"exudyn {version('exudyn')}", f"{time:.6g} s", f"step {evidence['step']} of 8192", f"{value:.4g}"):
+        assert said in str(lost.value)
+
+
+def test_a_step_that_cannot_bear_the_fastest_joint_is_lost_when_nobody_judged_it(
+    block: Body, cover: Inertia, motion: BaseMotion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The stability limit is real: two steps fewer a sample than the rule asks for, and the rig flies apart."""
+    rig = Rig(article=block, cover=cover, flange=Flange(compliance=[1e-10, 0, 0, 0, 0, 0]))
+    enough = respond(rig, motion).settings["subdivision"]
+    assert isinstance(enough, int)
+    monkeypatch.setattr("fem.flexible_body.driven_base.steps.STABLE", {})
+    with pytest.raises(CheckFailed, match="Take more steps a sample"):
+        respond(rig, motion, solver=Solver(subdivision=enough - 2))
+
+
+def test_nothing_is_printed(
+    block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion, capfd: pytest.CaptureFixture[str]
+) -> None:
+    gap = replace(cells[0], preload=3.0)
+    rig = Rig(
+        article=block,
+        cover=cover,
+        cells=(gap, *cells[1:]),
+        flange=Flange(compliance=[0, 0, 0, 1e-6, 0, 0]),
+        struts=(Strut(place="corner", stiffness=[1e3] * 3),),
+        frictions=(Friction(axis="x", slip_force=1.0),),
+    )
+    respond(rig, motion)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_response_says_how_it_was_found_and_holds_every_sample(
+    block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion
+) -> None:
+    solver = Solver(method="generalised-alpha", spectral_radius=0.8, subdivision=2, tolerance=1e-5)
+    response = respond(Rig(article=block, cover=cover, cells=cells), motion, solver=solver)
+    settings = json.loads(json.dumps(dict(response.settings)))
+    assert settings["exudyn"] == version("exudyn")
+    expected = {"method": "generalised-alpha", "spectral_radius": 0.8, "subdivision": 2, "tolerance": 1e-5, "step_s": 1 / 8192}
+    assert settings.items() >= expected.items()
+    assert len(response.table) == len(motion.acceleration)
+    assert response.cells.shape == (len(response.table), 4, 3)
+    assert response.coordinates.size == 0
+
+
+def test_coordinates_come_when_they_are_asked_for(reed: Callable[..., Body], motion: BaseMotion) -> None:
+    body = reed(20.0, 0.01)
+    q = respond(Rig(article=body), motion, keep_coordinates=True).coordinates
+    assert q.shape == (len(motion.displacement), 7)
+    assert_allclose(q[:, :6], motion.displacement, atol=2e-4 * np.abs(motion.displacement).max())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "field"),
+    [
+        ({"frictions": (Friction(axis="x", slip_force=-1.0),)}, "frictions.slip_force"),
+        ({"frictions": (Friction(axis="x", slip_force=1.0, mass=0.0),)}, "frictions.mass"),
+        ({"struts": (Strut(place="conrer"),)}, "struts.place"),
+        ({"struts": (Strut(place="corner", stiffness=[-1.0, 0, 0]),)}, "struts.stiffness"),
+        ({"flange": Flange(compliance=[0, 0, 0, -1e-7, 0, 0])}, "flange.compliance"),
+    ],
+)
+def test_a_rig_that_cannot_be_is_refused_by_name(wrong: dict[str, object], field: str, block: Body, motion: BaseMotion) -> None:
+    with pytest.raises(BadInput) as refused:
+        respond(replace(Rig(article=block), **wrong), motion)  # type: ignore[arg-type]
+    assert refused.value.field == field
+
+
+@pytest.mark.parametrize("preload", [0.0, -5.0])
+def test_a_preload_that_does_not_press_is_refused(
+    preload: float, block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion
+) -> None:
+    rig = Rig(article=block, cover=cover, cells=(*cells[:3], replace(cells[3], preload=preload)))
+    with pytest.raises(BadInput, match=r"preload.*above zero"):
+        respond(rig, motion)
+
+
+def test_a_cover_plate_that_no_body_can_be_is_refused(block: Body, motion: BaseMotion) -> None:
+    thin = Inertia.from_cog(10.0, [0, 0, 0], np.diag([0.1, 0.1, 0.5]))
+    with pytest.raises(BadInput, match="cover plate"):
+        respond(Rig(article=block, cover=thin), motion)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "field"),
+    [
+        ({"method": "euler"}, "method"),
+        ({"spectral_radius": 0.0}, "spectral_radius"),
+        ({"spectral_radius": 1.1}, "spectral_radius"),
+        ({"subdivision": 0}, "subdivision"),
+        ({"tolerance": 0.0}, "tolerance"),
+    ],
+)
+def test_a_solver_that_cannot_be_is_refused_by_name(wrong: dict[str, object], field: str) -> None:
+    with pytest.raises(BadInput) as refused:
+        Solver(**wrong)  # type: ignore[arg-type]
+    assert refused.value.field == field

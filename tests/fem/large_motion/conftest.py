@@ -1,0 +1,60 @@
+"""What the tests of large motion share: smooth motion of any size, a block off every axis, its load in closed form."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.flexible_body.large_motion.turning import turning
+from geometry.arrays import Array
+from geometry.frames import rotation_about
+from geometry.inertia import Inertia
+
+MakeMotion = Callable[..., BaseMotion]
+TURN = rotation_about("x", 0.4) @ rotation_about("y", -0.8) @ rotation_about("z", 1.1)
+RISE = 0.3
+ORIGIN = np.zeros(3)
+
+
+@pytest.fixture(scope="session")
+def block() -> Inertia:
+    """A body with all ten parameters, its CoG off every axis."""
+    return Inertia.from_cog(3.0, [0.11, -0.23, 0.37], TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
+
+
+@pytest.fixture(scope="session")
+def smooth() -> MakeMotion:
+    """Sines that rise smoothly, derivatives in closed form: ``smooth(amplitude, omega, duration=1, rate=1024, point=0)``."""
+
+    def make(amplitude: Array, omega: Array, duration: float = 1.0, rate: float = 1024.0, point: Array = ORIGIN) -> BaseMotion:
+        t = np.arange(round(rate * duration) + 1)[:, None] / rate
+        s = (t / RISE) ** 4
+        envelope = [1 - np.exp(-s), 4 * t**3 / RISE**4 * np.exp(-s), (12 * t**2 / RISE**4 - 16 * t**6 / RISE**8) * np.exp(-s)]
+        A, w = np.asarray(amplitude), np.asarray(omega)
+        sine = [A * np.sin(w * t), A * w * np.cos(w * t), -A * w**2 * np.sin(w * t)]
+        return BaseMotion(
+            sampling_rate=rate,
+            displacement=sine[0] * envelope[0],
+            velocity=sine[1] * envelope[0] + sine[0] * envelope[1],
+            acceleration=sine[2] * envelope[0] + 2 * sine[1] * envelope[1] + sine[0] * envelope[2],
+            driven=duration,
+            reference_point=point,
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def newton_euler() -> Callable[..., Array]:
+    """Load (n, 6) of the table on a rigid body about the reference point, in the table's axes, as a textbook has it."""
+
+    def load(motion: BaseMotion, body: Inertia, gravity: float = 0.0) -> Array:
+        turned, about = turning(motion), body.about(motion.reference_point)
+        lifted = motion.acceleration[:, :3] + gravity * np.eye(3)[2]
+        a, spin, rate = (turned.seen_from_table(x) for x in (lifted, turned.spin, turned.spin_rate))
+        h, I = about.first_moment, about.tensor
+        force = about.mass * a + np.cross(rate, h) + np.cross(spin, np.cross(spin, h))
+        return np.hstack([force, np.cross(h, a) + rate @ I + np.cross(spin, spin @ I)])
+
+    return load

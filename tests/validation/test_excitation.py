@@ -1,0 +1,277 @@
+"""What `massline excite` rests on: rigs from names, resonances passed, amplitudes, pictures and the animation."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.base_excitation.patterns import Sweep
+from fem.base_excitation.response import Response
+from fem.beam import load_cells
+from geometry.articles import built_in
+from geometry.articles.locations import locations
+from geometry.frames import rigid_transformation, rigid_transformation_6
+from geometry.materials import material
+from geometry.multibody import inertia
+from validation import cli
+from validation.excitation import moving
+from validation.excitation.attached import Attached, attached
+from validation.excitation.drives import Run
+from validation.excitation.passage import amplitude, amplitudes, passed
+from validation.excitation.rig import mounted
+from validation.excitation.rig_modes import RigModes, rig_modes
+from validation.flexible.drawing import Moved
+from validation.flexible.model import Asked, Flexible
+from validation.flexible.motion import node_displacement
+from validation.pictures.bodies import DrawnBody
+
+RATE = 512.0
+MASS = 12.0
+
+
+def swept(rate: float = 20.0) -> Run:
+    sweep = Sweep(axis="x", start=4.0, stop=32.0, rate=rate)
+    return Run(name="x", axes=(0,), pattern=sweep, sweep=sweep, levels=np.array([2.5, 0, 0, 0, 0, 0]))
+
+
+def modes(*frequency: float, share: float = 0.5) -> RigModes:
+    L = np.zeros((6, len(frequency)))
+    L[0] = np.sqrt(share * MASS)
+    zeta = np.full(len(frequency), 0.01)
+    return RigModes(frequency=np.array(frequency), damping_ratio=zeta, participation=L, rigid_mass=MASS * np.eye(6))
+
+
+def swelling(run: Run, at: float, times: float) -> Response:
+    """A rigid body of `MASS` whose load is `times` as large where the sweep passes `at` [Hz]."""
+    motion = run.motion(RATE, 2.0, None)
+    assert run.sweep is not None
+    f = run.sweep.frequency_at(motion.time)
+    swell = 1 + (times - 1) * np.exp(-(((f - at) / 0.3) ** 2))
+    load = MASS * motion.acceleration * swell[:, None]
+    return Response(
+        sampling_rate=RATE, table=motion.acceleration, cover=motion.acceleration, load=load, cells=np.zeros((len(load), 0, 3))
+    )
+
+
+# --- rigs from names ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cells", [False, True], ids=["rigid", "cells"])
+@pytest.mark.parametrize("article", ["fmd", "fmd+clumod-1", "fmd+disc+cuboid", "clumod-4"])
+def test_whatever_stands_on_the_table_weighs_what_its_drawing_says_about_f(article: str, cells: bool) -> None:
+    made = mounted(article, "beam", Asked(count=4), Attached(cells=cells and article.startswith("fmd")))
+    expected = inertia(built_in(article)).mass_matrix
+    assert_allclose(rig_modes(made.rig).rigid_mass, expected, atol=1e-9 * np.abs(expected).max())  # rounding
+
+
+def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises() -> None:
+    """The cells give, so that every resonance is lower than on the rigid cover plate (Rayleigh), if by little."""
+    on_cells, alone = (
+        rig_modes(mounted("fmd+clumod-1", "beam", Asked(count=6), Attached(cells=cells)).rig).frequency[:4]
+        for cells in (True, False)
+    )
+    assert np.all(on_cells <= alone * (1 + 1e-12))
+    assert_allclose(on_cells, alone, rtol=0.02)
+
+
+def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_their_material_does() -> None:
+    """Along z through its CoG: 2 pi f = sqrt(4 k / m), zeta = eta / 2, both of the steel of the cells (assumed)."""
+    found = rig_modes(mounted("fmd", "beam", Asked(), Attached(cells=True)).rig)
+    mass, k = inertia(built_in("fmd")).mass, load_cells()[0, 2]
+    r = int(np.argmax(np.abs(found.participation[2])))
+    eta = material("steel").loss_factor
+    assert eta is not None
+    assert found.frequency[r] == pytest.approx(np.sqrt(4 * k / mass) / (2 * np.pi), rel=1e-9)
+    assert found.damping_ratio[r] == pytest.approx(eta / 2, rel=1e-9)
+    assert found.participation[2, r] ** 2 == pytest.approx(mass, rel=1e-9)
+
+
+def test_places_ride_on_the_article() -> None:
+    made = mounted("fmd+clumod-1", "beam", Asked(count=4), Attached())
+    known = locations("clumod-1")
+    assert set(made.rig.article.places) == set(known)
+    for name, point in known.items():
+        assert_allclose(made.rig.article.places[name][:, :6], rigid_transformation(point), atol=1e-9)  # rounding of metres
+    assert_allclose(made.rig.seat, built_in("fmd").seat.position)  # type: ignore[union-attr]
+
+
+def test_a_loose_part_weighs_on_the_flange_while_it_is_held() -> None:
+    options = dict.fromkeys(("preload", "flange", "cable", "damper"), ())
+    loose = attached(cells=False, friction=["x=5,mass:3", "y=4"], **options)
+    made, bare = (rig_modes(mounted("fmd+cuboid", "beam", Asked(count=2), one).rig).rigid_mass for one in (loose, Attached()))
+    seat = rigid_transformation(built_in("fmd").seat.position)  # type: ignore[union-attr]
+    assert_allclose(made - bare, 5.0 * seat.T @ seat, atol=1e-12)
+
+
+def test_what_is_typed_becomes_springs_along_the_axes_it_names() -> None:
+    made = attached(
+        cells=True,
+        preload=["2 kN"],
+        flange=["rotation=1e-6", "vertical=1e-9"],
+        friction=[],
+        cable=["mast-top=1000", "lower-1-:lateral=5"],
+        damper=["lower-1+:vertical=7"],
+    )
+    assert made.preload == dict.fromkeys("1234", 2000.0)
+    assert made.flange is not None
+    assert made.flange.compliance.tolist() == [0, 0, 1e-9, 1e-6, 1e-6, 0]
+    assert [(s.place, s.to, s.stiffness.tolist(), s.damping.tolist()) for s in made.struts] == [
+        ("mast-top", "ground", [1000, 1000, 1000], [0, 0, 0]),
+        ("lower-1-", "ground", [5, 5, 0], [0, 0, 0]),
+        ("lower-1+", "table", [0, 0, 0], [0, 0, 7]),
+    ]
+    assert made.options == ("--cells", "--preload", "--flange", "--cable", "--damper")
+
+
+# --- resonances that are passed -----------------------------------------------------------------------------------------------
+
+
+def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
+    run = swept()
+    motion = run.motion(RATE, 0.0, None)
+    assert run.sweep is not None
+    inside = (motion.time > run.sweep.time_at(4.5)) & (motion.time < run.sweep.time_at(30.0))
+    assert_allclose(amplitude(motion.acceleration[:, 0])[inside], 2.5, rtol=2e-3)  # the window's own edges reach that far
+
+
+@pytest.mark.parametrize("times", [3.0, 20.0])
+def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times: float) -> None:
+    run = swept()
+    (found,) = passed(amplitudes(swelling(run, 10.0, times), run, MASS * np.eye(6)), run, modes(10.0))
+    assert run.sweep is not None
+    assert (found.mode, found.frequency, found.axis) == (1, 10.0, 0)
+    assert found.time == pytest.approx(float(run.sweep.time_at(10.0)))
+    # a swell of 0.3 Hz passed at 2.3 Hz/s lasts a tenth of a second, about a cycle: so far its envelope is known
+    assert found.amplification == pytest.approx(times, rel=0.05)
+    assert found.peak_frequency == pytest.approx(10.0, abs=0.1)
+
+
+def test_what_lies_outside_the_band_or_does_not_show_along_the_axis_is_not_listed() -> None:
+    run = swept()
+    response = swelling(run, 10.0, 2.0)
+    found = amplitudes(response, run, MASS * np.eye(6))
+    assert [p.frequency for p in passed(found, run, modes(2.0, 10.0, 40.0))] == [10.0]
+    assert passed(found, run, modes(10.0, share=1e-5)) == ()
+
+
+def test_two_resonances_far_apart_are_told_apart() -> None:
+    run = swept()
+    found = amplitudes(swelling(run, 20.0, 9.0), run, MASS * np.eye(6))
+    first, second = passed(found, run, modes(8.0, 20.0))
+    assert first.amplification == pytest.approx(1.0, abs=0.05)
+    assert second.amplification == pytest.approx(9.0, rel=0.05)
+
+
+# --- pictures -----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rate", [2.0, 20.0, 200.0])
+def test_from_frame_to_frame_the_drive_goes_on_by_whole_cycles_and_a_tenth(rate: float) -> None:
+    sweep = Sweep(axis="x", start=8.0, stop=16.0, rate=rate)
+    begin, end = (float(sweep.time_at(f)) for f in (9.0, 15.0))
+    times = moving.strobe(sweep, begin, end, peak=(begin + end) / 2)
+    growth = rate * np.log(2) / 60
+    steps = np.diff(sweep.frequency_at(times)) / growth  # cycles: the integral of a frequency that grows as exp(growth t)
+    assert begin <= times[0] < times[-1] <= end
+    assert len(times) == moving.FRAMES
+    assert_allclose(steps, steps[0], rtol=1e-4)  # of 20 000 points of the phase
+    if steps[0] > 1:
+        assert_allclose(steps % 1, 1 / moving.STROBE, atol=1e-3)
+
+
+def needle(model: Flexible, shapes: np.ndarray) -> tuple[Moved, ...]:
+    """Instead of the CAD's surface, which takes seconds to be meshed: a band along the points of the beam model."""
+    assert model.structure is not None
+    u, at = node_displacement(model.structure, shapes), model.structure.points
+    side = np.array([0.05, 0.0, 0.0])
+    body = DrawnBody(
+        name="needle",
+        material="steel",
+        vertices=np.concatenate([at - side, at + side]),
+        faces=np.array([[k, k + 1, k + len(at)] for k in range(len(at) - 1)]),
+    )
+    return ((body, np.zeros((0, 2), dtype=np.int64), np.concatenate([u, u])),)
+
+
+@pytest.fixture(scope="module")
+def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """The folder that a plot and an animation were written into."""
+    fast = ("--band", "10", "20", "--octaves-per-minute", "60", "--ring-down", "1 s", "--modes", "8", "--rate", "256")
+    with pytest.MonkeyPatch.context() as patch:
+        folder = tmp_path_factory.mktemp("drawn")
+        patch.chdir(folder)
+        patch.setattr(moving, "FRAMES", 3)
+        patch.setattr(moving, "moved_bodies", needle)
+        assert cli.run(["excite", "fmd+clumod-1", "--cells", "--axis", "beta", *fast, "--plot", "--animate"]) == cli.DONE
+        burst = ("--pattern", "burst", "--duration", "2 s", "--ring-down", "1 s", "--rate", "256")
+        assert cli.run(["excite", "clumod-1", *burst, "--plot"]) == cli.DONE
+        yield folder / "out"
+
+
+@pytest.mark.parametrize("name", ["excite-fmd+clumod-1-linear-beta.png", "excite-clumod-1-linear-x.png"])
+def test_the_picture_shows_curves_on_white_and_nothing_is_cut_off(name: str, drawn: Path) -> None:
+    from PIL import Image
+
+    with Image.open(drawn / name) as picture:
+        pixels = np.asarray(picture.convert("RGB")).astype(int)
+    assert (np.abs(pixels - [0x24, 0x56, 0xC4]).sum(axis=2) < 60).sum() > 5000
+    for edge in (pixels[:6], pixels[-6:], pixels[:, :6], pixels[:, -6:]):
+        assert edge.min() > 240
+
+
+def test_the_animation_moves_and_names_the_frequency(drawn: Path) -> None:
+    from PIL import Image
+
+    with Image.open(drawn / "excite-fmd+clumod-1-linear-beta.gif") as picture:
+        frames = []
+        for k in range(picture.n_frames):
+            picture.seek(k)
+            frames.append(np.asarray(picture.convert("RGB")).astype(int))
+    assert len(frames) == 3
+    article = slice(84, 724)
+    assert (np.abs(frames[1] - frames[0])[article].sum(axis=2) > 60).sum() > 500
+    assert (np.abs(frames[1] - frames[0])[724:].sum(axis=2) > 60).sum() > 200
+
+
+def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> None:
+    """Both routes keep coordinates of their own; drawn, the article bends by the same amount."""
+    from validation.excitation.asked import Question, drive
+    from validation.excitation.runs import done, ready
+
+    found = []
+    for route in ("linear", "exudyn"):
+        driven = drive(
+            axes=["beta"],
+            every=False,
+            pattern="sweep",
+            band=(12.0, 20.0),
+            octaves_per_minute=120.0,
+            level=1.0,
+            cross=0.03,
+            seed=0,
+            duration=None,
+            ring_down="0.2 s",
+        )
+        options = dict.fromkeys(("preload", "friction", "cable", "damper"), ())
+        fastened = attached(cells=True, flange=["rotation=1e-6"], **options)
+        question = Question(
+            article="fmd+clumod-1",
+            model=None,
+            asked=Asked(count=6),
+            attached=fastened,
+            drive=driven,
+            route=route,
+            rate=512.0,
+        )
+        made = ready(question, quiet=True)
+        (one,) = done(made, keep_coordinates=True, quiet=True)
+        found.append(moving._relative(made, one.motion, one.response))
+    for part in (slice(0, 6), slice(6, None)):
+        assert_allclose(found[1][:, part], found[0][:, part], atol=1e-2 * np.abs(found[0][:, part]).max())
+
+
+def test_a_seat_turns_with_the_table() -> None:
+    """What is taken off for the table is its rigid motion at the seat."""
+    assert_allclose(rigid_transformation_6([0, 0, 0.045])[:3, 4], [0.045, 0, 0])

@@ -1,0 +1,137 @@
+"""`massline swing`: what it prints, what it writes, and how it refuses."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from numpy.testing import assert_allclose
+
+from fem.flexible_body.rope_pendulum.watch import Watch
+from validation.pictures import said_about, scene
+from validation.swing import drawing
+
+Run = Callable[..., tuple[int, str, str]]
+SHORT = ("--cycles", "4", "--rate", "25")
+
+
+def test_it_prints_the_period_every_effect_and_the_inertia(run: Run) -> None:
+    code, out, _ = run("swing", "cuboid", "--radius", "0.1 m", "--damping", "1 %", "--off-centre", "1 mm, 1 mm", *SHORT)
+    assert code == 0
+    for words in ("by Eq. 5", "effect alone", "amplitude", "damping", "off-centre", "all together", "with corrections", "let go"):
+        assert words in out
+
+
+def test_json_holds_what_the_page_does_in_units_that_keys_name(run: Run) -> None:
+    code, out, _ = run("swing", "clumod-4", "--axis", "x", "--s1", "0.55 m", "--s2", "0.9 m", "--json", *SHORT)
+    found = json.loads(out)
+    assert code == 0
+    assert found["ropes"] == 2
+    assert set(found["period_shift_percent"]) == {"amplitude", "all"}
+    reference = found["moi_kgm2"]["reference"]
+    assert_allclose(reference, 20.144, rtol=1e-3)  # about x; Table 1
+    assert_allclose(100 * (found["moi_kgm2"]["eq5"] / reference - 1), found["moi_error_percent"]["eq5"], rtol=1e-9)
+    assert abs(found["moi_error_percent"]["corrected"]) < 0.02
+    assert found["settings"]["solver"] == "exudyn"
+    assert found["files"] == []
+
+
+def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawing, "draw", lambda *_, **__: [])
+    code, out, err = run("swing", "cuboid", "--radius", "0.1 m", "--out", "there", "--json", "--noise", "1 mrad", *SHORT)
+    assert code == 0
+    assert "massline pendulum there/pendulum.toml" in err
+    told = json.loads(out)
+    assert told["files"] == ["there/record.csv", "there/pendulum.toml"]
+    code, out, _ = run("pendulum", "there/pendulum.toml", "--json")
+    reduced = json.loads(out)
+    assert code == 0
+    assert_allclose(reduced["rows"][0]["value"], told["moi_kgm2"]["corrected"], rtol=1e-12)
+    assert "simulated by exudyn" in reduced["origin"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--length", "-2 m"), "--length: it must be positive"),
+        (("--length", "2 kg"), "--length: 'kg' is"),
+        (("--off-centre", "-0.2 m"), "--off-centre: the CoG is not between the ropes"),
+        (("--off-centre", "1 mm, 2 mm, 3 mm"), "--off-centre: one length or two"),
+        (("--amplitude", "200 deg"), "--amplitude: ropes cannot swing"),
+        (("--damping", "1.5"), "--damping: it must be from 0"),
+        (("--rope-stiffness", "0 N"), "--rope-stiffness: it must be positive"),
+        (("--rope-mass", "-1 kg"), "--rope-mass: it cannot be negative"),
+        (("--links", "4"), "--links: ropes of 0 kg"),
+        (("--cycles", "2"), "--cycles: at least 3"),
+        (("--rate", "1"), "--rate: 1 Hz is"),
+        (("--step", "1 s"), "--step: 1 s is too coarse"),
+        (("--axis", "w"), "--axis: x, y or z"),
+        (("--along", "z"), "--along: z is upright"),
+        (("--ropes", "4"), "--ropes: 4 ropes do not go with no sizes"),
+        (("--ropes", "3", "--s1", "0.3 m", "--s2", "0.3 m"), "--ropes: 3 ropes do not go with --s1 and --s2"),
+        (("--s1", "0.3 m"), "--ropes: 2 ropes do not go with --s1"),
+        (("--ropes", "2", "--radius", "0.3 m", "--height", "-10 mm"), "--height: on two ropes"),
+        (("--gravity", "0 m/s^2"), "--gravity: it must be positive"),
+        (("--material", "steel"), "--material"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(run: Run, words: tuple[str, ...], said: str) -> None:
+    code, out, err = run("swing", "cuboid", *words)
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(run: Run) -> None:
+    code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 mrad", "--noise", "1 mrad", *SHORT)
+    assert code == 2
+    assert "no decaying sinusoid" in err
+
+
+def test_an_article_that_does_not_exist_is_refused(run: Run) -> None:
+    code, _, err = run("swing", "cubiod")
+    assert code == 2
+    assert "cuboid" in err
+
+
+def test_ctrl_c_leaves_no_file(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(self: Watch, system: object, time: float) -> bool:
+        self.stopped = KeyboardInterrupt()
+        return False
+
+    monkeypatch.setattr(Watch, "__call__", interrupted)
+    code, _, err = run("swing", "cuboid", "--out", "there")
+    assert code == 130
+    assert "interrupted" in err
+    assert not Path("there").exists()
+
+
+def test_the_picture_and_the_animation_show_the_pendulum_moving(
+    run: Run, renderer: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import numpy as np
+    from PIL import Image
+
+    monkeypatch.setattr(drawing, "FRAMES_A_SECOND", 3)
+    monkeypatch.setattr(scene, "SUPERSAMPLING", 1)  # a quarter of the pixels
+    code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "30 deg", "--animate", "--out", "there", *SHORT)
+    assert code == 0
+    assert "wrote there/swing-cuboid-z.gif" in err
+    with Image.open("there/swing-cuboid-z.gif") as moving:
+        frames = []
+        for k in range(moving.n_frames):
+            moving.seek(k)
+            frames.append(np.asarray(moving.convert("L"), dtype=float))
+    assert len(frames) >= 4
+    shown = [frame[84:644] for frame in frames]
+    changed = [np.mean(np.abs(frame - shown[0]) > 20) for frame in shown[1:]]
+    assert max(changed) > 2e-3  # the edges of the block move
+    assert all(np.mean(frame < 200) > 0.01 for frame in shown)
+    with Image.open("there/swing-cuboid-z.png") as still:
+        assert still.size == (620, 854)
+    assert said_about(Path("there/swing-cuboid-z.png")) == ""
+
+
+def test_help_answers(run: Run) -> None:
+    code, out, _ = run("swing", "--help")
+    assert code == 0
+    assert "--rope-stiffness" in out
