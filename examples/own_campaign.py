@@ -99,7 +99,7 @@ def recordings(channels: ChannelTable) -> Mapping[str, Recording]:
 
 def _recording(channels: ChannelTable, axis: int, noise: np.random.Generator) -> Recording:
     motion = np.zeros((len(_sweep()), 6))
-    motion[:, axis] = LEVELS[axis] * _sweep()
+    motion[:, axis] = LEVELS[MOTIONS[axis]] * _sweep()
     pickups = [channels.channels[k] for k in channels.select(quantity="acceleration")]
     cells = [channels.channels[k] for k in channels.select(quantity="force")]
     loads = motion @ BLOCK.mass_matrix.T
@@ -121,7 +121,7 @@ def _sweep() -> Array:
 
 def _run(axis: str) -> Run:
     rate = 60 * np.log2(STOP / START) / DRIVEN
-    figures = {"start_hz": START, "stop_hz": STOP, "octaves_per_minute": float(rate), "level": LEVELS[MOTIONS.index(axis)]}
+    figures = {"start_hz": START, "stop_hz": STOP, "octaves_per_minute": float(rate), "level": LEVELS[axis]}
     return Run(name=axis, file=f"{axis}.h5", axis=axis, excitation=Excitation(kind="sine-sweep", figures=figures))
 
 

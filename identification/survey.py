@@ -10,12 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, frozen
-from geometry.dynamic_mass import LEVELS
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.observability import of_motions
 from geometry.sensors import ChannelTable, motion_rows
 from identification.campaign import Campaign
 from identification.campaign_checks import RIGID_GROUPS
 from identification.recording import Recording
+
+NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
 
 BLOCK = 0.5
 """[s] of a block: two periods of the lowest line that the paper uses."""
@@ -61,10 +63,10 @@ def levels(recorded: Recording, table: ChannelTable) -> Levels | None:
     rms = _block_rms(motion, recorded.sampling_rate)
     if len(rms) < 2:
         return None
-    size = np.linalg.norm(rms / LEVELS, axis=1)
+    size = np.linalg.norm(rms / NOMINAL, axis=1)
     driven = size > DRIVEN * size.max()
     amplitude = np.sqrt(2 * np.mean(np.square(rms[driven]), axis=0))
-    scaled = amplitude / LEVELS
+    scaled = amplitude / NOMINAL
     return Levels(
         amplitude=amplitude, share=scaled / max(scaled.max(), np.finfo(np.float64).tiny), driven=float(driven.sum() * BLOCK)
     )

@@ -10,7 +10,7 @@ from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.sensors import motion_rows
 from identification.campaign import Campaign
 from identification.recording import Recording
-from identification.survey import base_motion, levels, noise_floors
+from identification.survey import NOMINAL, base_motion, levels, noise_floors
 
 RATE = 256.0
 
@@ -46,13 +46,13 @@ def test_the_table_helps_where_the_cover_plate_alone_does_not_tell(campaign: Cam
 def test_a_sine_has_the_level_it_was_driven_with_and_its_cross_motion(campaign: Campaign, axis: int) -> None:
     t = np.arange(int(20 * RATE)) / RATE
     motion = np.zeros((len(t), 6))
-    motion[:, axis] = LEVELS[axis] * np.sin(2 * np.pi * 8 * t)
+    motion[:, axis] = NOMINAL[axis] * np.sin(2 * np.pi * 8 * t)
     other = (axis + 1) % 6
-    motion[:, other] = 0.04 * LEVELS[other] * np.cos(2 * np.pi * 8 * t)
+    motion[:, other] = 0.04 * NOMINAL[other] * np.cos(2 * np.pi * 8 * t)
     found = levels(moved(campaign, motion), campaign.table)
     assert found is not None
     # whole periods in every block
-    assert_allclose(found.amplitude[axis], LEVELS[axis], rtol=1e-9)
+    assert_allclose(found.amplitude[axis], NOMINAL[axis], rtol=1e-9)
     assert_allclose(found.share[[axis, other]], [1.0, 0.04], rtol=1e-9)
     assert found.driven == 20.0
 
@@ -61,7 +61,7 @@ def test_the_rests_are_not_counted_as_driven(campaign: Campaign) -> None:
     found = levels(campaign.recordings["x"], campaign.table)
     assert found is not None
     assert found.driven == 4.0
-    assert_allclose(found.amplitude[0], LEVELS[0], rtol=0.01)  # blocks of half a second cut periods of the sweep
+    assert_allclose(found.amplitude[0], LEVELS["x"], rtol=0.01)  # blocks of half a second cut periods of the sweep
 
 
 def test_noise_floors_are_those_of_the_rests(campaign: Campaign) -> None:
@@ -86,7 +86,7 @@ def test_ringing_of_the_structure_is_not_taken_for_noise_of_its_load_cell(campai
 
 
 def test_a_run_that_is_driven_throughout_has_no_floor(campaign: Campaign) -> None:
-    always = moved(campaign, np.sin(np.arange(4000))[:, None] * np.array(LEVELS), floor=0.01)
+    always = moved(campaign, np.sin(np.arange(4000))[:, None] * NOMINAL, floor=0.01)
     assert noise_floors(replace(campaign, recordings={"x": always})) is None
 
 
