@@ -85,6 +85,13 @@ STEPS = (
     Step(title="How far these predictions can be trusted: closed forms, benchmarks, rates", command="massline verify"),
     Step(title="Your own article: a STEP assembly and two meshes", command="python examples/own_article.py out/own-article"),
     Step(title="... with a material for each body", command="massline reference out/own-article --view"),
+    Step(title="A recorded campaign, in four formats", command="python examples/own_campaign.py out/own-campaign"),
+    Step(title="... what it holds, with a map of its sensors", command="massline check out/own-campaign/uff --view"),
+    Step(
+        title="A campaign that another program wrote",
+        command=f"massline check {shlex.quote(str(DATA / 'example_series' / 'fmd+clumod-1'))}",
+        needs=DATA / "example_series",
+    ),
 )
 
 WHERE = """Pictures: {pictures}

@@ -18,6 +18,7 @@ TRESPASSES = {
     "gmsh": ("fem", "import gmsh"),
     "skfem": ("validation", "from skfem import MeshTet2"),
     "pyyeti": ("fem", "from pyyeti import cb"),
+    "pyuff": ("validation", "import pyuff"),
     "trimesh": ("validation", "import trimesh"),
     "igl": ("geometry", "from igl.copyleft import cgal"),
     "pinocchio": ("fem", "import coal"),
@@ -30,6 +31,7 @@ TRESPASSES = {
 
 DOORS = {
     "cadquery": "geometry/cad/solids.py",
+    "pyuff": "identification/files/uff.py",
     "trimesh": "geometry/mesh/mass.py",
     "igl": "geometry/mesh/self_intersection.py",
     "pinocchio": "geometry/multibody.py",

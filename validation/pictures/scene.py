@@ -42,8 +42,8 @@ class Arrow:
     colour: str
 
 
-def rendered(view: View, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid, arrows: Sequence[Arrow]) -> Image:
-    """The scene as seen by `view`.
+def rendered(view: View, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> Image:
+    """The scene as seen by `view`, without an ellipsoid where there is none.
 
     Raises
     ------
@@ -100,11 +100,12 @@ def _light(plotter: Plotter) -> None:
         plotter.add_light(light)
 
 
-def _all(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid, arrows: Sequence[Arrow]) -> None:
+def _all(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> None:
     colour = colours(body.material for body in bodies)
     for body in bodies:
         _body(plotter, body, colour[body.material])
-    _ellipsoid(plotter, ellipsoid)
+    if ellipsoid is not None:
+        _ellipsoid(plotter, ellipsoid)
     _arrows(plotter, arrows)
 
 

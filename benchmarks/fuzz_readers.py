@@ -1,0 +1,300 @@
+"""Every reader of campaigns on files that were damaged on their way: ``python -m benchmarks.fuzz_readers [COUNT]``.
+
+A damaged file is refused in words, or read as it was. A sample may come out changed only where damage hit its own digits: at most
+one a byte that was replaced, at most one where the file was cut, and none where the file carries checksums. Any other exception
+than a refusal is a failure, and so is a reader that does not come back.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+
+from geometry import toml_file
+from geometry.errors import BadInput
+from geometry.sensors import Channel, ChannelTable, Place
+from identification import files
+from identification.campaign import Campaign, Excitation, Processing, Run
+from identification.campaign_text import parse
+from identification.campaign_values import Problems
+from identification.campaign_words import text
+from identification.files import csv, hdf5, mat, uff
+from identification.files.contents import Signals
+from identification.matching import recording
+from identification.recording import Recording
+
+PATIENCE = 20
+"""Seconds after which a reader counts as hanging."""
+
+COUNT = 10_000
+
+RARE = 1e-3
+"""Share of damaged files without any checksum in which other numbers may be read unseen."""
+
+SAMPLES = 40
+RATE = 564.0
+
+Write = Callable[[Path, Signals], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Target:
+    """A reader and a file for it.
+
+    Attributes
+    ----------
+    name : what is damaged
+    ending : of the file
+    write : writes the whole file
+    spectra : whether it holds spectra
+    checked : whether the file carries checksums, so that no damage may change a sample
+    unguarded : whether its structure carries none, so that an address may point at other numbers unseen: rare, and counted apart
+    """
+
+    name: str
+    ending: str
+    write: Write
+    spectra: bool = False
+    checked: bool = False
+    unguarded: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mutant:
+    """A damaged file: its bytes, how many were replaced (0 where it was cut or shifted), and whether it was."""
+
+    content: bytes
+    replaced: int
+
+
+def table() -> ChannelTable:
+    """Four channels, two of them of names that formats have to think about."""
+    named = (
+        ("cover-1x", "acceleration", "cover"),
+        ("fmd z,1", "force", "fmd"),
+        ("fmd-x12", "force", "fmd"),
+        ("m", "moment", "fmd"),
+    )
+    place = Place(position=np.array([0.1, 0.2, 0.0]), direction=np.array([0.0, 0.0, 1.0]))
+    return ChannelTable(channels=tuple(Channel(name=n, quantity=q, group=g, places=(place,)) for n, q, g in named))
+
+
+def plain_names() -> ChannelTable:
+    """The same with names that MATLAB has, too."""
+    whole = table()
+    renamed = tuple(
+        Channel(name=c.name.replace(" ", "-").replace(",", ""), quantity=c.quantity, group=c.group, places=c.places)
+        for c in whole.channels
+    )
+    return ChannelTable(channels=renamed)
+
+
+def signals(names: tuple[str, ...], *, spectra: bool, seed: int = 5) -> Signals:
+    """Samples of ordinary size under `names`."""
+    generator = np.random.default_rng(seed)
+    found = {name: generator.standard_normal(SAMPLES) * 10.0**k for k, name in enumerate(names)}
+    if not spectra:
+        return Signals(source="made", samples=found, sampling_rate=RATE)
+    complex_ones = {name: one + 1j * generator.standard_normal(SAMPLES) for name, one in found.items()}
+    return Signals(source="made", samples=complex_ones, frequency=np.asarray(4.0 + 0.05 * np.arange(SAMPLES)))
+
+
+def _foreign_hdf5(path: Path, of: Signals) -> None:
+    """As a plain h5py script writes it: no checksums."""
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.attrs["sampling_rate"] = of.sampling_rate
+        for name, samples in of.samples.items():
+            file.create_dataset(f"channels/{name}", data=samples)
+
+
+def _packed_hdf5(path: Path, of: Signals) -> None:
+    """The same in single precision, packed: zlib's own checksum guards the samples."""
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.attrs["sampling_rate"] = of.sampling_rate
+        for name, samples in of.samples.items():
+            file.create_dataset(f"channels/{name}", data=samples.astype("f4"), compression="gzip", chunks=(16,))
+
+
+def _plain_mat(path: Path, of: Signals) -> None:
+    from scipy.io import savemat
+
+    named = {name.replace("-", "_"): samples for name, samples in of.samples.items()}
+    savemat(path, {"fs": of.sampling_rate, **named}, do_compression=False, appendmat=False)
+
+
+def _binary(path: Path, of: Signals) -> None:
+    uff.write(path, of, binary=True)
+
+
+TARGETS = (
+    Target(name="csv", ending=".csv", write=csv.write),
+    Target(name="csv, spectra", ending=".csv", write=csv.write, spectra=True),
+    Target(name="uff 58", ending=".uff", write=uff.write),
+    Target(name="uff 58, spectra", ending=".uff", write=uff.write, spectra=True),
+    Target(name="uff 58b", ending=".unv", write=_binary),
+    Target(name="uff 58b, spectra", ending=".unv", write=_binary, spectra=True),
+    Target(name="hdf5", ending=".h5", write=hdf5.write, checked=True),
+    Target(name="hdf5, spectra", ending=".h5", write=hdf5.write, spectra=True, checked=True),
+    Target(name="hdf5 by h5py", ending=".h5", write=_foreign_hdf5, unguarded=True),
+    Target(name="hdf5 by h5py, packed", ending=".h5", write=_packed_hdf5),
+    Target(name="mat v5", ending=".mat", write=mat.write, checked=True),
+    Target(name="mat v5, spectra", ending=".mat", write=mat.write, spectra=True, checked=True),
+    Target(name="mat v5, not packed", ending=".mat", write=_plain_mat),
+    Target(name="mat v7.3", ending=".mat", write=mat.write_v73, checked=True),
+)
+
+
+def mutants(content: bytes, count: int, seed: int) -> Iterator[Mutant]:
+    """`content` with one byte or five replaced, cut short, with a stretch missing, or with a stretch twice; from `seed`."""
+    generator = np.random.default_rng([2026, seed])
+    for _ in range(count):
+        data = bytearray(content)
+        a, b = sorted(generator.integers(0, len(data), 2).tolist())
+        kind = int(generator.integers(0, 6))
+        if kind < 3:
+            places = generator.integers(0, len(data), 5 if kind == 2 else 1)
+            for place in places:
+                data[place] = int(generator.integers(0, 256)) if kind else int(generator.choice(list(b"0123456789.,-+eE \n")))
+            yield Mutant(content=bytes(data), replaced=len(places))
+        elif kind == 3:
+            yield Mutant(content=bytes(data[:b]), replaced=0)
+        else:
+            length = int(generator.integers(1, 60))
+            tail = data[min(a + length, len(data)) :] if kind == 4 else data[a : a + length] + data[a:]
+            yield Mutant(content=bytes(data[:a] + tail), replaced=0)
+
+
+def judged(target: Target, whole: Recording, channels: ChannelTable, path: Path, mutant: Mutant) -> str:
+    """What became of `mutant`: "refused", "read", "digits" or "warned" where damage was to digits, else what went wrong."""
+    path.write_bytes(mutant.content)
+    try:
+        with patience(PATIENCE):
+            found, problems = recording(files.read(path), channels, "campaign.toml")
+    except BadInput:
+        return "refused"
+    except TimeoutError:
+        return "FAILED: hangs"
+    except Exception as error:  # that is what is looked for
+        return f"FAILED: {type(error).__name__}: {error}"
+    if found is None:
+        return "refused" if problems else "FAILED: neither read nor refused"
+    changed = _changes(whole, found)
+    allowed = 0 if target.checked else max(mutant.replaced, 1)
+    if changed > allowed and found.warnings:
+        return "warned"
+    if changed > allowed:
+        return "other numbers" if target.unguarded else f"FAILED: {changed} values changed without a word"
+    return "digits" if changed else "read"
+
+
+def judged_toml(whole: Campaign, mutant: Mutant) -> str:
+    """The same for ``campaign.toml``: lines that say something else, of those that were not touched."""
+    problems = Problems()
+    try:
+        with patience(PATIENCE):
+            campaign = parse(toml_file.parse(mutant.content.decode("utf-8"), "campaign.toml"), "campaign.toml", problems)
+    except (BadInput, UnicodeDecodeError):  # bytes that are no UTF-8 are refused by `toml_file.read`
+        return "refused"
+    except TimeoutError:
+        return "FAILED: hangs"
+    except Exception as error:  # that is what is looked for
+        return f"FAILED: {type(error).__name__}: {error}"
+    if campaign is None:
+        return "refused" if problems.found else "FAILED: neither read nor refused"
+    lines = Counter(text(whole).splitlines())
+    changed = sum((Counter(text(campaign).splitlines()) - lines).values())
+    if mutant.replaced and changed > mutant.replaced:
+        return f"FAILED: {changed} lines changed without a word"
+    return "digits" if changed else "read"
+
+
+def campaign() -> Campaign:
+    """A description with everything in it that can be."""
+    return Campaign(
+        title='a "title"',
+        article="fmd+clumod-1",
+        hardware="fmd-A/sensors-2002",
+        notes="two\nlines",
+        table=table(),
+        runs=(
+            Run(
+                name="x", file="x.h5", axis="x", excitation=Excitation(kind="sine-sweep", figures={"start_hz": 4.0, "level": 2.5})
+            ),
+            Run(name="all", file="all.uff"),
+        ),
+        processing=Processing(method="peak-reference-hold"),
+    )
+
+
+def run(target: Target, count: int, folder: Path, seed: int = 1) -> Counter[str]:
+    """What became of `count` mutants of the file of `target`."""
+    channels = plain_names() if target.ending == ".mat" else table()
+    path = folder / f"whole{target.ending}"
+    target.write(path, signals(channels.names, spectra=target.spectra))
+    whole, problems = recording(files.read(path), channels, "campaign.toml")
+    if whole is None:
+        raise problems[0]
+    damaged = folder / f"damaged{target.ending}"
+    return Counter(judged(target, whole, channels, damaged, one) for one in mutants(path.read_bytes(), count, seed))
+
+
+def run_toml(count: int, seed: int = 1) -> Counter[str]:
+    """What became of `count` mutants of a ``campaign.toml``."""
+    whole = campaign()
+    return Counter(judged_toml(whole, one) for one in mutants(text(whole).encode(), count, seed))
+
+
+@contextmanager
+def patience(seconds: int) -> Iterator[None]:
+    """TimeoutError when the block takes longer."""
+
+    def too_long(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, too_long)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _changes(whole: Recording, found: Recording) -> int:
+    """How many numbers differ, as far as the record goes; a record that is longer, or another axis, is a change, too."""
+    n = min(len(whole), len(found))
+    parts = [np.stack([one.values[:n].real, one.values[:n].imag]) for one in (whole, found)]
+    axis = (
+        0.0 if whole.frequency is None or found.frequency is None else float(np.sum(whole.frequency[:n] != found.frequency[:n]))
+    )
+    rate = whole.sampling_rate != found.sampling_rate
+    return int(np.sum(parts[0] != parts[1])) + int(axis) + int(rate) + max(len(found) - len(whole), 0)
+
+
+def main(count: int) -> int:
+    """Run every target and say what became of the mutants; 1 when one of them failed."""
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        results = [*((target.name, run(target, count, Path(folder))) for target in TARGETS), ("campaign.toml", run_toml(count))]
+        for name, counts in results:
+            sys.stdout.write(f"{name:24}" + ", ".join(f"{what} {number}" for what, number in counts.most_common()) + "\n")
+            failed += sum(number for what, number in counts.items() if what.startswith("FAILED"))
+            failed += counts["other numbers"] > RARE * count
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT))

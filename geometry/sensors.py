@@ -1,0 +1,201 @@
+"""`Channel` and `ChannelTable`: what is measured where, along what, through which summation.
+
+A channel reads the motion or the force at its place along its direction. For a small motion u of the reference point A of a rigid
+body, an accelerometer at P along d reads
+
+    y = d^T [G] u          [G] of P seen from A (Eq. 3)
+
+and a load cell at P along d that reads y gives the resultants ``[G]^T d y`` about A: the same row, transposed. A summation box
+adds cells; what of their resultants survives the sum is said by `resultants`. Loads are those of the table on the structure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array, frozen
+from geometry.frames import rigid_transformation
+
+SI = {"acceleration": "m/s^2", "force": "N", "moment": "N m"}
+"""What can be measured, and the unit in which it stands in every array."""
+
+GROUPS = {
+    "table": "shaker table, below the FMD",
+    "cover": "cover plate of the FMD",
+    "fmd": "load cells of the FMD",
+    "article": "on the structure",
+}
+"""Where a channel sits."""
+
+UNIT_LENGTH = 1e-3
+"""How far the length of a direction may lie from 1: digits that were typed, not another vector."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Place:
+    """Where one sensing element sits and along what it measures.
+
+    Attributes
+    ----------
+    position : (3,) [m], in the frame of the channel table
+    direction : (3,) unit vector of positive output, in the same axes; brought to length 1 from within `UNIT_LENGTH`
+
+    Raises
+    ------
+    ValueError : shapes, NaN, or a direction that is no unit vector.
+    """
+
+    position: Array
+    direction: Array
+
+    def __post_init__(self) -> None:
+        direction = frozen(self.direction, (3,), "direction")
+        length = float(np.linalg.norm(direction))
+        if abs(length - 1) > UNIT_LENGTH:
+            raise ValueError(f"`direction` must be a unit vector, found {direction.tolist()} of length {length:.6g}")
+        unit = direction if abs(length - 1) < 1e-15 else direction / length
+        object.__setattr__(self, "position", frozen(self.position, (3,), "position"))
+        object.__setattr__(self, "direction", frozen(unit, (3,), "direction"))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Channel:
+    """One signal.
+
+    Attributes
+    ----------
+    name : unique in its table
+    quantity : a key of `SI`
+    group : a key of `GROUPS`
+    places : one, or the several cells that a summation box adds up
+    unit : the one of the signal files; arrays and `noise_rms` here are SI whatever it says. Empty stands for the SI unit
+    reference : whether the table is controlled by it (a pilot)
+    senses_gravity : whether a tilt reads as acceleration; False for what is no accelerometer
+    noise_rms : known noise floor, broadband rms of the time signal, in the unit of `SI`; None when it is not known
+    """
+
+    name: str
+    quantity: str
+    group: str
+    places: tuple[Place, ...]
+    unit: str = ""
+    reference: bool = False
+    senses_gravity: bool = True
+    noise_rms: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.quantity not in SI or self.group not in GROUPS:
+            raise ValueError(f"`quantity` and `group` must be known words, found {self.quantity!r} and {self.group!r}")
+        if not self.places:
+            raise ValueError(f"`places` of {self.name} must hold at least one")
+        object.__setattr__(self, "places", tuple(self.places))
+        object.__setattr__(self, "unit", self.unit or SI[self.quantity])
+        object.__setattr__(self, "senses_gravity", self.senses_gravity and self.quantity == "acceleration")
+
+    @property
+    def is_sum(self) -> bool:
+        """Whether a summation box adds up several cells."""
+        return len(self.places) > 1
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ChannelTable:
+    """All channels of a test.
+
+    Attributes
+    ----------
+    channels : in the order of the columns of every recording, no two of one name
+    origin : (3,) [m] coordinates of the reference point, the paper's F, in the frame of the places
+    """
+
+    channels: tuple[Channel, ...]
+    origin: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channels", tuple(self.channels))
+        object.__setattr__(self, "origin", frozen(self.origin, (3,), "origin"))
+        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        if twice:
+            raise ValueError(f"`channels` must have names of their own, found {', '.join(twice)} more than once")
+
+    def __len__(self) -> int:
+        return len(self.channels)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names, in order."""
+        return tuple(channel.name for channel in self.channels)
+
+    def select(self, *, group: str | Sequence[str] = (), quantity: str | Sequence[str] = ()) -> tuple[int, ...]:
+        """Indices of the channels of these groups and quantities; an empty choice takes all."""
+        groups, quantities = ((one,) if isinstance(one, str) else tuple(one) for one in (group, quantity))
+        return tuple(
+            k
+            for k, channel in enumerate(self.channels)
+            if (not groups or channel.group in groups) and (not quantities or channel.quantity in quantities)
+        )
+
+    def subset(self, chosen: Sequence[int]) -> ChannelTable:
+        """The table of the channels at the indices `chosen`."""
+        return ChannelTable(channels=tuple(self.channels[k] for k in chosen), origin=self.origin)
+
+
+def row(place: Place, point: npt.ArrayLike) -> Array:
+    """``d^T [G]``: what `place` reads for unit motions of `point` (3,) [m]; (6,), translations [1], rotations [m] (Eq. 3)."""
+    return np.asarray(place.direction @ rigid_transformation(place.position - np.asarray(point, dtype=np.float64)))
+
+
+def motion_rows(channels: Sequence[Channel], point: npt.ArrayLike) -> Array:
+    """[G] of accelerometers about `point` (3,) [m]: (n, 6); where several are averaged, the mean of their rows (Eq. 3)."""
+    rows = [np.mean([row(place, point) for place in channel.places], axis=0) for channel in channels]
+    return np.asarray(rows, dtype=np.float64).reshape(-1, 6)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Summation:
+    """How force channels come about from sensing elements, and resultants from these.
+
+    Attributes
+    ----------
+    adds : (n, e) which of the elements every channel adds up
+    gives : (6, e) resultants about the reference point for a unit reading of each element: forces [1], moments [m], or [1] where
+        the element senses a moment
+    """
+
+    adds: Array
+    gives: Array
+
+
+def summation(channels: Sequence[Channel], point: npt.ArrayLike) -> Summation:
+    """The elements behind force and moment `channels`; a cell that several channels share is one element."""
+    keys: dict[tuple[object, ...], int] = {}
+    gives: list[Array] = []
+    adds = np.zeros((len(channels), sum(len(channel.places) for channel in channels)))
+    for k, channel in enumerate(channels):
+        for place in channel.places:
+            key = (channel.quantity, *np.round(place.position, 9), *np.round(place.direction, 9))
+            if key not in keys:
+                keys[key] = len(keys)
+                gives.append(_given(channel.quantity, place, point))
+            adds[k, keys[key]] += 1.0
+    return Summation(adds=adds[:, : len(keys)], gives=np.asarray(gives).reshape(-1, 6).T)
+
+
+def resultants(channels: Sequence[Channel], point: npt.ArrayLike) -> Array:
+    """The six resultants about `point` (3,) [m] from what force and moment `channels` read: (6, n), least squares.
+
+    Cells that one channel adds up share its reading equally. On one line of action that is no assumption: wherever on the line
+    the force acts, its moment is the same.
+    """
+    of = summation(channels, point)
+    return np.asarray(of.gives @ np.linalg.pinv(of.adds)) if channels else np.zeros((6, 0))
+
+
+def _given(quantity: str, place: Place, point: npt.ArrayLike) -> Array:
+    if quantity == "moment":
+        return np.concatenate([np.zeros(3), place.direction])
+    return row(place, point)

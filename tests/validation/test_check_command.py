@@ -1,0 +1,199 @@
+"""`massline check`: what is printed, what a program reads, what is drawn, and how it ends."""
+
+import json
+import runpy
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.dynamic_mass import LEVELS, MOTIONS
+from geometry.frames import Pose
+from identification import campaign_file
+from identification.campaign import Campaign
+from validation import cli
+from validation.campaigns import sensor_map
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(scope="module")
+def campaign(root: Path) -> Campaign:
+    made: Campaign = runpy.run_path(str(root / "examples" / "own_campaign.py"))["campaign"]()
+    return made
+
+
+@pytest.fixture(scope="module")
+def written(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    whole = tmp_path_factory.mktemp("written") / "own"
+    campaign_file.write(whole, campaign)
+    return whole
+
+
+@pytest.fixture
+def folder(written: Path, tmp_path: Path) -> Path:
+    """The example's campaign; the command runs in the folder above it."""
+    return Path(shutil.copytree(written, tmp_path / "own"))
+
+
+def test_a_sound_campaign_is_printed_and_ends_with_0(run: Run, folder: Path) -> None:
+    code, out, err = run("check", "own")
+    assert (code, err) == (cli.DONE, "")
+    for words in (
+        "A rigid block: fmd+disc+cuboid",
+        "cover-z1",
+        "sum of 2",
+        "sine-sweep 4-32 Hz",
+        "256 Hz",
+        "6 of 6",
+        "(130, 130, 0)",
+    ):
+        assert words in out
+    assert "nothing is wrong with it" in out
+    assert folder.is_dir()
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_table_fits_a_page(run: Run) -> None:
+    assert max(map(len, run("check", "own")[1].splitlines())) <= 132
+
+
+@pytest.mark.usefixtures("folder")
+def test_json_is_one_object_with_every_figure(run: Run) -> None:
+    code, out, err = run("check", "own", "--json")
+    said = json.loads(out)
+    assert (code, err) == (cli.DONE, "")
+    assert (said["usable"], said["problems"], said["warnings"]) == (True, [], [])
+    assert len(said["channels"]) == 22
+    for k, one in enumerate(said["runs"]):
+        assert_allclose(one["level_m_s2_rad_s2"][k], LEVELS[MOTIONS[k]], rtol=0.01)  # blocks cut periods of the sweep
+        assert one["level_share"][k] == 1.0
+        assert (one["sampling_rate_hz"], one["samples"], one["duration_s"]) == (256.0, 1536, 6.0)
+    z1 = next(one for one in said["channels"] if one["name"] == "fmd-z1")
+    assert z1["noise_n_stated"] == 0.3
+    assert_allclose(z1["noise_n_found"], 0.3, rtol=0.12)
+    assert {one["rank"] for one in said["observability"].values()} == {6}
+
+
+def test_warnings_end_with_1_and_are_printed(run: Run, folder: Path) -> None:
+    with h5py.File(folder / "x.h5", "a") as file:
+        samples = file["channels/cover-x1"][()]
+        del file["channels/cover-x1"]
+        file["channels/cover-x1"] = np.clip(samples, -2, 2)
+    code, out, _ = run("check", "own")
+    assert code == cli.FAILED_CHECK
+    assert "cover-x1 is clipped" in " ".join(out.split())
+    assert "read the warnings first" in out
+    code, out, _ = run("check", "own", "--json")
+    assert code == cli.FAILED_CHECK
+    assert json.loads(out)["usable"]
+
+
+def test_a_loud_channel_is_said(run: Run, campaign: Campaign, tmp_path: Path) -> None:
+    quiet = tuple(replace(c, noise_rms=0.1) if c.name == "fmd-z1" else c for c in campaign.table.channels)
+    campaign_file.write(tmp_path / "own", replace(campaign, table=replace(campaign.table, channels=quiet)))
+    code, out, _ = run("check", "own")
+    assert code == cli.FAILED_CHECK
+    assert "fmd-z1 reads 2.8 times" in " ".join(out.split()) or "fmd-z1 reads 2.9 times" in " ".join(out.split())
+
+
+def test_every_problem_is_printed_and_ends_with_2(run: Run, folder: Path) -> None:
+    (folder / "x.h5").unlink()
+    (folder / "y.h5").write_bytes(b"nonsense")
+    code, out, _ = run("check", "own")
+    assert code == cli.BAD_INPUT
+    for words in ("problem 1: own/x.h5", "problem 2: own/y.h5", "cannot be used as it is: 2 problems"):
+        assert words in out
+    code, out, _ = run("check", "own", "--json")
+    said = json.loads(out)
+    assert (code, said["usable"]) == (cli.BAD_INPUT, False)
+    assert [one["file"] for one in said["problems"]] == ["own/x.h5", "own/y.h5"]
+    assert [one["read"] for one in said["runs"]] == [False, False, True, True, True, True]
+
+
+def test_everything_wrong_with_the_description_is_printed(run: Run, folder: Path) -> None:
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    text = text.replace("format = 1", "format = 9").replace('axis = "y"', 'axis = "yy"')
+    (folder / "campaign.toml").write_text(text, encoding="utf-8")
+    code, out, _ = run("check", "own")
+    assert code == cli.BAD_INPUT
+    assert "found 9" in out
+    assert "found 'yy'" in out
+
+
+@pytest.mark.parametrize("name", ["nowhere", "", "own/campaign.toml"])
+@pytest.mark.usefixtures("folder")
+def test_what_is_no_campaign_is_refused_in_one_sentence(run: Run, name: str) -> None:
+    code, out, err = run("check", name)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert err.startswith("massline: ")
+    assert len(err.splitlines()) == 1
+
+
+def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_path: Path) -> None:
+    from identification.recording import Recording
+    from identification.spectra import full_record
+
+    lines = np.linspace(4.0, 32.0, 57)
+    recordings = {
+        name: Recording(names=one.names, values=full_record(one.values, 256.0, lines), frequency=lines)
+        for name, one in campaign.recordings.items()
+    }
+    campaign_file.write(tmp_path / "own", replace(campaign, recordings=recordings))
+    code, out, _ = run("check", "own")
+    assert code == cli.DONE
+    assert "4-32 Hz" in out
+    assert "57 lines" in out
+    assert "level realised" not in out
+
+
+@pytest.mark.usefixtures("folder", "renderer")
+def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from PIL import Image
+
+    from validation.pictures import sensor_page
+
+    monkeypatch.setattr(sensor_page, "HEIGHT", 300)  # a ninth of the pixels, and of the time
+    monkeypatch.setattr(sensor_page, "COLUMNS", ((10, 130), (150, 240), (400, 240)))
+    code, _, err = run("check", "own", "--view")
+    assert (code, err) == (cli.DONE, "massline: wrote out/sensors-own.png.\n")
+    with Image.open(tmp_path / "out" / "sensors-own.png") as picture:
+        pixels = np.asarray(picture.convert("RGB")).astype(int)
+    for red, green, blue in ((36, 86, 196), (31, 138, 76), (200, 40, 60)):  # the legend's lines: table, cover, fmd
+        assert np.sum(np.all(np.abs(pixels - [red, green, blue]) < 12, axis=-1)) > 100
+
+
+def test_an_article_without_fmd_is_drawn_where_it_is_mounted(campaign: Campaign) -> None:
+    alone = replace(campaign, article="cuboid", mounting=Pose(position=np.array([0.0, 0.0, 0.25])))
+    bodies, note = sensor_map._bodies(alone)
+    lowest = min(body.vertices[:, 2].min() for body in bodies)
+    on_fmd, _ = sensor_map._bodies(replace(campaign, article="fmd"))
+    assert_allclose(lowest, 0.25, rtol=0, atol=1e-12)
+    assert min(body.vertices[:, 2].min() for body in on_fmd) < 0
+    assert "cuboid as built in" in note
+
+
+def test_an_article_of_somebody_else_is_not_drawn_and_said(campaign: Campaign) -> None:
+    bodies, note = sensor_map._bodies(replace(campaign, article="my-satellite.toml"))
+    assert bodies == []
+    assert "my-satellite.toml is no built-in article" in note
+
+
+def test_figures_of_a_campaign_that_another_program_wrote(run: Run, data: Path) -> None:
+    """Levels as its campaign.toml asks, cross motion of a few per cent, noise as stated: nothing was planted there."""
+    for name in ("fmd+clumod-1", "fmd+disc+cuboid"):
+        code, out, _ = run("check", str(data / "example_series" / name), "--json")
+        said = json.loads(out)
+        assert code == cli.DONE
+        for k, one in enumerate(said["runs"]):
+            assert_allclose(one["level_m_s2_rad_s2"][k], one["excitation"]["level"], rtol=0.01)
+            assert max(np.delete(one["level_share"], k)) < 0.15
+            assert_allclose(one["duration_s"], 60000 / 564)
+        for one in said["channels"]:
+            key = "noise_m_s2" if one["quantity"] == "acceleration" else "noise_n"
+            assert_allclose(one[f"{key}_found"], one[f"{key}_stated"], rtol=0.3)
