@@ -67,7 +67,9 @@ def _fill(path: Path, signals: Signals) -> None:
             file.create_dataset("frequency", data=signals.frequency, **packed)
         group = file.create_group("channels", track_order=True)
         for name, samples in signals.samples.items():
-            group.create_dataset(name, data=samples, **packed)
+            entry = group.create_dataset(name, data=samples, **packed)
+            if name in signals.labels:
+                entry.attrs["unit"] = signals.labels[name]
 
 
 def _channels(file: Any, source: str) -> Any:

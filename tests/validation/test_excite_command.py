@@ -17,9 +17,10 @@ from scipy.io import loadmat
 from fem.base_excitation.response import Response
 from geometry.articles import built_in
 from geometry.multibody import inertia
+from identification import files
+from identification.files.mat_names import variable
 from validation import cli
 from validation.excitation import signals
-from validation.excitation.signals import matlab_name
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -50,7 +51,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
         heard: list[Response] = []
         patch.setattr(signals, "write", lambda path, response, label: heard.append(response))
         assert cli.run(["excite", "fmd+clumod-1", "--cells", *FAST, "--rate", "256", "--out", "run.h5"]) == cli.DONE
-    for ending in ("h5", "csv", "npz", "mat"):
+    for ending in ("h5", "csv", "npz", "mat", "uff"):
         signals.write(folder / f"run.{ending}", heard[0], "a run")
     return folder
 
@@ -128,9 +129,9 @@ def test_every_format_holds_the_same_numbers_under_the_same_names(written: Path)
             assert_allclose(stored[name], values, rtol=0, atol=0)
     stored = loadmat(written / "run.mat")
     assert float(stored["fs"][0, 0]) == rate
-    assert {name for name in stored if not name.startswith("__")} == {"fs", *map(matlab_name, signals)}
+    assert {name for name in stored if not name.startswith("__")} == {"fs", *map(variable, signals)}
     for name, values in signals.items():
-        assert_allclose(stored[matlab_name(name)][:, 0], values, rtol=0, atol=0)
+        assert_allclose(stored[variable(name)][:, 0], values, rtol=0, atol=0)
     header, *rows = csv.reader((written / "run.csv").read_text(encoding="utf-8").splitlines())
     columns = dict(zip(header, np.array(rows, dtype=float).T, strict=True))
     assert header[0] == "time"
@@ -138,6 +139,15 @@ def test_every_format_holds_the_same_numbers_under_the_same_names(written: Path)
     assert set(columns) == set(signals)
     for name, values in signals.items():
         assert_allclose(columns[name], values, rtol=0, atol=0)
+
+
+@pytest.mark.parametrize(("ending", "digits"), [("h5", 0.0), ("csv", 0.0), ("mat", 0.0), ("uff", 1e-12)])
+def test_what_excite_writes_is_read_as_the_signal_file_of_a_campaign(written: Path, ending: str, digits: float) -> None:
+    found, first = files.read(written / f"run.{ending}"), files.read(written / "run.h5")
+    assert found.sampling_rate == 256
+    for name, values in first.samples.items():
+        same = variable(name) if ending == "mat" else name
+        assert_allclose(found.samples[same], values, rtol=digits, atol=digits * np.abs(values).max())
 
 
 def test_the_cells_carry_what_the_table_exerts(written: Path) -> None:
@@ -284,7 +294,7 @@ def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statical
         (["clumod-1", "--cable", "mast-top:sideways=1"], "no direction is called 'sideways'"),
         (["clumod-1", "--damper", "mast-top=0"], "mast-top must be positive"),
         (["clumod-1", "--model", "exudyn", "--cable", "mast-top=1000"], "Use --model beam or solid"),
-        (["clumod-1", "--out", "run.xls"], "a run is written as .h5, .csv, .npz, .mat, found .xls"),
+        (["clumod-1", "--out", "run.xls"], "a run is written as .uff, .unv, .h5, .hdf5, .csv, .mat, .npz, found .xls"),
         (["clumod-1", "--out", ""], "--out: no file is named"),
         (["clumod-1", "--animate", "--pattern", "random"], "random passes no resonance"),
         (["clumod-1", "--animate", "--route", "large"], "the large route keeps no coordinates"),

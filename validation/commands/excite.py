@@ -40,7 +40,7 @@ from validation.commands import options
 @click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=5 N, or x=5,mass:2.")
 @click.option("--cable", multiple=True, metavar="LOC=K", help="Spring to the ground: mast-top=1000, mast-top:lateral=1000 N/m.")
 @click.option("--damper", multiple=True, metavar="LOC=C", help="Damper to the table: mast-top=20 N s/m.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write the signals: .h5, .csv, .npz or .mat.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write signals: .uff, .h5, .csv, .mat or .npz.")
 @click.option("--plot", is_flag=True, help="Also draw loads over time and over frequency under out/.")
 @click.option("--animate", is_flag=True, help="Also draw the article passing its largest resonance, a GIF under out/.")
 def command(article: str, as_json: bool, model: str | None, out: Path | None, plot: bool, animate: bool, **given: Any) -> None:

@@ -9,7 +9,7 @@ rig_modes           resonances of the whole rig, cells and joint included
 passage             when a sweep passes them, and what that does to the load
 figures             levels, peak loads, what is left of the ringing, cells against their preload
 table, as_json      the same for a reader and for a program
-signals             runs as files: HDF5, CSV, npz, MATLAB
+signals             runs as files: universal files, HDF5, CSV, npz, MATLAB
 plots, moving       pictures and the animation
 =================== ================================================================================================
 """

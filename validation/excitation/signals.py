@@ -1,17 +1,14 @@
 """Runs as signal files: every channel of a `Response` by name, as the campaign format has them, whole or not at all.
 
-``.h5`` one dataset a channel in ``/channels``, ``sampling_rate`` on the root; ``.csv`` a column ``time`` and one a channel;
-``.npz`` one array a channel and ``sampling_rate``; ``.mat`` one variable a channel and ``fs``, with ``-`` as ``_`` and the sign
-of a tip ``+`` as ``p``, because MATLAB's names have neither. Values are SI and bit for bit those that were computed.
+Universal files, HDF5, CSV and MATLAB are written by `identification.files`, which a campaign is read by; ``.npz`` holds one array
+a channel and ``sampling_rate``. Values are SI; but for the thirteen digits of an ASCII universal file they are bit for bit
+those that were computed.
 """
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -21,9 +18,14 @@ from geometry.arrays import Array
 from geometry.atomic import write_with
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
+from identification import files
+from identification.files.contents import Signals
 
 LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Forces and moments of the table on what stands on it, about the reference point."""
+
+NPZ = ".npz"
+ENDINGS = (*files.FORMATS, NPZ)
 
 MOTION_UNITS = ("m/s^2",) * 3 + ("rad/s^2",) * 3
 LOAD_UNITS = ("N",) * 3 + ("N m",) * 3
@@ -61,11 +63,11 @@ def require_ending(path: Path) -> None:
     """
     if not path.name:
         raise BadInput(source="--out", problem="no file is named", remedy="Give one, such as out/x.h5, or leave it out")
-    if path.suffix.lower() not in _WRITERS:
+    if path.suffix.lower() not in ENDINGS:
         raise BadInput(
             source=str(path),
             field="--out",
-            problem=f"a run is written as {', '.join(_WRITERS)}, found {path.suffix or 'no ending'}",
+            problem=f"a run is written as {', '.join(ENDINGS)}, found {path.suffix or 'no ending'}",
             remedy="Name the file so, the ending chooses the format",
         )
 
@@ -78,12 +80,20 @@ def write(path: Path, response: Response, label: str) -> None:
     BadInput : see `require_ending`.
     """
     require_ending(path)
-    write_with(path, lambda temporary: _WRITERS[path.suffix.lower()](temporary, response, label))
+    if path.suffix.lower() == NPZ:
+        write_with(path, lambda temporary: _npz(temporary, response, label))
+    else:
+        files.write(path, _signals(path, response))
 
 
-def matlab_name(channel: str) -> str:
-    """The name of a channel as a variable of MATLAB."""
-    return channel.replace("-", "_").replace("+", "p")
+def _signals(path: Path, response: Response) -> Signals:
+    found = channels(response)
+    return Signals(
+        source=str(path),
+        samples={channel.name: channel.values for channel in found},
+        sampling_rate=response.sampling_rate,
+        labels={channel.name: channel.unit for channel in found},
+    )
 
 
 def _six(group: str, names: tuple[str, ...], units: tuple[str, ...], values: Array) -> list[Channel]:
@@ -95,38 +105,6 @@ def _along(name: str, dash: str, unit: str, values: Array) -> list[Channel]:
     return [Channel(name=f"{name}{dash}{axis}", unit=unit, values=values[:, k]) for k, axis in enumerate("xyz")]
 
 
-def _hdf5(path: Path, response: Response, label: str) -> None:
-    import h5py
-
-    with h5py.File(path, "w") as file:
-        file.attrs["sampling_rate"] = response.sampling_rate
-        file.attrs["label"] = label
-        group = file.create_group("channels")
-        for channel in channels(response):
-            group.create_dataset(channel.name, data=channel.values).attrs["unit"] = channel.unit
-
-
-def _comma_separated(path: Path, response: Response, label: str) -> None:
-    signals = channels(response)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["time", *(channel.name for channel in signals)])
-        rows = zip(response.time.tolist(), *(channel.values.tolist() for channel in signals), strict=True)
-        table.writerows(rows)  # floats are written by repr, which reads back to the very same number
-
-
 def _npz(path: Path, response: Response, label: str) -> None:
     arrays: dict[str, Any] = {channel.name: channel.values for channel in channels(response)}
     np.savez_compressed(path, sampling_rate=np.array(response.sampling_rate), label=np.array(label), **arrays)
-
-
-def _matlab(path: Path, response: Response, label: str) -> None:
-    from scipy.io import savemat
-
-    variables: dict[str, object] = {matlab_name(channel.name): channel.values for channel in channels(response)}
-    savemat(path, variables | {"fs": response.sampling_rate}, oned_as="column")
-
-
-_WRITERS: Mapping[str, Callable[[Path, Response, str], None]] = MappingProxyType(
-    {".h5": _hdf5, ".csv": _comma_separated, ".npz": _npz, ".mat": _matlab}
-)
