@@ -241,7 +241,7 @@ def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest
     pages: list[Figure] = []
     modes = fixed_base(beam.structure("clumod-4"), 20)
     mass = modal(modes, np.linspace(4, 32, 57))
-    monkeypatch.setattr(curves, "_finish", lambda figure, *rest: pages.append(figure))
+    monkeypatch.setattr(curves, "finish", lambda figure, *rest: pages.append(figure))
     curves.diagonal("x", [Curve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
     (figure,) = pages
     figure.canvas.draw()

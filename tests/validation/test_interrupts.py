@@ -3,7 +3,6 @@
 import signal
 import sys
 import time
-from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,12 +18,7 @@ finished = sum(range(1000))
 """
 
 
-@pytest.fixture(autouse=True)
-def keyboard() -> Iterator[None]:
-    """Ctrl-C as a terminal has it: a shell that runs the tests in the background makes its children deaf to it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+pytestmark = pytest.mark.usefixtures("keyboard")
 
 
 @pytest.fixture

@@ -73,14 +73,14 @@ class Result:
     def error(self) -> float:
         """Size of the error, relative or absolute as the check asks; infinite where the value is no number."""
         reference, value = self.found
-        size = abs(value - reference)
+        size = float(abs(value - reference))
         relative = self.check.error is Error.RELATIVE
         return size / abs(reference) if relative and reference else size if math.isfinite(size) else math.inf
 
     @property
     def passed(self) -> bool:
         """Whether the error stays at or below the bar; what is no number never does."""
-        return self.error <= self.check.bar
+        return bool(self.error <= self.check.bar)
 
     def json(self) -> dict[str, Any]:
         """The row as the output contract has it; a value that is no number is null."""
