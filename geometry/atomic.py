@@ -29,6 +29,31 @@ def write_with(path: Path, write: Callable[[Path], object]) -> None:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
 
 
+def probe(path: Path) -> None:
+    """Try whether `write_with` could write the file `path`, before anything is computed for it; nothing is left behind.
+
+    Raises
+    ------
+    OSError : it could not; see `write_with` and `probe_folder`.
+    """
+    probe_folder(_target(path).parent)
+
+
+def probe_folder(folder: Path) -> None:
+    """Try whether files could be written into `folder`; nothing is left behind.
+
+    A folder that is missing need not be made yet, but the one that it would lie in must be there.
+
+    Raises
+    ------
+    OSError : there is no such folder, or nothing can be written into it.
+    """
+    there = folder if folder.exists() else folder.resolve().parent
+    handle, name = tempfile.mkstemp(prefix=".probe-", dir=there)
+    os.close(handle)
+    Path(name).unlink()
+
+
 def _target(path: Path) -> Path:
     """The regular file, there or not yet, that `path` means."""
     target = path.resolve()

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from geometry.atomic import probe, probe_folder
+from geometry.errors import BadInput
 from geometry.inertia import Inertia
 
 if TYPE_CHECKING:
@@ -70,3 +73,32 @@ def inertia_json(inertia: Inertia) -> dict[str, Any]:
         "poi_cog_kgm2": inertia.products_cog.tolist(),
         "about": "cog",
     }
+
+
+def require_file(path: Path, option: str) -> None:
+    """Refuse, before anything is computed, a file named by `option` that could not be written.
+
+    Raises
+    ------
+    BadInput : a device, a folder instead of a file, a folder that is not there or where nothing can be written.
+    """
+    _tried(probe, path, option)
+
+
+def require_folder(folder: Path, option: str) -> None:
+    """The same of a folder into which `option` writes; it may be missing when the one that it lies in is there.
+
+    Raises
+    ------
+    BadInput : see `require_file`.
+    """
+    _tried(probe_folder, folder, option)
+
+
+def _tried(attempt: Callable[[Path], None], path: Path, option: str) -> None:
+    try:
+        attempt(path)
+    except OSError as error:
+        problem = f"{path} cannot be written: {error.strerror}"
+        remedy = "Name a folder that is there and may be written to"
+        raise BadInput(source=option, problem=problem, remedy=remedy) from None

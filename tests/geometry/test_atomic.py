@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from geometry.atomic import write_text, write_with
+from geometry.atomic import probe, probe_folder, write_text, write_with
 
 
 def test_text_arrives_as_written_in_folders_that_did_not_exist(tmp_path: Path) -> None:
@@ -74,3 +74,25 @@ def test_an_error_names_the_path_that_was_given(name: str, tmp_path: Path, monke
         write_text(Path(name), "x")
     assert caught.value.filename == str(Path(name))
     assert [entry.name for entry in tmp_path.iterdir()] == ["folder"]
+
+
+def test_what_can_be_written_is_tried_without_a_trace(tmp_path: Path) -> None:
+    (tmp_path / "there.txt").write_text("old")
+    for name in ("there.txt", "new.txt", "folder/new.txt"):
+        probe(tmp_path / name)
+    assert [entry.read_text() for entry in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("name", ["missing/deep/x.txt", "file/x.txt", "device", "folder"])
+def test_what_cannot_be_written_is_known_beforehand(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "device").symlink_to(os.devnull)
+    with pytest.raises(OSError, match=r"\S"):
+        probe(tmp_path / name)
+
+
+@pytest.mark.parametrize("folder", ["/dev/null", "/proc/nothing"])
+def test_a_folder_that_takes_no_file_is_known_beforehand(folder: str) -> None:
+    with pytest.raises(OSError, match=r"\S"):
+        probe_folder(Path(folder))

@@ -73,12 +73,22 @@ def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: py
         (("--ropes", "2", "--radius", "0.3 m", "--height", "-10 mm"), "--height: on two ropes"),
         (("--gravity", "0 m/s^2"), "--gravity: it must be positive"),
         (("--material", "steel"), "--material"),
+        (("--out", "/dev/null"), "--out: /dev/null cannot be written: Not a directory"),
+        (("--out", "nowhere/deep"), "--out: nowhere/deep cannot be written"),
     ],
 )
 def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(run: Run, words: tuple[str, ...], said: str) -> None:
     code, out, err = run("swing", "cuboid", *words)
     assert (code, out) == (2, "")
     assert said in err
+
+
+@pytest.mark.parametrize("option", ["--plot", "--animate"])
+def test_pictures_that_could_not_be_written_are_refused_before_anything_swings(run: Run, option: str) -> None:
+    Path("out").write_text("not a folder")
+    code, _, err = run("swing", "cuboid", option)
+    assert code == 2
+    assert f"{option}: out cannot be written" in err
 
 
 def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(run: Run) -> None:

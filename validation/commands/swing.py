@@ -61,20 +61,30 @@ def command(
     Prints the period beside that of Eq. 5, what every effect alone does to it, and the inertia that comes out beside that of the
     article. With --out FOLDER the record goes through `massline pendulum FOLDER/pendulum.toml` like any other.
     """
+    from validation.output import require_folder
     from validation.swing.asked import as_option, setup
     from validation.swing.shifts import simulated
 
     options.require_articles([article])
     asked = options.reading(None, unit, material, settings)
     question = setup(article, _words(words), asked)
+    for option, folder in _folders(out, plot=plot, animate=animate).items():
+        require_folder(folder, option)
     try:
         found = simulated(question, _watched(as_json))
     except BadInput as error:
         raise as_option(error) from None
     _write(found, out)
     _print(found, out, as_json)
-    if plot or animate or out is not None:
-        _draw(found, asked, out or Path("out"), animate=animate, quiet=as_json)
+    for folder in set(_folders(out, plot=plot, animate=animate).values()):
+        _draw(found, asked, folder, animate=animate, quiet=as_json)
+
+
+def _folders(out: Path | None, *, plot: bool, animate: bool) -> dict[str, Path]:
+    """The folder that something is written into, by the option that asked for it; empty where nothing is."""
+    if out is not None:
+        return {"--out": out}
+    return {option: Path("out") for option, wanted in (("--plot", plot), ("--animate", animate)) if wanted}
 
 
 def _words(words: dict[str, Any]) -> Any:

@@ -27,10 +27,24 @@ ALONG = {"": (0, 1, 2), "lateral": (0, 1), "vertical": (2,)}
 EXAMPLES = {
     "--preload": '--preload "2 kN", or for one cell --preload "3=500 N"',
     "--flange": "--flange rotation=1e-6",
-    "--friction": "--friction x=5, or x=5,mass:2",
+    "--friction": "--friction x=3, or x=3,mass:2",
     "--cable": "--cable mast-top=1000, or mast-top:lateral=1000",
     "--damper": "--damper mast-top=20, or mast-top:vertical=20",
 }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sane:
+    """What a size may be: beyond it stiffnesses of one rig lie so far apart that rounding decides, or a unit was mistaken."""
+
+    low: float
+    high: float
+    unit: str
+
+
+SHIFTING, TURNING = Sane(low=1e-13, high=1e-3, unit="m/N"), Sane(low=1e-12, high=1e-2, unit="rad/(N m)")
+SIZES = {"--cable": Sane(low=1e-3, high=1e9, unit="N/m"), "--damper": Sane(low=1e-3, high=1e7, unit="N s/m")}
+SLIP_FORCE, LOOSE_MASS = Sane(low=1e-3, high=1e6, unit="N"), Sane(low=1e-3, high=1e3, unit="kg")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +87,7 @@ def attached(
 
     Raises
     ------
-    BadInput : a text that cannot be read, a value that is not positive, something said twice, a preload without cells.
+    BadInput : a text that cannot be read, a value that is not positive or out of all proportion (`Sane`), something said twice, a preload without cells.
     """
     loads = _preloads(preload)
     if loads and not cells:
@@ -136,7 +150,7 @@ def _flange(texts: Sequence[str]) -> Flange | None:
         key, value = _pair("--flange", text)
         motions = list(COMPLIANT[_known(key, COMPLIANT, "--flange", "direction")])
         _once(bool(compliance[motions].any()), "--flange", key)
-        compliance[motions] = _positive("--flange", key, value)
+        compliance[motions] = _sane("--flange", key, value, SHIFTING if motions[0] < 3 else TURNING)
     return Flange(compliance=compliance) if texts else None
 
 
@@ -147,7 +161,7 @@ def _frictions(texts: Sequence[str]) -> tuple[Friction, ...]:
         _known(axis, LATERAL, "--friction", "axis")
         _once(axis in found, "--friction", axis)
         force, *more = (part.strip() for part in value.split(","))
-        given = {"axis": axis, "slip_force": _positive("--friction", axis, force), **_masses(more)}
+        given = {"axis": axis, "slip_force": _sane("--friction", axis, force, SLIP_FORCE), **_masses(more)}
         found[axis] = Friction(**given)  # type: ignore[arg-type]  # the axis was compared with those that are known
     return tuple(found.values())
 
@@ -158,7 +172,7 @@ def _masses(more: Sequence[str]) -> dict[str, float]:
         key, _, value = (part.strip() for part in text.partition(":"))
         _known(key, ("mass",), "--friction", "property")
         _once(bool(masses), "--friction", key)
-        masses[key] = _positive("--friction", key, value)
+        masses[key] = _sane("--friction", key, value, LOOSE_MASS)
     return masses
 
 
@@ -172,7 +186,7 @@ def _struts(option: str, texts: Sequence[str]) -> dict[str, Array]:
             _known(along, [name for name in ALONG if name], option, "direction")
         axes, size = list(ALONG[along]), struts.setdefault(place, np.zeros(3))
         _once(bool(size[axes].any()), option, key)
-        size[axes] = _positive(option, key, value)
+        size[axes] = _sane(option, key, value, SIZES[option])
     return struts
 
 
@@ -183,13 +197,16 @@ def _pair(option: str, text: str) -> tuple[str, str]:
     return key, value
 
 
-def _positive(option: str, key: str, text: str) -> float:
+def _sane(option: str, key: str, text: str, sane: Sane) -> float:
     try:
         value = float(text)
     except ValueError:
         raise _refused(option, f"{key} must be a number in SI units, found {text!r}") from None
     if not 0 < value < np.inf:
         raise _refused(option, f"{key} must be positive and finite, found {text}")
+    if not sane.low <= value <= sane.high:
+        problem = f"{key} must lie between {sane.low:g} and {sane.high:g} {sane.unit}, found {text}"
+        raise BadInput(source=option, problem=problem, remedy=f"Check its unit, or leave it out; for example {EXAMPLES[option]}")
     return value
 
 

@@ -43,8 +43,7 @@ def excite(question: Question, wanted: Wanted) -> None:
     from validation.excitation import as_json, table
     from validation.output import print_json
 
-    if wanted.out is not None:
-        signals.require_ending(wanted.out)
+    _require_writable(wanted)
     made = ready(question, quiet=wanted.as_json)
     if wanted.animate:
         from validation.excitation.moving import require_animable
@@ -62,6 +61,17 @@ def excite(question: Question, wanted: Wanted) -> None:
         click.echo(table.page_of(made, outcomes), nl=False)
     for path in (path for paths in files for path in paths):
         click.echo(f"massline: wrote {path}.", err=True)
+
+
+def _require_writable(wanted: Wanted) -> None:
+    from validation.output import require_file, require_folder
+
+    if wanted.out is not None:
+        signals.require_ending(wanted.out)
+        require_file(wanted.out, "--out")
+    for option, drawn in (("--plot", wanted.plot), ("--animate", wanted.animate)):
+        if drawn:
+            require_folder(FOLDER, option)
 
 
 def _written(made: Ready, one: Done, wanted: Wanted) -> list[Path]:
