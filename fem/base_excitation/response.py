@@ -27,6 +27,7 @@ class Response:
     places : (n, 3) acceleration [m/s²] of places of the article by name, in the laboratory's axes
     coordinates : (n, k) when they were asked for, (n, 0) otherwise; by the recursion all of the rig relative to the table, as
         `fem.base_excitation.rig_structure` orders them, by exudyn those of the article in the laboratory
+    slipping : [1] share of the record in which each of the rig's loose parts slipped; none by a route that knows no friction
     reference_point : (3,) [m]
     settings : how it was found: route, program and version, step, what it kept; JSON values
     warnings : sentences
@@ -39,6 +40,7 @@ class Response:
     cells: Array
     places: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     coordinates: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    slipping: tuple[float, ...] = ()
     reference_point: Array = field(default_factory=lambda: np.zeros(3))
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
     warnings: tuple[str, ...] = ()

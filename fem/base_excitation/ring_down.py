@@ -61,7 +61,11 @@ def judged(length: float, motion: BaseMotion) -> str:
     if not np.isfinite(length):
         return f"{cut}, but a driven mode has no damping and never stops ringing. Give it damping"
     rest = "before the drive has" if motion.duration < motion.driven else "while the article still rings"
-    return f"{cut}, {rest}: {length:.4g} s are needed until no mode loads the table by more than {SHARE:g} of the greatest load"
+    after = max(motion.duration - motion.driven, 0.0)
+    return (
+        f"{cut}, {rest}: after the drive {length - motion.driven:.4g} s are needed until no mode loads the table by more than "
+        f"{SHARE:g} of the greatest load, found {after:.4g} s"
+    )
 
 
 def lasting(structure: RigStructure, system: States, done: Run, share: float = SHARE) -> float:

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
+from fem.base_excitation.rig import Cell
 from fem.beam import load_cells
 from geometry.articles import built_in
 from geometry.articles.locations import locations
@@ -19,6 +20,7 @@ from validation import cli
 from validation.excitation import moving
 from validation.excitation.attached import Attached, attached
 from validation.excitation.drives import Run
+from validation.excitation.figures import _cross, _levels, cell_loads
 from validation.excitation.passage import amplitude, amplitudes, passed
 from validation.excitation.rig import mounted
 from validation.excitation.rig_modes import RigModes, rig_modes
@@ -40,7 +42,13 @@ def modes(*frequency: float, share: float = 0.5) -> RigModes:
     L = np.zeros((6, len(frequency)))
     L[0] = np.sqrt(share * MASS)
     zeta = np.full(len(frequency), 0.01)
-    return RigModes(frequency=np.array(frequency), damping_ratio=zeta, participation=L, rigid_mass=MASS * np.eye(6))
+    return RigModes(
+        frequency=np.array(frequency),
+        damping_ratio=zeta,
+        participation=L,
+        rigid_mass=MASS * np.eye(6),
+        resonance=(True,) * len(frequency),
+    )
 
 
 def swelling(run: Run, at: float, times: float) -> Response:
@@ -86,6 +94,49 @@ def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_th
     assert found.frequency[r] == pytest.approx(np.sqrt(4 * k / mass) / (2 * np.pi), rel=1e-9)
     assert found.damping_ratio[r] == pytest.approx(eta / 2, rel=1e-9)
     assert found.participation[2, r] ** 2 == pytest.approx(mass, rel=1e-9)
+
+
+@pytest.mark.parametrize(("article", "joints"), [("clumod-1", 0), ("fmd+clumod-1", 6)])
+def test_what_carries_static_answers_is_no_resonance(article: str, joints: int) -> None:
+    """The article's own modes and the six of the cover plate on its cells are; up to six carriers are told from them."""
+    made = mounted(article, "beam", Asked(count=5), Attached(cells=joints > 0)).rig
+    found = rig_modes(made)
+    assert sum(found.resonance) == 5 + joints < len(found.frequency)
+    assert found.resonance[:5] == (True,) * 5
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_lateral_load_of_a_cell_is_the_larger_of_x_and_y(axis: int) -> None:
+    forces = np.zeros((3, 1, 3))
+    forces[1, 0, axis], forces[2, 0, 1 - axis], forces[:, 0, 2] = -7.0, 3.0, (1.0, 50.0, -9.0)
+    still = np.zeros((3, 6))
+    response = Response(sampling_rate=RATE, table=still, cover=still, load=still, cells=forces)
+    (found,) = cell_loads(response, (Cell(position=np.zeros(3), stiffness=np.ones(3)),))
+    assert (found.lateral, found.lowest, found.highest) == (7.0, -9.0, 50.0)
+
+
+@pytest.mark.parametrize("rate", [20.0, 120.0])
+def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate: float) -> None:
+    """In the band the acceleration is A (1 + (k / omega)² / 2), k the growth of the frequency (`Sweep`)."""
+    run = swept(rate)
+    motion = run.motion(8192.0, 0.0, None)
+    table = motion.acceleration.copy()
+    assert run.sweep is not None
+    table[motion.time > float(run.sweep.time_at(32.0)), 0] *= 2
+    still = np.zeros((len(table), 6))
+    response = Response(sampling_rate=8192.0, table=table, cover=still, load=still, cells=np.zeros((len(table), 0, 3)))
+    (found,) = _levels(run, response, motion.driven)
+    assert found.realised == pytest.approx(2.5 * (1 + (rate * np.log(2) / 60 / (2 * np.pi * 4)) ** 2 / 2), rel=1e-3)
+    assert found.peak > 1.2 * found.realised
+
+
+def test_cross_motion_is_the_largest_share_of_any_other_axis() -> None:
+    run = swept()
+    table = np.zeros((3, 6))
+    table[0, 0], table[1, 2], table[2, 5] = 2.5, -0.05, 0.3  # of nominal levels 2.5, 2.5 and 6
+    still = np.zeros((3, 6))
+    response = Response(sampling_rate=RATE, table=table, cover=still, load=still, cells=np.zeros((3, 0, 3)))
+    assert _cross(run, response) == pytest.approx(0.05, rel=1e-12)
 
 
 def test_places_ride_on_the_article() -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import sys
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
@@ -98,11 +99,14 @@ def test_exudyn_and_the_recursion_agree_on_a_flexible_article(run: Run, tmp_path
 
 
 def test_the_route_that_a_rig_needs_is_chosen_and_said(run: Run) -> None:
-    found = said(run, "fmd", "--cells", "--preload", "1 kN", "--friction", "x=5", "--band", "8", "16", *FAST)
+    found = said(run, "fmd", "--cells", "--preload", "1 kN", "--friction", "x=3", "--band", "8", "16", *FAST)
     assert (found["route"], found["rig"]["linear"]) == ("exudyn", False)
     assert found["route_why"] == "chosen because --preload and --friction are not linear"
     assert found["exudyn"] == version("exudyn")
     assert found["runs"][0]["settings"]
+    (part,) = found["runs"][0]["loose_parts"]
+    assert (part["axis"], part["slip_force_N"], part["mass_kg"]) == ("x", 3.0, 2.0)
+    assert 0.1 < part["share_slipping"] < 1  # its 3 N are less than 2 kg times 2.5 m/s²
     assert found["about"] == "F"
 
 
@@ -211,10 +215,26 @@ def test_a_reader_is_told_what_was_driven_what_it_did_and_what_it_is_worth(run: 
         "times rigid",
         "chosen because everything in the rig is linear",
         "none lifts off",
+        "largest amplitude within the band",
+        "the largest on another axis, of the level driven:",
     ):
         assert words in out
     assert "massline: beta: The record ends at" in err
-    assert "are needed" in err
+    needed = re.search(r"CUT: 0.5 s of ([\d.]+) s needed", out)
+    typed = re.search(r'Write --ring-down "([\d.]+) s", or leave it out', " ".join(err.split()))
+    assert needed is not None
+    assert typed is not None
+    assert float(typed[1]) == pytest.approx(float(needed[1]), abs=0.11)  # both count from the end of the drive
+
+
+def test_a_tester_is_told_what_a_preload_is(run: Run) -> None:
+    out = run("excite", "fmd+cuboid", "--cells", "--preload", "1 kN", "--band", "8", "16", *FAST)[1]
+    assert "weight of the article included, which is not added to it" in " ".join(out.split())
+
+
+def test_the_level_of_a_burst_says_what_is_compared(run: Run) -> None:
+    out = run("excite", "disc", "--pattern", "burst", "--band", "8", "16", *FAST[2:], "--rate", "128")[1]
+    assert "root mean square over the whole swell, of the one asked for in its middle" in " ".join(out.split())
 
 
 def test_a_user_s_own_model_is_driven_too(run: Run, tmp_path: Path) -> None:
@@ -249,13 +269,15 @@ def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statical
         (["clumod-1", "--band", "32", "4"], "--band: a band goes from above 0 Hz up to a higher frequency, found 32 to 4 Hz"),
         (["clumod-1", "--band", "0", "4"], "found 0 to 4 Hz"),
         (["clumod-1", "--band", "4", "nan"], "--band"),
-        (["clumod-1", "--band", "4", "600"], "beyond the Nyquist frequency"),
-        (["clumod-1", "--rate", "64"], "beyond the Nyquist frequency"),
+        (["clumod-1", "--band", "4", "600"], "--band: it drives up to 635.7 Hz, beyond the Nyquist frequency"),
+        (["clumod-1", "--band", "4", "600"], "Record at --rate 1590 or more, or stop lower with --band"),
+        (["clumod-1", "--band", "4", "60000"], "a record of 1024 Hz has. Stop lower with --band"),
+        (["clumod-1", "--rate", "64"], "--rate: it drives up to 33.9 Hz, beyond the Nyquist frequency"),
         (["clumod-1", "--rate", "0"], "--rate"),
         (["clumod-1", "--rate", "1e9"], "--rate"),
         (["clumod-1", "--octaves-per-minute", "0"], "--octaves-per-minute: must lie between 0.01 and 1000, found 0"),
         (["clumod-1", "--octaves-per-minute", "0.1"], "a sweep of this band takes 1800 s"),
-        (["clumod-1", "--octaves-per-minute", "900"], "keep the level at 4 Hz"),
+        (["clumod-1", "--octaves-per-minute", "900"], "--octaves-per-minute: at most 137.6 oct/min keep the level at 4 Hz"),
         (["clumod-1", "--level", "0"], "--level"),
         (["clumod-1", "--level", "-1"], "--level"),
         (["clumod-1", "--cross", "0.5"], "--cross: must lie between 0 and 0.25, found 0.5"),
@@ -266,7 +288,8 @@ def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statical
         ),
         (["clumod-1", "--ring-down", "-5 s"], "--ring-down: must lie between 0 and 900 s, found -5 s"),
         (["clumod-1", "--duration", "5 s"], "only random and burst have one"),
-        (["clumod-1", "--pattern", "random", "--duration", "0.1 s"], "must be at least 9 cycles of 4 Hz"),
+        (["clumod-1", "--pattern", "random", "--duration", "0.1 s"], "--duration: must be at least 9 cycles of 4 Hz"),
+        (["clumod-1", "--pattern", "burst", "--duration", "0.1 s"], "Drive longer, or start higher with --band"),
         (["clumod-1", "--route", "exodyn"], "Did you mean exudyn?"),
         (["clumod-1", "--route", "linear", "--friction", "x=5"], "and --friction is not linear"),
         (["clumod-1", "--route", "large", "--flange", "rotation=1e-6"], "without --flange"),
@@ -274,7 +297,14 @@ def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statical
         (["clumod-1", "--route", "large", "--damping", "0.01"], "without --damping"),
         (["mine.step", "--route", "large"], "made of the dimensions of built-in articles"),
         (["clumod-1", "--modes", "0"], "--modes: must lie between 1 and 500, found 0"),
-        (["cuboid", "--modes", "30", *FAST], "the highest kept mode"),
+        (["cuboid", "--modes", "3", *FAST], "--modes: the step follows modes up to 1024 Hz, 2 of those, found 3 up to 1332 Hz"),
+        (["cuboid", "--modes", "3", *FAST], "Write --modes 2, or leave it out: the others then answer statically, or record at"),
+        (["cuboid", "--modes", "30", "--route", "exudyn", *FAST], "--modes: the step follows modes up to 1024 Hz, 2 of those"),
+        (["clumod-1", "--flange", "rotation=1e-12", "--route", "exudyn", *FAST], "--flange: it makes exudyn's steps too short"),
+        (
+            ["clumod-1", "--flange", "rotation=1e-12", "--route", "exudyn", *FAST],
+            "Make it softer, leave it out, or take --route linear",
+        ),
         (["clumod-1", "--damping", "0", *FAST[:2]], "--ring-down: a driven mode has no damping"),
         (["clumod-1", "--cells"], "only the FMD has load cells, found clumod-1"),
         (["clumod-1", "--preload", "2 kN"], "Add --cells"),

@@ -10,7 +10,7 @@ from fem.flexible_body.running import exudyn_version
 from geometry.dynamic_mass import MOTIONS
 from validation.excitation import words
 from validation.excitation.asked import LINEAR
-from validation.excitation.figures import CellLoad, Level, Outcome
+from validation.excitation.figures import CellLoad, Level, LoosePart, Outcome
 from validation.excitation.passage import Passed
 from validation.excitation.runs import Ready
 from validation.excitation.signals import LOAD_UNITS, LOADS
@@ -46,6 +46,7 @@ def of(made: Ready, outcomes: Sequence[Outcome], files: Sequence[Sequence[Path]]
             "mass_kg": float(made.modes.rigid_mass[0, 0]),
             "modes_kept": len(rig.article.kept),
             "frequency_hz": made.modes.frequency.tolist(),
+            "resonance": list(made.modes.resonance),
             "damping_ratio": made.modes.damping_ratio.tolist(),
         },
         "runs": [_run(one, paths) for one, paths in zip(outcomes, files, strict=True)],
@@ -59,6 +60,7 @@ def _run(one: Outcome, files: Sequence[Path]) -> dict[str, Any]:
         "duration_s": one.duration,
         "driven_s": one.driven,
         "level": [_level(level) for level in one.levels],
+        "cross": one.cross,
         "small_motion": {
             "angle_rad": one.small.angle,
             "rate_rad_s": one.small.rate,
@@ -76,6 +78,7 @@ def _run(one: Outcome, files: Sequence[Path]) -> dict[str, Any]:
             "sufficient": one.ring_down.sufficient,
         },
         "cells": [_cell(number, cell) for number, cell in enumerate(one.cells, start=1)],
+        "loose_parts": [_loose(part) for part in one.loose],
         "step_s": one.step,
         "settings": dict(one.settings),
         "warnings": list(one.warnings),
@@ -114,4 +117,13 @@ def _cell(number: int, cell: CellLoad) -> dict[str, Any]:
         "lateral_N": cell.lateral,
         "preload_N": cell.preload,
         "share_lifted": cell.share_lifted,
+    }
+
+
+def _loose(part: LoosePart) -> dict[str, Any]:
+    return {
+        "axis": part.axis,
+        "mass_kg": part.mass,
+        "slip_force_N": part.slip_force,
+        "share_slipping": part.share_slipping,
     }

@@ -16,6 +16,9 @@ from validation.flexible.model import Asked
 SWEEP, RANDOM, BURST, MULTI = PATTERNS = ("sweep", "random", "burst", "multi")
 LINEAR, EXUDYN, LARGE = ROUTES = ("linear", "exudyn", "large")
 
+BAND = (4.0, 32.0)
+"""[Hz] where nothing else is said: that of the paper."""
+
 HIGHEST_RATE = 65536.0
 """[Hz] of the output: mechanics that a shaker drives lies far below."""
 

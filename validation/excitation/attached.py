@@ -87,7 +87,8 @@ def attached(
 
     Raises
     ------
-    BadInput : a text that cannot be read, a value that is not positive or out of all proportion (`Sane`), something said twice, a preload without cells.
+    BadInput : a text that cannot be read, a value that is not positive or out of all proportion (`Sane`), something said twice, a
+        preload without cells.
     """
     loads = _preloads(preload)
     if loads and not cells:

@@ -26,12 +26,14 @@ class RigModes:
     damping_ratio : (k,) [1]
     participation : (6, k) about F, of mass-normalised modes
     rigid_mass : (6, 6) of all that the table carries, about F
+    resonance : (k,) whether it is one; the others carry what the modes left out answer statically
     """
 
     frequency: Array
     damping_ratio: Array
     participation: Array
     rigid_mass: Array
+    resonance: tuple[bool, ...]
 
     def __post_init__(self) -> None:
         k = np.size(self.frequency)
@@ -61,7 +63,15 @@ def rig_modes(rig: Rig) -> RigModes:
         damping_ratio=viscous / (2 * omega),
         participation=made.mass[table, rest] @ Phi,
         rigid_mass=made.mass[table, table] + _loose(rig),
+        resonance=tuple((_carried(rig, made.stiffness[rest, rest], Phi) < omega**2 / 2).tolist()),
     )
+
+
+def _carried(rig: Rig, stiffness: Array, shapes: Array) -> Array:
+    """(k,) twice the strain energy of mass-normalised `shapes` (n, k) in the coordinates beside the article's kept modes."""
+    beside = len(rig.article.reduced.mass) - TABLE - len(rig.article.kept)
+    own = slice(len(stiffness) - beside, None)
+    return np.asarray(np.einsum("ir,ij,jr->r", shapes[own], stiffness[own, own], shapes[own]))
 
 
 def _none() -> tuple[Array, Array]:

@@ -13,8 +13,9 @@ from fem.base_excitation.response import Response
 from geometry.errors import BadInput
 from validation.excitation.asked import EXUDYN, LARGE, LINEAR, LONGEST, Question
 from validation.excitation.drives import Run, cross_motion, runs
-from validation.excitation.figures import Outcome, cell_loads, outcome
+from validation.excitation.figures import Outcome, cell_loads, loose_parts, outcome
 from validation.excitation.passage import Amplitudes, amplitudes, passed
+from validation.excitation.refusals import of_pattern, of_record, of_route
 from validation.excitation.rig import Mounted, mounted, require_mountable
 from validation.excitation.rig_modes import RigModes, rig_modes
 from validation.progress import percent, shown
@@ -86,16 +87,13 @@ def ready(question: Question, *, quiet: bool = False) -> Ready:
     ------
     BadInput : something in `question` cannot be.
     """
-    from fem.base_excitation.decimation import require_recorded
-
     model = _model(question)
     route = _route(question)
     require_mountable(question.article, model, question.asked, question.attached)
-    to_make = runs(question.drive)
-    for run in to_make:
-        require_recorded(run.pattern.highest, question.rate, "--rate")
+    to_make = _to_make(question)
+    highest = np.inf if question.every_mode else _followed(question)
     with shown(f"model of {question.article}", quiet=quiet):
-        made = mounted(question.article, model, question.asked, question.attached, _highest(question))
+        made = mounted(question.article, model, question.asked, question.attached, highest)
         return Ready(question=question, mounted=made, modes=rig_modes(made.rig), route=route, runs=to_make)
 
 
@@ -110,16 +108,35 @@ def done(made: Ready, *, keep_coordinates: bool = False, quiet: bool = False) ->
     for number, run in enumerate(made.runs, start=1):
         words = f"{run.name}, {made.route.name} ({number} of {len(made.runs)})"
         with percent(words, quiet=quiet) as progress:
-            one = _done(made, run, cross, progress, keep_coordinates)
+            try:
+                one = _done(made, run, cross, progress, keep_coordinates)
+            except BadInput as error:
+                raise of_route(error, made.question, made.mounted, _followed(made.question)) from None
         yield one  # outside: the caller may show what it is doing with it
 
 
-def _highest(question: Question) -> float:
-    """[Hz] of the modes that the step can follow, unless it was said how many are to be kept."""
+def _to_make(question: Question) -> tuple[Run, ...]:
+    """The runs, which a record at the output's rate can hold."""
+    from fem.base_excitation.decimation import require_recorded
+
+    try:
+        found = runs(question.drive)
+    except BadInput as error:
+        raise of_pattern(error) from None
+    for run in found:
+        try:
+            require_recorded(run.pattern.highest, question.rate, "--rate")
+        except BadInput as error:
+            raise of_record(error, run.pattern, question) from None
+    return found
+
+
+def _followed(question: Question) -> float:
+    """[Hz] of the modes that the step can follow."""
     from fem.base_excitation.decimation import simulation_rate
     from fem.base_excitation.linear import COARSEST
 
-    return np.inf if question.every_mode else simulation_rate(question.rate) / COARSEST
+    return simulation_rate(question.rate) / COARSEST
 
 
 def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
@@ -148,15 +165,23 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
             needed=max(length - motion.driven, 0.0),
             step=1 / motion.sampling_rate,
             cells=cell_loads(simulated, rig.cells),
-            warnings=_warnings(response, ring_down.judged(length, motion)),
+            loose=loose_parts(simulated, rig.frictions),
+            warnings=_warnings(response, _cut(ring_down.judged(length, motion), length - motion.driven)),
         ),
     )
 
 
 def _warnings(response: Response, cut: str) -> tuple[str, ...]:
-    """What the route warned of, and that the record is `cut`, where it has not said so itself."""
-    said = any(warning.startswith(CUT) for warning in response.warnings)
-    return (*response.warnings, *([cut] if cut and not said else []))
+    """What the route warned of, and that the record is `cut`, in the words of the command line."""
+    others = (warning for warning in response.warnings if not warning.startswith(CUT))
+    return (*others, *([cut] if cut else []))
+
+
+def _cut(said: str, needed: float) -> str:
+    """The sentence `said` of a record that is cut, and what to type where `needed` [s] after the drive can be recorded."""
+    if not said or not needed <= LONGEST:
+        return said
+    return f'{said}. Write --ring-down "{np.ceil(10 * needed) / 10:g} s", or leave it out'
 
 
 def _rest(made: Ready, needed: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from fem.flexible_body.running import exudyn_version
 from validation.excitation import words
-from validation.excitation.asked import LARGE, LINEAR
+from validation.excitation.asked import BURST, LARGE, LINEAR, MULTI, RANDOM, SWEEP
 from validation.excitation.figures import Outcome, RingDown
 from validation.excitation.runs import Ready, as_one_body
 from validation.excitation.signals import LOAD_UNITS, LOADS
@@ -14,6 +14,14 @@ from validation.rows import NONE
 from validation.tables.grid import Grid, aligned
 
 UNITS = ("m/s²",) * 3 + ("rad/s²",) * 3
+
+LEVEL = {
+    SWEEP: "largest amplitude within the band",
+    MULTI: "largest amplitude within the band, with what the other axes add",
+    RANDOM: "root mean square over the whole drive, of the one asked for at full strength, between soft start and stop",
+    BURST: "root mean square over the whole swell, of the one asked for in its middle",
+}
+"""What is compared with what was asked for, by pattern."""
 
 
 def page_of(made: Ready, outcomes: Sequence[Outcome]) -> str:
@@ -25,7 +33,9 @@ def page_of(made: Ready, outcomes: Sequence[Outcome]) -> str:
 
 def grids(outcomes: Sequence[Outcome]) -> tuple[Grid, ...]:
     """The tables, from runs to cells; one without a line is left out."""
-    return tuple(grid for grid in (runs(outcomes), loads(outcomes), resonances(outcomes), cells(outcomes)) if grid.lines)
+    return tuple(
+        grid for grid in (runs(outcomes), loads(outcomes), resonances(outcomes), cells(outcomes), loose(outcomes)) if grid.lines
+    )
 
 
 def runs(outcomes: Sequence[Outcome]) -> Grid:
@@ -84,13 +94,23 @@ def cells(outcomes: Sequence[Outcome]) -> Grid:
             f"{cell.highest:.1f}",
             f"{cell.lateral:.1f}",
             NONE if cell.preload is None else f"{cell.preload:g}",
-            NONE if cell.preload is None else _lifted(cell.share_lifted),
+            NONE if cell.preload is None else _share(cell.share_lifted),
         )
         for one in outcomes
         for number, cell in enumerate(one.cells, start=1)
     ]
     header = ("run", "cell", "z from [N]", "to [N]", "lateral up to [N]", "preload [N]", "lifts off")
     return Grid(header=header, lines=tuple(lines))
+
+
+def loose(outcomes: Sequence[Outcome]) -> Grid:
+    """How long every loose part slips."""
+    lines = [
+        (one.name, part.axis, f"{part.mass:g}", f"{part.slip_force:g}", _share(part.share_slipping))
+        for one in outcomes
+        for part in one.loose
+    ]
+    return Grid(header=("run", "loose along", "mass [kg]", "friction [N]", "slips"), lines=tuple(lines))
 
 
 def notes(made: Ready, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
@@ -100,7 +120,7 @@ def notes(made: Ready, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         *labels,
         *words.rig(made.mounted, made.modes),
         *_how(made, outcomes),
-        *_explained(outcomes),
+        *_explained(made.question.drive.pattern, outcomes),
     )
 
 
@@ -116,16 +136,25 @@ def _how(made: Ready, outcomes: Sequence[Outcome]) -> Iterator[str]:
         "behind one anti-alias filter."
     )
     if question.drive.cross:
-        yield f"Cross motion of the table: {100 * question.drive.cross:g} % on average, seed {question.drive.seed}."
+        drawn = f"Cross motion of the table: {100 * question.drive.cross:g} % on average, seed {question.drive.seed}"
+        largest = ", ".join(f"{100 * one.cross:.2g} % in {one.name}" for one in outcomes if one.cross)
+        yield f"{drawn}; the largest on another axis, of the level driven: {largest}." if largest else f"{drawn}."
 
 
-def _explained(outcomes: Sequence[Outcome]) -> Iterator[str]:
+def _explained(pattern: str, outcomes: Sequence[Outcome]) -> Iterator[str]:
     yield (
-        "Level: amplitude of a sine, root mean square of noise. Turns: largest rotation of the table and its rate; left out is "
-        "what linear equations neglect of the load for that, and their limit."
+        f"Level: {LEVEL[pattern]}. Turns: largest rotation of the table and its rate; left out is what linear equations neglect "
+        "of the load for that, and their limit."
     )
     if any(one.cells for one in outcomes):
         yield "Cells: change of force, as simulated; behind the anti-alias filter what is too fast for the record is rounded off."
+    if any(cell.preload is not None for one in outcomes for cell in one.cells):
+        yield (
+            "Preload: the whole force that presses a cell together, weight of the article included, which is not added to it. "
+            "While open a cell pulls on with it, and keeps its shear."
+        )
+    if any(one.loose for one in outcomes):
+        yield "Slips: share of the record, ring-down included, in which the friction of a loose part is at its limit."
     if any(one.passed for one in outcomes):
         yield (
             "Times rigid: the largest load near a resonance over M a at that moment; a fast sweep reaches it after passing, and "
@@ -139,7 +168,7 @@ def _ring_down(found: RingDown) -> str:
     return f"CUT: {found.kept:.1f} s of {found.needed:.1f} s needed"
 
 
-def _lifted(share: float) -> str:
+def _share(share: float) -> str:
     return f"{100 * share:.2g} % of the time" if share else "never"
 
 

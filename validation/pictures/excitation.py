@@ -43,6 +43,9 @@ HEIGHT = 2.75
 DECADES = 4
 """Most decades of an amplitude that are shown."""
 
+FEW = 100.0
+"""From the lowest to the highest amplitude of a panel: below it, twos and fives have their figures too, or there would be one."""
+
 DEEP = 60.0
 """Decibels from the darkest to the white of a spectrogram."""
 
@@ -230,7 +233,7 @@ def _few_decades(axes: Axes, amplitude: Array) -> None:
     top = float(amplitude.max())
     if top <= 0:
         return
-    from matplotlib.ticker import NullFormatter
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     axes.set_yscale("log")
     axes.yaxis.set_minor_formatter(NullFormatter())
@@ -240,6 +243,10 @@ def _few_decades(axes: Axes, amplitude: Array) -> None:
         middle = np.sqrt(low * high)
         low, high = middle / 10**0.5, middle * 10**0.5
     axes.set_ylim(low, high)
+    if high < FEW * low:
+        axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+        for formatted in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
+            formatted(StrMethodFormatter("{x:g}"))
 
 
 def _pieces(time: Array, signals: Sequence[Array], most: int) -> tuple[Array, Array, Array]:

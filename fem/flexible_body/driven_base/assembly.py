@@ -9,7 +9,7 @@ from fem.base_excitation.rig import Rig
 from fem.flexible_body.driven_base import bodies, drive
 from fem.flexible_body.driven_base.cells import cell
 from fem.flexible_body.driven_base.flange import hold, join
-from fem.flexible_body.driven_base.friction import lay
+from fem.flexible_body.driven_base.friction import Bristles, lay
 from fem.flexible_body.driven_base.scene import Number, Scene, empty, watch_node
 from fem.flexible_body.driven_base.struts import attach
 
@@ -25,6 +25,7 @@ class Assembled:
     table, cover, loads, cells : sensors of accelerations, constraint forces, cell forces
     article : sensors of its accelerations, when it has places
     coordinates : sensors of the article's coordinates, when they are to be kept
+    bristles : of every loose part
     """
 
     scene: Scene
@@ -35,6 +36,7 @@ class Assembled:
     cells: tuple[Number, ...]
     article: tuple[Number, ...]
     coordinates: tuple[Number, ...]
+    bristles: tuple[Bristles, ...]
 
 
 def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) -> Assembled:
@@ -55,8 +57,7 @@ def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) 
     join(scene, cover, rig.seat, article, rig.flange)
     for strut in rig.struts:
         attach(scene, strut, rig.article, article, rig.seat, table)
-    for friction in rig.frictions:
-        lay(scene, friction, article, rig.seat)
+    bristles = tuple(lay(scene, friction, article, rig.seat) for friction in rig.frictions)
     result = Assembled(
         scene=scene,
         axes=axes,
@@ -66,6 +67,7 @@ def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) 
         cells=cells,
         article=tuple(watch_node(scene, node, "Coordinates_tt") for node in article.nodes if rig.article.places),
         coordinates=tuple(watch_node(scene, node, "Coordinates") for node in article.nodes if keep_coordinates),
+        bristles=bristles,
     )
     scene.system.Assemble()
     return result

@@ -32,7 +32,11 @@ STICKING_RATIO = 0.3
 """Damping ratio of that swing."""
 
 
-def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> None:
+AT_LIMIT = 1 - 1e-9
+"""Share of the slip force from which a part counts as slipping."""
+
+
+def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> Bristles:
     """Put the loose part of `friction` on the base of `article`, which stands at `seat` (3,) [m]."""
     items, system = scene.items, scene.system
     part = node(scene, "loose part", items.NodePoint(referenceCoordinates=seat.tolist()))
@@ -44,21 +48,31 @@ def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> None
     spring = items.ObjectConnectorCoordinateSpringDamper
     connector = system.AddObject(spring(markerNumbers=_ends(scene, article, part, loose), stiffness=k, damping=d))
     _slipping(scene, connector, friction.slip_force)
-    scene.before_step.append(Bristles(scene, connector, k, d))
+    laid = Bristles(scene, connector, k, d, friction.slip_force)
+    scene.before_step.append(laid)
+    return laid
 
 
 class Bristles:
-    """Where the bristles of a loose part stand, before every step."""
+    """Where the bristles of a loose part stand, before every step; they know how often they slipped."""
 
-    def __init__(self, scene: Scene, connector: Any, stiffness: float, damping: float) -> None:
+    def __init__(self, scene: Scene, connector: Any, stiffness: float, damping: float, slip_force: float) -> None:
         kinds = scene.exudyn.OutputVariableType
         self.connector, self.stiffness, self.damping = connector, stiffness, damping
+        self.slip_force, self.slipped, self.steps = slip_force, 0, 0
         self.outputs = (kinds.Displacement, kinds.Velocity, kinds.Force)
 
     def __call__(self, system: Any) -> None:
         """Let them stand where the force at the end of the last step leaves them."""
         moved, speed, force = (system.GetObjectOutput(self.connector, kind) for kind in self.outputs)
         system.SetObjectParameter(self.connector, "offset", moved - (force - self.damping * speed) / self.stiffness)
+        self.steps += 1
+        self.slipped += abs(force) >= AT_LIMIT * self.slip_force
+
+    @property
+    def share_slipping(self) -> float:
+        """[1] of the steps so far."""
+        return self.slipped / max(self.steps, 1)
 
 
 def _slipping(scene: Scene, connector: Any, slip_force: float) -> None:

@@ -75,6 +75,7 @@ def _response(built: Assembled, rig: Rig, motion: BaseMotion, settings: dict[str
         cells=read(built.cells).reshape(n, -1, 3),
         places={name: acceleration @ shape.T for name, shape in rig.article.places.items()},
         coordinates=read(built.coordinates),
+        slipping=tuple(bristles.share_slipping for bristles in built.bristles),
         reference_point=motion.reference_point,
         settings=settings,
         warnings=(warning,) if warning else (),

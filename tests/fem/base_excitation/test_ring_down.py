@@ -55,7 +55,7 @@ def test_a_cut_record_is_warned_of_with_the_length_that_a_whole_one_would_ask_fo
     assert linear.respond(rig, cut(whole, needed)).warnings == ()
     short = cut(whole, needed - 0.5)
     (warning,) = linear.respond(rig, short).warnings
-    assert f"while the article still rings: {needed:.4g} s are needed" in warning
+    assert f"while the article still rings: after the drive {needed - short.driven:.4g} s are needed" in warning
     assert ring_down.warning(rig, short) == warning
 
 

@@ -49,6 +49,16 @@ def test_below_the_level_at_which_it_slips_it_is_an_added_mass(
     assert_allclose(load[:, 0], stuck, atol=2 * (FREQUENCY / STICKING) ** 2 * MASS * LEVEL)
 
 
+@pytest.mark.parametrize("share", [0.1, 1.02])
+def test_how_long_it_slips_is_told(share: float, block: Body, shake: Callable[..., BaseMotion]) -> None:
+    """From when the table's sine has swollen to F / m, 1 - exp(-(3 t)^4) = F / (m a) after a record of 1 s; never when it does not."""
+    motion = shake([LEVEL, 0, 0, 0, 0, 0], frequency=FREQUENCY, seconds=1.0, rate=8192.0)
+    friction = Friction(axis="x", slip_force=share * MASS * LEVEL, mass=MASS)
+    (found,) = respond(Rig(article=block, frictions=(friction,)), motion).slipping
+    expected = 1 - (-np.log(1 - share)) ** 0.25 / 3 if share < 1 else 0.0
+    assert found == pytest.approx(expected, abs=0.02)  # a fifth of a cycle: it comes to rest and turns twice in each
+
+
 @pytest.mark.parametrize(("axis", "driven"), [("x", "y"), ("x", "z"), ("y", "x")])
 def test_across_its_axis_it_is_an_added_mass_at_any_level(
     axis: Literal["x", "y"], driven: str, loose: Callable[..., tuple[BaseMotion, Array]]
