@@ -28,6 +28,8 @@ from validation.flexible.drawing import Moved
 from validation.flexible.model import Asked, Flexible
 from validation.flexible.motion import node_displacement
 from validation.pictures.bodies import DrawnBody
+from validation.pictures.curves import new_figure
+from validation.pictures.excitation import _few_decades
 
 RATE = 512.0
 MASS = 12.0
@@ -259,6 +261,19 @@ def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         burst = ("--pattern", "burst", "--duration", "2 s", "--ring-down", "1 s", "--rate", "256")
         assert cli.run(["excite", "clumod-1", *burst, "--plot"]) == cli.DONE
         yield folder / "out"
+
+
+@pytest.mark.parametrize(("low", "high"), [(30.0, 500.0), (80.0, 900.0), (110.0, 130.0), (2.0, 190.0), (1.1, 700.0)])
+def test_an_axis_of_few_decades_has_at_least_three_figures(low: float, high: float) -> None:
+    figure = new_figure(4.0, 3.0)
+    axes = figure.add_subplot()
+    axes.plot([0.0, 1.0], [low, high])
+    _few_decades(axes, np.array([low, high]))
+    figure.canvas.draw()
+    bottom, top = axes.get_ylim()
+    ticks = axes.yaxis.get_major_ticks() + axes.yaxis.get_minor_ticks()
+    shown = [tick.label1.get_text() for tick in ticks if bottom <= tick.get_loc() <= top and tick.label1.get_text()]
+    assert len(shown) >= 3
 
 
 @pytest.mark.parametrize("name", ["excite-fmd+clumod-1-linear-beta.png", "excite-clumod-1-linear-x.png"])

@@ -43,8 +43,8 @@ HEIGHT = 2.75
 DECADES = 4
 """Most decades of an amplitude that are shown."""
 
-FEW = 100.0
-"""From the lowest to the highest amplitude of a panel: below it, twos and fives have their figures too, or there would be one."""
+FEW = 1000.0
+"""From the lowest to the highest amplitude of a panel: below it, twos and fives have their figures too, or there could be one or two."""
 
 DEEP = 60.0
 """Decibels from the darkest to the white of a spectrogram."""

@@ -51,7 +51,7 @@ def test_below_the_level_at_which_it_slips_it_is_an_added_mass(
 
 @pytest.mark.parametrize("share", [0.1, 1.02])
 def test_how_long_it_slips_is_told(share: float, block: Body, shake: Callable[..., BaseMotion]) -> None:
-    """From when the table's sine has swollen to F / m, 1 - exp(-(3 t)^4) = F / (m a) after a record of 1 s; never when it does not."""
+    """From when the table's sine has swollen to F / m, 1 - exp(-(3 t)^4) = F / (m a) in a record of 1 s; else never."""
     motion = shake([LEVEL, 0, 0, 0, 0, 0], frequency=FREQUENCY, seconds=1.0, rate=8192.0)
     friction = Friction(axis="x", slip_force=share * MASS * LEVEL, mass=MASS)
     (found,) = respond(Rig(article=block, frictions=(friction,)), motion).slipping
