@@ -44,7 +44,7 @@ DECADES = 4
 """Most decades of an amplitude that are shown."""
 
 FEW = 1000.0
-"""From the lowest to the highest amplitude of a panel: below it, twos and fives have their figures too, or there could be one or two."""
+"""From the lowest to the highest amplitude of a panel: below it, twos and fives have their figures too, or there could be two."""
 
 DEEP = 60.0
 """Decibels from the darkest to the white of a spectrogram."""
@@ -247,6 +247,7 @@ def _few_decades(axes: Axes, amplitude: Array) -> None:
         axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
         for formatted in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
             formatted(StrMethodFormatter("{x:g}"))
+        axes.tick_params(axis="y", which="minor", labelsize=8.5, labelcolor=INK)
 
 
 def _pieces(time: Array, signals: Sequence[Array], most: int) -> tuple[Array, Array, Array]:
