@@ -323,6 +323,10 @@ def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statical
         (["clumod-1", "--cable", "mast-top=1e30"], "--cable: mast-top must lie between 0.001 and 1e+09 N/m, found 1e30"),
         (["clumod-1", "--damper", "mast-top=1e30"], "--damper: mast-top must lie between 0.001 and 1e+07 N s/m, found 1e30"),
         (["clumod-1", "--friction", "x=5,mass:1e6"], "--friction: mass must lie between 0.001 and 1000 kg, found 1e6"),
+        (
+            ["clumod-1", "--friction", "x=5,mass:900", *FAST],
+            "--friction: it may be up to 329.5 kg, 10 times the article, found 900 kg",
+        ),
         (["clumod-1", "--friction", "x=1e9"], "--friction: x must lie between 0.001 and 1e+06 N, found 1e9"),
         (["clumod-1", "--friction", "x=5,mas:2"], "Did you mean mass?"),
         (["clumod-1", "--friction", "x=5", "--friction", "x=6"], "x is given twice"),

@@ -26,6 +26,9 @@ OF_PATTERN = {
 }
 """Option and advice by the field of a pattern; no advice where the pattern's own can be followed."""
 
+OF_RIG = {"flange": "--flange", "struts.stiffness": "--cable", "struts.damping": "--damper", "frictions": "--friction"}
+"""Option by how the field of a rig begins."""
+
 SOFTER = 0.9
 """Share of the rig's highest frequency below which it falls without the attachment that is to blame for it."""
 
@@ -34,6 +37,12 @@ def of_pattern(error: BadInput) -> BadInput:
     """`error` of a pattern that could not be made."""
     option, remedy = OF_PATTERN.get(error.field.partition(".")[0], ("--pattern", ""))
     return BadInput(source=option, problem=error.problem, remedy=remedy or error.remedy)
+
+
+def of_rig(error: BadInput) -> BadInput:
+    """`error` of a rig that cannot be built; others pass unchanged."""
+    option = next((option for field, option in OF_RIG.items() if error.source == "rig" and error.field.startswith(field)), "")
+    return BadInput(source=option, problem=error.problem, remedy=error.remedy) if option else error
 
 
 def of_record(error: BadInput, pattern: Pattern, question: Question) -> BadInput:
@@ -65,7 +74,7 @@ def of_route(error: BadInput, question: Question, mounted: Mounted, followed: fl
         case "":
             remedy = "Record at a lower --rate, or make the run shorter"
             return BadInput(source="--rate", problem=error.problem, remedy=remedy)
-    return error
+    return of_rig(error)
 
 
 def _modes(question: Question, mounted: Mounted, followed: float) -> BadInput:

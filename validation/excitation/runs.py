@@ -15,7 +15,7 @@ from validation.excitation.asked import EXUDYN, LARGE, LINEAR, LONGEST, Question
 from validation.excitation.drives import Run, cross_motion, runs
 from validation.excitation.figures import Outcome, cell_loads, loose_parts, outcome
 from validation.excitation.passage import Amplitudes, amplitudes, passed
-from validation.excitation.refusals import of_pattern, of_record, of_route
+from validation.excitation.refusals import of_pattern, of_record, of_rig, of_route
 from validation.excitation.rig import Mounted, mounted, require_mountable
 from validation.excitation.rig_modes import RigModes, rig_modes
 from validation.progress import percent, shown
@@ -94,7 +94,11 @@ def ready(question: Question, *, quiet: bool = False) -> Ready:
     highest = np.inf if question.every_mode else _followed(question)
     with shown(f"model of {question.article}", quiet=quiet):
         made = mounted(question.article, model, question.asked, question.attached, highest)
-        return Ready(question=question, mounted=made, modes=rig_modes(made.rig), route=route, runs=to_make)
+        try:
+            modes = rig_modes(made.rig)
+        except BadInput as error:
+            raise of_rig(error) from None
+        return Ready(question=question, mounted=made, modes=modes, route=route, runs=to_make)
 
 
 def done(made: Ready, *, keep_coordinates: bool = False, quiet: bool = False) -> Iterator[Done]:
