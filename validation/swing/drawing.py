@@ -65,6 +65,28 @@ def drawn(found: Simulated, asked: Asked) -> DrawnSwing:
     )
 
 
+def in_the_way(found: Simulated, asked: Asked) -> str:
+    """A sentence where the article above the ropes' feet reaches out further than the nearest rope; empty where none is in the way.
+
+    Raises
+    ------
+    BadInput : the article has no surface that can be drawn.
+    """
+    setup = found.record.setup
+    _, bodies, inertia, _ = drawing(setup.article, asked)
+    hanging = turned(setup.axis, setup.along)
+    points = np.concatenate([_hung(body, hanging, inertia.cog).vertices for body in bodies])
+    near = float(np.linalg.norm(setup.suspension.feet[:, :2], axis=1).min())
+    beyond = points[np.linalg.norm(points[:, :2], axis=1) > near, 2]
+    top = float(beyond.max(initial=-np.inf))
+    if top <= setup.height:
+        return ""
+    return (
+        f"{setup.article} reaches beyond the ropes up to {1000 * top:.0f} mm above its CoG, their feet are {1000 * setup.height:.0f} mm "
+        f'above it: ropes may pass through it, which changes no figure. With --height "{10 * np.ceil(100 * top):.0f} mm" they do not.'
+    )
+
+
 def _hung(body: DrawnBody, hanging: Array, cog: Array) -> DrawnBody:
     return replace(body, vertices=(body.vertices - cog) @ hanging.T)
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.flexible_body.rope_pendulum.suspension import Suspension, refused, require_positive
+from fem.flexible_body.rope_pendulum.suspension import MOST_STRAIN, Suspension, refused, require_positive
 from geometry.arrays import Array
 from geometry.consistency import require_physical
 from geometry.errors import CheckFailed
@@ -107,12 +107,15 @@ def ropework(inertia: Inertia, suspension: Suspension, gravity: float) -> Ropewo
 
     Raises
     ------
-    BadInput : no body has this inertia, gravity is not positive, a rope would have to push, or the body would tip over.
+    BadInput : no body has this inertia, gravity is not positive, a rope would have to push or stretch beyond `MOST_STRAIN`, ropes
+        are heavier than the body, or the body would tip over.
     """
     require_positive("mass", inertia.mass, "kg")
     require_positive("gravity", gravity, "m/s²")
     article = require_physical(inertia, "inertia")
     _require_pull(suspension, article.mass * gravity)
+    _require_light(suspension, article.mass)
+    _require_stiff(suspension, article.mass * gravity, suspension.rope_mass * gravity)
     lump = suspension.rope_mass / suspension.ropes / suspension.links
     body = article
     for foot in suspension.feet:
@@ -232,6 +235,22 @@ def _require_pull(suspension: Suspension, weight: float) -> None:
         raise refused("height", problem, "Tie them above the CoG")
 
 
+def _require_light(suspension: Suspension, mass: float) -> None:
+    if suspension.rope_mass > mass:
+        problem = f"ropes of {suspension.rope_mass:.4g} kg are heavier than the body of {mass:.4g} kg: they swing it, not it them"
+        raise refused("rope_mass", problem, f"Give {np.floor(1000 * mass) / 1000:g} kg or less for all ropes together")
+
+
+def _require_stiff(suspension: Suspension, weight: float, ropes: float) -> None:
+    if suspension.stiffness is None:
+        return
+    load = float(_shares(suspension.feet).max()) * weight + ropes / suspension.ropes
+    strain = load / suspension.stiffness
+    if strain > MOST_STRAIN:
+        problem = f"a rope would stretch by {100 * strain:.3g} % under {load:.4g} N, more than {100 * MOST_STRAIN:g} %"
+        raise refused("stiffness", problem, f"Use an EA of {load / MOST_STRAIN:.3g} N or more")
+
+
 def _turned_on(work: Ropework, pose: Pose, angle: float) -> Pose:
     """`pose` turned on about the vertical by `angle`, every joint taken along in proportion to its depth."""
     c, s = np.cos(angle), np.sin(angle)
@@ -253,7 +272,7 @@ def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
         left_over = np.concatenate([G.T @ T + weight[free], _stretched_too_far(work, pose)])
         size = np.concatenate([np.full(len(free), work.body.mass * work.gravity), np.repeat(work.link_lengths, work.links)])
         if np.abs(left_over / size).max() < SMALL:
-            return _require_taut(pose)
+            return _require_taut(work, pose)
         try:
             step = np.linalg.solve(np.block([[H, G.T], [G, -np.diag(np.repeat(work.compliance, work.links))]]), -left_over)
         except np.linalg.LinAlgError:
@@ -265,11 +284,12 @@ def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
     raise CheckFailed("the rope pendulum has no equilibrium there: statics did not converge", place=pose.place.tolist())
 
 
-def _require_taut(pose: Pose) -> Pose:
+def _require_taut(work: Ropework, pose: Pose) -> Pose:
     if pose.tension.min() <= 0:
         i = int(pose.tension.min(axis=1).argmin())
         problem = f"rope {i + 1} would have to push with {-pose.tension[i].min():.4g} N at rest"
-        raise refused("ropes", problem, "Make the ropes more equal, softer, or set them further from each other")
+        name = "extra" if np.ptp(work.link_lengths) else "off_centre"
+        raise refused(name, problem, "Make the ropes more equal, softer, or set them further from each other")
     return pose
 
 
