@@ -117,7 +117,7 @@ def _draw(found: Simulated, asked: Any, folder: Path, *, animate: bool, quiet: b
 
     with shown("pictures of the swing", quiet=quiet):
         written = draw(found, asked, folder, animate=animate)
-        said = in_the_way(found, asked)
+        said = in_the_way(found.record.setup, asked)
     for path in written:
         click.echo(f"massline: wrote {path}.", err=True)
     if said:

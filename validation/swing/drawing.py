@@ -15,6 +15,7 @@ from validation.pictures.bodies import DrawnBody
 from validation.pictures.pendulum_scene import Instant
 from validation.pictures.pendulum_sheet import DrawnSwing, pendulum_animation, pendulum_picture
 from validation.swing.record import Record
+from validation.swing.setup import Setup
 from validation.swing.shifts import Simulated
 
 FRAMES_A_SECOND = 12
@@ -65,14 +66,13 @@ def drawn(found: Simulated, asked: Asked) -> DrawnSwing:
     )
 
 
-def in_the_way(found: Simulated, asked: Asked) -> str:
-    """A sentence where the article above the ropes' feet reaches out further than the nearest rope; empty where none is in the way.
+def in_the_way(setup: Setup, asked: Asked) -> str:
+    """A sentence where the article reaches out beyond the nearest rope above the ropes' feet; empty where nothing is in the way.
 
     Raises
     ------
     BadInput : the article has no surface that can be drawn.
     """
-    setup = found.record.setup
     _, bodies, inertia, _ = drawing(setup.article, asked)
     hanging = turned(setup.axis, setup.along)
     points = np.concatenate([_hung(body, hanging, inertia.cog).vertices for body in bodies])
@@ -82,8 +82,9 @@ def in_the_way(found: Simulated, asked: Asked) -> str:
     if top <= setup.height:
         return ""
     return (
-        f"{setup.article} reaches beyond the ropes up to {1000 * top:.0f} mm above its CoG, their feet are {1000 * setup.height:.0f} mm "
-        f'above it: ropes may pass through it, which changes no figure. With --height "{10 * np.ceil(100 * top):.0f} mm" they do not.'
+        f"{setup.article} reaches beyond the ropes up to {1000 * top:.0f} mm above its CoG, their feet are "
+        f"{1000 * setup.height:.0f} mm above it: ropes may pass through it, which the simulation does not know. "
+        f'With --height "{10 * np.ceil(100 * top):.0f} mm" they do not.'
     )
 
 

@@ -148,7 +148,7 @@ def require_recordable(setup: Setup) -> None:
     if not samples <= MOST_SAMPLES:
         lasting = f"{setup.cycles:g} cycles of {setup.ideal_period:.3g} s"
         problem = f"{setup.rate:g} Hz over {lasting} are {samples:.3g} samples, more than the {MOST_SAMPLES} that are kept"
-        raise _refused("rate", problem, f"Record at {0.9 * setup.rate * MOST_SAMPLES / samples:.2g} Hz or less")
+        raise _refused("rate", problem, f"Record at {0.9 * MOST_SAMPLES / setup.cycles / setup.ideal_period:.2g} Hz or less")
     if not 0 <= setup.noise < np.inf:
         raise _refused("noise", f"it must be finite and not negative, found {setup.noise:g} rad", "Give a standard deviation")
     if setup.seed < 0:

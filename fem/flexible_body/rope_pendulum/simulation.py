@@ -174,7 +174,9 @@ def _require_little(work: Ropework, duration: float, h: float, bearable: float, 
     name = asked if asked and longer < bearable else "links" if work.links > 1 else "duration"
     remedy = {"step": f"Use {longer:.2g} s or more", "rate": f"Record at {1 / longer:.2g} Hz or less"}
     problem = f"{duration / h:.3g} steps of {work.size} coordinates each are {much:.3g} times as many as are simulated"
-    shorter = f"Swing {1.1 * much:.2g} times shorter{', or on fewer links' if work.links > 1 else ''}"
+    shorter = f"Swing {1.1 * much:.2g} times shorter"
+    if work.links > 1:
+        shorter = "Use fewer, 1 for a straight rope, or swing for less time"
     raise refused(name, problem, remedy.get(name, shorter))
 
 

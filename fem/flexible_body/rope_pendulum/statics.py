@@ -248,7 +248,7 @@ def _require_stiff(suspension: Suspension, weight: float, ropes: float) -> None:
     strain = load / suspension.stiffness
     if strain > MOST_STRAIN:
         problem = f"a rope would stretch by {100 * strain:.3g} % under {load:.4g} N, more than {100 * MOST_STRAIN:g} %"
-        raise refused("stiffness", problem, f"Use an EA of {load / MOST_STRAIN:.3g} N or more")
+        raise refused("stiffness", problem, f"Use an EA of {1.01 * load / MOST_STRAIN:.3g} N or more")
 
 
 def _turned_on(work: Ropework, pose: Pose, angle: float) -> Pose:
