@@ -175,7 +175,7 @@ def _require_equal(s: Suspension) -> None:
     worst = float(np.ptp(s.extra))
     if not (worst < apart and s.lengths.min() > 0):
         problem = f"ropes of {s.length:.4g} m whose feet are {apart:.3g} m apart cannot be {worst:.4g} m unequal"
-        raise refused("extra", problem, f"The body would stand on end: give {apart / 2:.2g} m or less")
+        raise refused("extra", problem, f"The body would stand on end: give well below {apart / 2:.2g} m")
 
 
 def _require_sizes(s: Suspension) -> None:
