@@ -11,12 +11,13 @@ def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
 
     Raises
     ------
-    ValueError : `value` has another shape or holds NaN or infinity; the message names it.
+    ValueError : `value` has another shape or holds NaN or infinity; the message names it and the first such entry.
     """
     array = np.array(value, dtype=np.float64)
     if array.shape != shape:
         raise ValueError(f"`{name}` must have shape {shape}, found {array.shape}")
     if not np.all(np.isfinite(array)):
-        raise ValueError(f"`{name}` must be finite, found {array.tolist()}")
+        first = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"`{name}` must be finite, found {array[first]:g}" + (f" at {list(first)}" if first else ""))
     array.setflags(write=False)
     return array

@@ -20,6 +20,8 @@ PATIENCE = 0.05
 
 _IMPORTING = "<frozen importlib"
 
+_listening = threading.Event()
+
 
 @contextmanager
 def held_while_importing() -> Iterator[None]:
@@ -32,9 +34,11 @@ def held_while_importing() -> Iterator[None]:
         yield
         return
     signal.signal(signal.SIGINT, _heard)
+    _listening.set()
     try:
         yield
     finally:
+        _listening.clear()
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -54,7 +58,7 @@ def _importing(frame: FrameType | None) -> bool:
 
 def _again() -> None:
     time.sleep(PATIENCE)
-    if signal.getsignal(signal.SIGINT) is not _heard:
+    if not _listening.is_set():  # and not whether the handler is this one: what runs inside may have put its own around it
         return  # the command has ended meanwhile, and there is nothing to interrupt
     if sys.platform == "win32":
         _thread.interrupt_main()

@@ -13,12 +13,21 @@ from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.recursion import Progress, States, answer, states, straightened
 from fem.base_excitation.rig_structure import TABLE, RigStructure
 from geometry.arrays import Array
+from geometry.dynamic_mass import MOTIONS
+from geometry.errors import CheckFailed
+
+BEYOND = 1e100
+"""What no channel reaches in any unit; the square of it is still a number."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Channels:
-    """Channels as weighted sums of accelerations, velocities and displacements of a rig's coordinates: (o, 6 + n) each."""
+    """Channels as weighted sums of accelerations, velocities and displacements of a rig's coordinates: (o, 6 + n) each.
 
+    `names` (o) say which is which.
+    """
+
+    names: tuple[str, ...]
     acceleration: Array
     velocity: Array
     displacement: Array
@@ -54,15 +63,37 @@ def driven(structure: RigStructure) -> States:
 
 
 def run(structure: RigStructure, system: States, channels: Channels, motion: BaseMotion, progress: Progress | None = None) -> Run:
-    """What `channels` show of `system`, at rest at the first sample, while the table makes `motion`."""
+    """What `channels` show of `system`, at rest at the first sample, while the table makes `motion`.
+
+    Raises
+    ------
+    CheckFailed : the answer grows beyond all numbers; with the first channel and time at which it does.
+    """
     wanted, samples, last = seen(channels, system), _inputs(structure, motion), drive_end(motion)
     found, state = np.empty((len(samples), len(wanted.of_states))), np.zeros(len(system.A))
     straight = straightened(samples) if len(system.A) else samples
-    for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
-        found[block.samples] = block.outputs + samples[block.samples] @ wanted.of_inputs.T
-        if block.samples.stop == last + 1:
-            state = block.state
+    with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
+        for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
+            found[block.samples] = block.outputs + samples[block.samples] @ wanted.of_inputs.T
+            _require_bounded(found[block.samples], channels, block.samples.start / motion.sampling_rate, motion.sampling_rate)
+            if block.samples.stop == last + 1:
+                state = block.state
     return Run(samples=found, state=state)
+
+
+def _require_bounded(samples: Array, channels: Channels, start: float, sampling_rate: float) -> None:
+    bounded = np.abs(samples) < BEYOND
+    if bounded.all():
+        return
+    sample, channel = (int(i) for i in np.argwhere(~bounded)[0])
+    time, name = start + sample / sampling_rate, channels.names[channel]
+    raise CheckFailed(
+        f"The exact recursion lost the rig at {time:.6g} s: its {name} has grown beyond {BEYOND:g}. "
+        "Look for a damping or stiffness that feeds energy in.",
+        route="recursion",
+        time=time,
+        channel=name,
+    )
 
 
 def drive_end(motion: BaseMotion) -> int:
@@ -80,12 +111,18 @@ def _inputs(structure: RigStructure, motion: BaseMotion) -> Array:
 def load(structure: RigStructure) -> Channels:
     """Force and moment of the table on all that stands on it, about F: the base row of the equations of motion."""
     t = slice(None, TABLE)
-    return Channels(acceleration=structure.mass[t], velocity=structure.viscous[t], displacement=structure.stiffness[t])
+    return Channels(
+        names=tuple(f"load {axis}" for axis in MOTIONS),
+        acceleration=structure.mass[t],
+        velocity=structure.viscous[t],
+        displacement=structure.stiffness[t],
+    )
 
 
-def accelerations(rows: Array) -> Channels:
-    """Acceleration of what moves as `rows` (o, 6 + n) say."""
-    return Channels(acceleration=rows, velocity=np.zeros_like(rows), displacement=np.zeros_like(rows))
+def accelerations(rows: Array, name: str) -> Channels:
+    """Acceleration of what moves as `rows` (o, 6 + n) say; `name` says whose it is."""
+    names = tuple(f"acceleration {axis} of {name}" for axis in MOTIONS[: len(rows)])
+    return Channels(names=names, acceleration=rows, velocity=np.zeros_like(rows), displacement=np.zeros_like(rows))
 
 
 def cell_forces(structure: RigStructure) -> Channels:
@@ -93,18 +130,21 @@ def cell_forces(structure: RigStructure) -> Channels:
     c, size = len(structure.cells), structure.mass.shape[0]
     k, d = (values[:, :, None] * structure.cells for values in (structure.cell_stiffness, structure.cell_damping))
     nothing = np.zeros((3 * c, size))
-    return Channels(acceleration=nothing, velocity=-d.reshape(3 * c, size), displacement=-k.reshape(3 * c, size))
+    names = tuple(f"force of cell {cell} along {axis}" for cell in range(1, c + 1) for axis in "xyz")
+    return Channels(names=names, acceleration=nothing, velocity=-d.reshape(3 * c, size), displacement=-k.reshape(3 * c, size))
 
 
 def relative(structure: RigStructure) -> Channels:
     """The coordinates themselves, those of the table left out."""
     rows = np.eye(structure.mass.shape[0])[TABLE:]
-    return Channels(acceleration=np.zeros_like(rows), velocity=np.zeros_like(rows), displacement=rows)
+    names = tuple(f"coordinate {row + 1}" for row in range(len(rows)))
+    return Channels(names=names, acceleration=np.zeros_like(rows), velocity=np.zeros_like(rows), displacement=rows)
 
 
 def stacked(parts: list[Channels]) -> Channels:
     """All of them, one under the other."""
     return Channels(
+        names=tuple(name for part in parts for name in part.names),
         acceleration=np.vstack([part.acceleration for part in parts]),
         velocity=np.vstack([part.velocity for part in parts]),
         displacement=np.vstack([part.displacement for part in parts]),

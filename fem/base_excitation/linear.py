@@ -35,7 +35,7 @@ def respond(rig: Rig, motion: BaseMotion, *, keep_coordinates: bool = False, pro
     Raises
     ------
     BadInput : a rig that is not linear or cannot be built, a sampling rate too coarse for a kept mode.
-    CheckFailed : something on the table swings freely.
+    CheckFailed : something on the table swings freely, or the answer grows beyond all numbers; with channel and time.
     """
     require_fine(rig.article, motion.sampling_rate)
     structure = matrices(rig)
@@ -79,8 +79,8 @@ def require_fine(article: Body, sampling_rate: float) -> None:
 
 def _channels(structure: RigStructure, keep_coordinates: bool) -> Channels:
     """Load, cover plate, cells, places and coordinates in this order."""
-    places = [accelerations(rows) for rows in structure.places.values()]
-    parts = [load(structure), accelerations(structure.cover), cell_forces(structure), *places]
+    places = [accelerations(rows, name) for name, rows in structure.places.items()]
+    parts = [load(structure), accelerations(structure.cover, "the cover plate"), cell_forces(structure), *places]
     return stacked([*parts, relative(structure)] if keep_coordinates else parts)
 
 

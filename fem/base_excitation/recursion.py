@@ -122,8 +122,10 @@ def states(mass: Array, viscous: Array, stiffness: Array, input_matrix: Array) -
         raise CheckFailed("The mass matrix of what moves on the table is not positive definite.") from None
     if squares[0] <= np.finfo(np.float64).eps * squares[-1]:
         raise CheckFailed(
-            f"Something on the table swings freely: its lowest squared frequency is {squares[0]:.3g} (rad/s)². Hold it.",
+            f"Something on the table swings freely: its lowest squared frequency is {squares[0]:.3g} (rad/s)², nothing but "
+            f"rounding beside the highest of {squares[-1]:.3g}. Hold it, or soften what is stiffest.",
             squared_frequency=float(squares[0]),
+            greatest=float(squares[-1]),
         )
     omega, C = np.sqrt(squares), Phi.T @ viscous @ Phi
     zero = np.zeros((n, n))

@@ -36,7 +36,7 @@ def needed(rig: Rig, motion: BaseMotion, share: float = SHARE) -> float:
     Raises
     ------
     BadInput : a rig that cannot be built.
-    CheckFailed : something on the table swings freely.
+    CheckFailed : something on the table swings freely, or the answer grows beyond all numbers.
     """
     structure = matrices(_linear(rig))
     system = driven(structure)

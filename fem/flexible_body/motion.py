@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.flexible_body.floating_frame import FloatingFrame
+from fem.flexible_body.interruption import integrated
 from fem.flexible_body.running import failed, finite, running
 from fem.structure import Structure
 from geometry.arrays import Array
@@ -77,7 +78,7 @@ def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) 
         settings.solution.file.write = False
         settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, duration
         settings.timeIntegration.generalizedAlpha.spectralRadius = DISSIPATION
-        if not body.system.SolveDynamic(settings):
+        if not integrated(body.system, settings):
             raise failed(task, "the solver gave up")
     return now(structure, body)
 

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.flexible_body.inertia import quiet
+from fem.flexible_body.interruption import is_interruption
 from geometry.arrays import Array
 from geometry.errors import BadInput, CheckFailed
 
@@ -32,6 +33,7 @@ def running(task: str) -> Iterator[Any]:
     Raises
     ------
     CheckFailed : exudyn, or what it calls, failed; with what it said.
+    KeyboardInterrupt : Ctrl-C, of which exudyn made an error of its own.
     """
     try:
         with quiet() as exudyn, warnings.catch_warnings():
@@ -40,6 +42,8 @@ def running(task: str) -> Iterator[Any]:
     except (BadInput, CheckFailed):
         raise
     except Exception as error:
+        if is_interruption(error):
+            raise KeyboardInterrupt from None
         said = " ".join(str(error).split("[Python file")[0].split()) or type(error).__name__
         raise failed(task, said) from error
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from fem.flexible_body.interruption import kept
 from validation import interrupts
 
 INTERRUPTED_INSIDE = """
@@ -61,3 +62,17 @@ def test_a_command_that_ends_first_is_not_interrupted_afterwards(module: str) ->
     with interrupts.held_while_importing():
         import_module(module)
     time.sleep(3 * interrupts.PATIENCE)
+
+
+def test_an_interruption_of_an_import_is_not_lost_when_somebody_keeps_interruptions_next(module: str) -> None:
+    """As exudyn does, which is imported just before it runs."""
+
+    def imported_and_run() -> None:
+        with interrupts.held_while_importing():
+            import_module(module)
+            with kept() as found:
+                time.sleep(10 * interrupts.PATIENCE)
+                assert isinstance(found.reason, KeyboardInterrupt)
+
+    with pytest.raises(KeyboardInterrupt):
+        imported_and_run()

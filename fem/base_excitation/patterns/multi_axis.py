@@ -7,10 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet
 from fem.base_excitation.patterns.pattern import Clock, Pattern, sampled
 from fem.base_excitation.patterns.sweep import Sweep
@@ -62,16 +59,7 @@ class MultiAxis:
                 total[axis] = total[axis] + jet if axis in total else jet
         return total
 
-    def motion(
-        self,
-        sampling_rate: float,
-        *,
-        ring_down: float,
-        cross: CrossMotion | None = None,
-        reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
-    ) -> BaseMotion:
-        """All patterns at `sampling_rate` [Hz] and `ring_down` [s] of rest, about `reference_point` (3,) [m]; see `sampled`."""
-        return sampled(self, sampling_rate, ring_down, cross, reference_point)
+    motion = sampled
 
 
 def phased_sweeps(level: float = 1.0, **changes: Any) -> tuple[MultiAxis, ...]:

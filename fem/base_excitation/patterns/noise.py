@@ -6,10 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, window
 from fem.base_excitation.patterns.levels import listed, require_axes, require_band, require_positive
 from fem.base_excitation.patterns.lines import ends, noise, numbers, phases
@@ -73,16 +70,7 @@ class Random:
         ramp = RAMP_CYCLES / self.start
         return noisy(self.rms, self.start, self.stop, self.duration, self.seed, clock, ramp)
 
-    def motion(
-        self,
-        sampling_rate: float,
-        *,
-        ring_down: float,
-        cross: CrossMotion | None = None,
-        reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
-    ) -> BaseMotion:
-        """The noise at `sampling_rate` [Hz] and `ring_down` [s] of rest, about `reference_point` (3,) [m]; see `sampled`."""
-        return sampled(self, sampling_rate, ring_down, cross, reference_point)
+    motion = sampled
 
 
 def noisy(

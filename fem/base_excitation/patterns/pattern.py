@@ -59,9 +59,16 @@ class Pattern(Protocol):
 
 
 def sampled(
-    pattern: Pattern, sampling_rate: float, ring_down: float, cross: CrossMotion | None, reference_point: npt.ArrayLike
+    pattern: Pattern,
+    sampling_rate: float,
+    *,
+    ring_down: float,
+    cross: CrossMotion | None = None,
+    reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
 ) -> BaseMotion:
     """`pattern` at `sampling_rate` [Hz], followed by `ring_down` [s] of rest, as motion about `reference_point` (3,) [m].
+
+    Every pattern has it as its method `motion`.
 
     Raises
     ------

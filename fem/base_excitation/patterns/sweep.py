@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns.cross_motion import CrossMotion
 from fem.base_excitation.patterns.jet import Jet, exponential, sine, window
 from fem.base_excitation.patterns.levels import (
     listed,
@@ -131,16 +129,7 @@ class Sweep:
         shape = window(clock.time, begin, full, fading, end)
         return {self.axis: -self.amplitude * (shape * exponential(time, first**-2, -2 * k) * sine(phi))}
 
-    def motion(
-        self,
-        sampling_rate: float,
-        *,
-        ring_down: float,
-        cross: CrossMotion | None = None,
-        reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
-    ) -> BaseMotion:
-        """The sweep at `sampling_rate` [Hz] and `ring_down` [s] of rest, about `reference_point` (3,) [m]; see `sampled`."""
-        return sampled(self, sampling_rate, ring_down, cross, reference_point)
+    motion = sampled
 
     @property
     def _growth(self) -> float:

@@ -1,8 +1,7 @@
 """What moves the table, step by step, and what may stop the run.
 
 Before every step exudyn calls back once. The six values that the table must reach in it are set, the share done is told, and
-whatever is raised there - Ctrl-C above all - is kept and raised again once exudyn has stopped: exudyn itself would make an error
-of its own of it.
+whatever is raised there is kept and raised again once exudyn has stopped: exudyn itself would make an error of its own of it.
 
 Between two samples the motion is the polynomial of fifth degree that has displacement, velocity and acceleration of both.
 """

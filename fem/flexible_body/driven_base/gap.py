@@ -2,8 +2,10 @@
 
     f_z = max(k_z u_z + d_z v_z, -P)
 
-so that what the cell reads stays at -P while it is open. Sideways it is assumed to hold as before, by the bolt that presses it
-together: were its shear to vanish with the pressure, its springs would have to know where it lands.
+so that what the cell reads stays at -P while it is open. P is all that presses its faces together, what the article weighs on it
+included. The damper belongs to what presses: faces that come back fast push, k_z u_z + d_z v_z > -P, a little before the gap
+k_z u_z = -P is closed. Sideways it is assumed to hold as before, by the bolt that presses it together: were its shear to vanish
+with the pressure, its springs would have to know where it lands.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.flexible_body.driven_base.drive import Drive
 from fem.flexible_body.driven_base.scene import Scene
+from fem.flexible_body.interruption import integrated
 from fem.flexible_body.running import exudyn_version
 from geometry.errors import CheckFailed
 
@@ -18,14 +19,12 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
     Raises
     ------
     CheckFailed : exudyn gave up.
+    KeyboardInterrupt : Ctrl-C, once exudyn has stopped.
     """
-    scene.system.SetPreStepUserFunction(drive)
     said = "the solver gave up"
     try:
-        done = scene.system.SolveDynamic(settings)
+        done = integrated(scene.system, settings, drive)
     except Exception as error:
-        if "KeyboardInterrupt" in str(error):  # at the very moment when exudyn called back: it makes an error of its own of it
-            return KeyboardInterrupt()
         done, said = False, str(error)
     if not done and drive.stopped is None:
         raise _astray(scene, drive, said)

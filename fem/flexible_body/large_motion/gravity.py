@@ -7,6 +7,7 @@ rest is already bent and pressed, which changes its frequencies a little: exudyn
 from __future__ import annotations
 
 from fem.flexible_body.driven_base.scene import Scene
+from fem.flexible_body.interruption import kept
 from fem.flexible_body.running import failed
 
 HEAVY = ("RigidBody", "BeamGeometricallyExact3D")
@@ -40,5 +41,7 @@ def settle(scene: Scene) -> None:
     static.numberOfLoadSteps = LOAD_STEPS
     static.newton.residualMode = 1
     static.newton.absoluteTolerance = static.newton.relativeTolerance = ROUNDING
-    if not scene.system.SolveStatic(settings, updateInitialValues=True):
+    with kept():
+        done = scene.system.SolveStatic(settings, updateInitialValues=True)
+    if not done:
         raise failed("bring the article to rest under gravity", "the solver gave up")

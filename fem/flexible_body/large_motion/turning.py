@@ -67,22 +67,12 @@ def turning(motion: BaseMotion) -> Turning:
     return Turning(rotation=np.stack(axes, axis=-1), spin=a + b + c, spin_rate=spin_rate + np.cross(a, b) + np.cross(a + b, c))
 
 
-def table_acceleration(motion: BaseMotion) -> Array:
-    """(n, 6) what accelerometers in the reference point and gyroscopes on the table make of `motion`, in the table's own axes.
-
-    R^T p'' [m/s²] and R^T omega' [rad/s²], of which the latter is also the derivative of the spin as the table sees it. Both are
-    kinematic, without gravity. An accelerometer anywhere else adds what `accelerometer` says.
-    """
-    turned = turning(motion)
-    parts = (motion.acceleration[:, :3], turned.spin_rate)
-    return np.hstack([turned.seen_from_table(part) for part in parts])
-
-
 def accelerometer(motion: BaseMotion, place: npt.ArrayLike, gravity: float = 0.0) -> Array:
     """(n, 3) [m/s²] what an accelerometer fixed to the table at `place` reads, in the table's axes.
 
     R^T (p'' + g z) + omega' x r + omega x (omega x r) with omega, omega' and r in the table's axes: the last term is the
     centripetal one that the linear [G] of Eq. 3 does not know, the term of g is what gravity makes it read at rest and in a tilt.
+    In the reference point R^T p'' is left, and R^T omega' is at once the derivative of the spin as the table sees it.
 
     Parameters
     ----------

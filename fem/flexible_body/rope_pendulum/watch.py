@@ -1,7 +1,7 @@
 """The run watched step by step: told on, stopped from outside, or failed with the time, the step and the last state.
 
-Before every step exudyn calls back. What is raised there - Ctrl-C above all - is kept and raised again once exudyn has stopped:
-exudyn itself would make an error of its own of it.
+Before every step exudyn calls back. What is raised there is kept and raised again once exudyn has stopped: exudyn itself would
+make an error of its own of it.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.flexible_body.interruption import integrated
 from fem.flexible_body.running import failed
 from geometry.errors import CheckFailed
 
@@ -37,15 +38,12 @@ class Watch:
         Raises
         ------
         CheckFailed : exudyn gave up; with the time [s], the step and the last coordinates.
-        BaseException : what stopped the run from within `progress`.
+        BaseException : what stopped the run from within `progress`, or KeyboardInterrupt by Ctrl-C.
         """
-        system.SetPreStepUserFunction(self)
         said = "the solver gave up"
         try:
-            done = system.SolveDynamic(settings)
+            done = integrated(system, settings, self)
         except Exception as error:  # exudyn raises errors of several kinds
-            if "KeyboardInterrupt" in str(error):  # at the very moment when it called back: it makes an error of its own of it
-                raise KeyboardInterrupt from None
             done, said = False, " ".join(str(error).split())
         if self.stopped is not None:
             raise self.stopped

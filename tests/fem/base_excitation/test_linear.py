@@ -15,7 +15,7 @@ from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
 from fem.damping import Damping
 from fem.modes import fixed_base
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 
@@ -244,3 +244,21 @@ def test_a_response_says_how_it_was_found(clumod: Clumod, burst: Burst) -> None:
     assert told[-1] == 1.0
     (warning,) = response.warnings
     assert "s are needed" in warning
+
+
+# --- an answer without bounds -------------------------------------------------------------------------------------------------
+
+
+def test_a_response_that_grows_beyond_all_numbers_is_lost_with_channel_and_time(
+    clumod: Clumod, burst: Burst, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A damping ratio of -1.5 grows by exp(0.38 omega t) at least: beyond 1e100 within seconds, and nothing is printed."""
+    article = clumod("clumod-1")
+    fed = replace(article, reduced=replace(article.reduced, viscous=-50 * article.reduced.viscous))
+    with pytest.raises(CheckFailed, match=r"recursion lost the rig at [\d.]+ s: its .* grown beyond 1e\+100") as lost:
+        linear.respond(Rig(article=fed), burst(RATE, np.eye(6)[0]))
+    assert lost.value.evidence["route"] == "recursion"
+    assert str(lost.value.evidence["channel"]).startswith(("load ", "acceleration "))
+    assert 0 < float(str(lost.value.evidence["time"])) < 5.6
+    assert len(str(lost.value)) < 300
+    assert capfd.readouterr() == ("", "")

@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
+from fem.base_excitation import linear
+from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
-from fem.base_excitation.rig_check import require_usable
+from fem.base_excitation.rig_check import SOFTEST, STIFFEST, require_usable
 from geometry.errors import BadInput
 
 CORNERS = np.array([[0.1, 0.1, 0], [-0.1, 0.1, 0], [-0.1, -0.1, 0], [0.1, -0.1, 0]])
@@ -38,6 +41,27 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "one cell in the middle": ({"cells": cells(np.zeros((1, 3)))}, r"`cells`.*hold the cover plate.*found 1"),
     "a negative compliance": ({"flange": Flange(compliance=[0, 0, -1e-9, 0, 0, 0])}, r"`flange.compliance`.*found -1e-09"),
     "a flange that drives": ({"flange": Flange(compliance=np.zeros(6), damping_time=-1.0)}, r"`flange.damping_time`.*-1 s"),
+    "a joint that holds nothing": (
+        {"flange": Flange(compliance=[0, 0, 0, 0, 1e9, 0])},
+        r"`flange.compl.*for beta, found 1e\+09",
+    ),
+    "a joint as good as rigid": (
+        {"flange": Flange(compliance=[1e-30, 0, 0, 0, 0, 0])},
+        r"`flange.compl.*for x, found 1e-30",
+    ),
+    "a joint in tar": (
+        {"flange": Flange(compliance=[0, 0, 0, 1e-6, 0, 0], damping_time=1e9)},
+        r"`flange.damping_time`.*for alpha, found 1e\+09",
+    ),
+    "a cell of rubber": ({"cells": cells(stiffness=[1e8, 1e8, 1e-9])}, r"`cells.4.stiffness`.*along z, found 1e-09"),
+    "a cell as good as rigid": ({"cells": cells(stiffness=[1e20, 1e8, 1e8])}, r"`cells.4.stiffness`.*along x, found 1e\+20"),
+    "a cell in tar": ({"cells": cells(damping=[0, 1e30, 0])}, r"`cells.4.damping`.*along y, found 1e\+30"),
+    "a strut as good as rigid": ({"struts": (Strut(place="top", stiffness=[1e30] * 3),)}, r"`struts.stiffness`.*found 1e\+30"),
+    "a strut in tar": ({"struts": (Strut(place="top", damping=[1e30] * 3),)}, r"`struts.damping`.*found 1e\+30"),
+    "a loose part of many tons": (
+        {"frictions": (Friction(axis="x", slip_force=5.0, mass=1e6),)},
+        r"`frictions.mass`",
+    ),
     "a strut nowhere": ({"struts": (Strut(place="tpo"),)}, r"`struts.place`.*block has no place 'tpo'.*top"),
     "a strut to the moon": ({"struts": (Strut(place="top", to="moon"),)}, r"`struts.to`.*'moon'"),
     "a strut that pushes": ({"struts": (Strut(place="top", stiffness=-STIFF),)}, r"`struts.stiffness`.*found -1e\+08"),
@@ -58,3 +82,20 @@ def test_structural_damping_has_no_place_in_time(rigid_block: Body) -> None:
     lossy = replace(rigid_block, reduced=replace(rigid_block.reduced, structural=np.eye(6)))
     with pytest.raises(BadInput, match=r"`article.reduced`.*must be viscous"):
         require_usable(Rig(article=lossy))
+
+
+def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
+    clumod: Callable[[str], Body], burst: Callable[..., BaseMotion]
+) -> None:
+    """The response is that on a rigid joint; what is left is the recursion's own (omega h)² / 12 in a joint that only follows."""
+    article, motion = clumod("clumod-1"), burst(8192.0, np.ones(6), 0.2)
+    stiffest = Flange(compliance=1.01 / (STIFFEST * np.diag(article.reduced.mass)[:6]), damping_time=1e-7)
+    found, rigid = (linear.respond(Rig(article=article, flange=flange), motion).load for flange in (stiffest, None))
+    assert_allclose(found, rigid, rtol=0, atol=1e-4 * np.abs(rigid).max())
+
+
+def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(rigid_block: Body, burst: Callable[..., BaseMotion]) -> None:
+    compliance = 0.99 / (SOFTEST * np.diag(rigid_block.reduced.mass)[:6])
+    motion = burst(1024.0, np.eye(6)[0], 0.2)
+    load = linear.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load
+    assert np.abs(load[:, 0]).max() < 1e-4 * rigid_block.reduced.mass[0, 0] * np.abs(motion.acceleration).max()

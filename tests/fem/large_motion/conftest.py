@@ -46,6 +46,17 @@ def smooth() -> MakeMotion:
 
 
 @pytest.fixture(scope="session")
+def sensed() -> Callable[[BaseMotion], Array]:
+    """R^T p'' and R^T omega' (n, 6): what accelerometers in the reference point and gyroscopes make of a motion."""
+
+    def six(motion: BaseMotion) -> Array:
+        turned = turning(motion)
+        return np.hstack([turned.seen_from_table(x) for x in (motion.acceleration[:, :3], turned.spin_rate)])
+
+    return six
+
+
+@pytest.fixture(scope="session")
 def newton_euler() -> Callable[..., Array]:
     """Load (n, 6) of the table on a rigid body about the reference point, in the table's axes, as a textbook has it."""
 
