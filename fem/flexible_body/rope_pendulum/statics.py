@@ -20,7 +20,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.flexible_body.rope_pendulum.suspension import MOST_STRAIN, Suspension, refused, require_positive
+from fem.flexible_body.rope_pendulum.bearing import require_light, require_pull, require_stiff, shares
+from fem.flexible_body.rope_pendulum.suspension import Suspension, refused, require_positive
 from geometry.arrays import Array
 from geometry.consistency import require_physical
 from geometry.errors import CheckFailed
@@ -113,9 +114,9 @@ def ropework(inertia: Inertia, suspension: Suspension, gravity: float) -> Ropewo
     require_positive("mass", inertia.mass, "kg")
     require_positive("gravity", gravity, "m/s²")
     article = require_physical(inertia, "inertia")
-    _require_pull(suspension, article.mass * gravity)
-    _require_light(suspension, article.mass)
-    _require_stiff(suspension, article.mass * gravity, suspension.rope_mass * gravity)
+    require_pull(suspension, article.mass * gravity)
+    require_light(suspension, article.mass)
+    require_stiff(suspension, article.mass * gravity, suspension.rope_mass * gravity)
     lump = suspension.rope_mass / suspension.ropes / suspension.links
     body = article
     for foot in suspension.feet:
@@ -204,7 +205,7 @@ def mass(work: Ropework, pose: Pose) -> Array:
 
 def _level(work: Ropework) -> Pose:
     """The level body under straight ropes as long as their load makes them, with the tension that statics gives them."""
-    share = _shares(work.feet) * work.body.mass
+    share = shares(work.feet) * work.body.mass
     below = np.arange(work.links)[::-1]  # joints below each link
     tension = work.gravity * (share[:, None] + work.point_mass * below)
     reach = np.cumsum(work.link_lengths[:, None] + work.compliance[:, None] * tension, axis=1)
@@ -212,43 +213,6 @@ def _level(work: Ropework) -> Pose:
     joints[..., 2] -= reach[:, :-1]
     place = np.array([*(work.anchors - work.feet)[0, :2], np.mean(work.anchors[:, 2] - reach[:, -1] - work.feet[:, 2])])
     return Pose(place=place, rotation=np.eye(3), joints=joints, tension=tension)
-
-
-def _shares(feet: Array) -> Array:
-    """Share of the weight on every rope (n,) of a level body whose CoG is the origin; negative where it would have to push."""
-    lever = np.vstack([np.ones(len(feet)), feet[:, :2].T])
-    return np.asarray(np.linalg.lstsq(lever, np.array([1.0, 0.0, 0.0]), rcond=None)[0])
-
-
-def _require_pull(suspension: Suspension, weight: float) -> None:
-    feet = suspension.feet
-    shares = _shares(feet)
-    if shares.min() <= 0:
-        worst = int(shares.argmin())
-        problem = f"the CoG is not between the ropes: rope {worst + 1} would have to push with {-shares[worst] * weight:.4g} N"
-        raise refused("off_centre", problem, "Hang the body so that its CoG lies between them")
-    lever = feet[:, :2] - feet[0, :2]
-    if len(feet) == 3 and abs(np.linalg.det(lever[1:])) < SMALL:
-        raise refused("feet", "three ropes in one line hold nothing more than two", "Set them on a circle")
-    if len(feet) == 2 and feet[:, 2].min() <= 0:
-        problem = f"on two ropes whose feet are {feet[:, 2].min():.4g} m above the CoG the body tips over"
-        raise refused("height", problem, "Tie them above the CoG")
-
-
-def _require_light(suspension: Suspension, mass: float) -> None:
-    if suspension.rope_mass > mass:
-        problem = f"ropes of {suspension.rope_mass:.4g} kg are heavier than the body of {mass:.4g} kg: they swing it, not it them"
-        raise refused("rope_mass", problem, f"Give {np.floor(1000 * mass) / 1000:g} kg or less for all ropes together")
-
-
-def _require_stiff(suspension: Suspension, weight: float, ropes: float) -> None:
-    if suspension.stiffness is None:
-        return
-    load = float(_shares(suspension.feet).max()) * weight + ropes / suspension.ropes
-    strain = load / suspension.stiffness
-    if strain > MOST_STRAIN:
-        problem = f"a rope would stretch by {100 * strain:.3g} % under {load:.4g} N, more than {100 * MOST_STRAIN:g} %"
-        raise refused("stiffness", problem, f"Use an EA of {1.01 * load / MOST_STRAIN:.3g} N or more")
 
 
 def _turned_on(work: Ropework, pose: Pose, angle: float) -> Pose:
