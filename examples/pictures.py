@@ -101,7 +101,7 @@ def swing_setup() -> Setup:
         "length": "2 m",
         "amplitude": "20 deg",
         "damping": "0.5 %",
-        "height": "950 mm",
+        "height": "990 mm",
         "noise": "3 mrad",
         "rope_mass": "0.3 kg",
     }

@@ -60,7 +60,7 @@ STEPS = (
     Step(
         title="A pendulum swung by exudyn: what every imperfection costs, and what the corrections give back; with an animation",
         command='massline swing clumod-4 --amplitude "20 deg" --damping "0.5 %" --rope-mass "0.3 kg" --off-centre "5 mm" '
-        '--height "950 mm" --noise "3 mrad" --cycles 10 --animate --out out/swing',
+        '--height "990 mm" --noise "3 mrad" --cycles 10 --animate --out out/swing',
     ),
     Step(title="... its record, reduced like a measured one", command="massline pendulum out/swing/pendulum.toml"),
     Step(

@@ -26,6 +26,9 @@ NOISE_REFUSED, NOISE_WARNED = 0.5, 0.1
 """Residual over signal, both root mean square: above the first it is no decaying sinusoid, above the second it is said."""
 
 
+LEFT_OVER = 0.01
+"""Residual over signal above which a correlated residual is said; a clean undamped swing of 1 rad leaves 0.7 %."""
+
 ROUNDING = 1e-6
 """Residual over signal below which the residual is the rounding of the record's digits, and its correlation means nothing."""
 
@@ -228,7 +231,8 @@ def _notes(noise: float, correlation: float, fit: _Fit, swing: Array) -> tuple[s
     said = {
         f"The residual is {100 * noise:.0f} % of the signal.": noise > NOISE_WARNED,
         f"The baseline drifts by {drift:.1f} amplitudes; a straight drift is fitted, a bent one is not.": drift > 1,
-        f"Neighbouring residuals are correlated ({correlation:.2f}): something else than one decaying sinusoid is in the record; "
-        "the tolerance is widened.": correlation > 0.5,
+        f"What one decaying sinusoid leaves over is {100 * noise:.1f} % of the swing and no noise (neighbours are correlated, "
+        f"{correlation:.2f}): the period changes with the amplitude as it dies away, or something else moves too. "
+        "The tolerance is widened for it.": correlation > 0.5 and noise > LEFT_OVER,
     }
     return tuple(sentence for sentence, true in said.items() if true)

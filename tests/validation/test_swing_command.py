@@ -1,15 +1,19 @@
 """`massline swing`: what it prints, what it writes, and how it refuses."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.flexible_body.rope_pendulum import simulation
 from fem.flexible_body.rope_pendulum.watch import Watch
+from validation.article_reference import Asked
 from validation.pictures import said_about, scene
 from validation.swing import drawing
+from validation.swing.asked import Words, setup
 
 Run = Callable[..., tuple[int, str, str]]
 SHORT = ("--cycles", "4", "--rate", "25")
@@ -53,6 +57,20 @@ def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: py
 @pytest.mark.parametrize(
     ("words", "said"),
     [
+        (("--length", "1e9 m"), "--length: ropes of 1e+09 m are longer"),
+        (("--links", "1000", "--rope-mass", "0.3 kg"), "--links: at most 20"),
+        (("--cycles", "1e6"), "--cycles: at most 1000"),
+        (("--cycles", "nan"), "--cycles: at least 3"),
+        (("--rate", "1e9"), "--rate: 1e+09 Hz over 20 cycles"),
+        (("--step", "1e-9 s"), "--step: "),
+        (("--rope-mass", "1e-9 kg"), "--links: "),
+        (("--damping", "50 %"), "--damping: a twist damped by 0.5 has"),
+        (("--rope-mass", "1000 kg"), "--rope-mass: ropes of 1000 kg are heavier than the body"),
+        (("--unequal", "-3 m"), "--unequal: ropes of 2 m whose feet are 0.52 m apart cannot be 3 m unequal"),
+        (("--unequal", "1.5 m"), "--unequal: ropes of 2 m"),
+        (("--unequal", "0.4 m"), "--unequal: rope 1 would have to push"),
+        (("--seed", "-1"), "--seed: it must not be negative"),
+        (("--rope-stiffness", "100 N"), "--rope-stiffness: a rope would stretch by"),
         (("--length", "-2 m"), "--length: it must be positive"),
         (("--length", "2 kg"), "--length: 'kg' is"),
         (("--off-centre", "-0.2 m"), "--off-centre: the CoG is not between the ropes"),
@@ -94,7 +112,36 @@ def test_pictures_that_could_not_be_written_are_refused_before_anything_swings(r
 def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(run: Run) -> None:
     code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 mrad", "--noise", "1 mrad", *SHORT)
     assert code == 2
-    assert "no decaying sinusoid" in err
+    assert "--noise: its record cannot be reduced: no decaying sinusoid" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "unit"),
+    [
+        (("--damping", "50 %"), ""),
+        (("--rope-mass", "1000 kg"), "kg"),
+        (("--unequal", "-3 m"), "m"),
+        (("--rope-stiffness", "100 N"), "N"),
+        (("--length", "1e9 m"), "m"),
+        (("--rate", "1e9"), ""),
+        (("--step", "1e-9 s"), "s"),
+        (("--cycles", "1e6"), ""),
+        (("--links", "1000", "--rope-mass", "0.3 kg"), ""),
+    ],
+    ids=lambda given: given[0] if isinstance(given, tuple) else "",
+)
+def test_what_a_refusal_advises_passes_the_door(
+    run: Run, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], unit: str
+) -> None:
+    def passed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(simulation, "build", passed)
+    _, _, err = run("swing", "clumod-4", *words)
+    advice = re.search(r"(?:[Uu]se an EA of|[Uu]se|[Rr]ecord(?: at)?|[Gg]ive(?: well below)?) (\d[\d.e+-]*)", err)
+    assert advice is not None, err
+    code, _, err = run("swing", "clumod-4", words[0], f"{float(advice[1]):g} {unit}".strip(), *words[2:])
+    assert code == 130, err
 
 
 def test_an_article_that_does_not_exist_is_refused(run: Run) -> None:
@@ -145,3 +192,26 @@ def test_help_answers(run: Run) -> None:
     code, out, _ = run("swing", "--help")
     assert code == 0
     assert "--rope-stiffness" in out
+
+
+def test_a_clean_record_raises_no_alarm_and_a_large_dying_swing_says_what_is_left(run: Run) -> None:
+    _, clean, _ = run("swing", "cuboid", "--radius", "0.1 m", *SHORT)
+    assert "leaves over" not in clean
+    _, dying, _ = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 rad", "--damping", "3 %", *SHORT)
+    assert "% of the swing" in dying
+    assert "changes with the amplitude" in " ".join(dying.split())
+
+
+def test_ropes_through_the_article_are_said_with_the_height_that_clears_it() -> None:
+    def said(*, height: str) -> str:
+        texts = {"length": "2 m", "amplitude": "0.1 rad", "height": height}
+        recorder = {"off_centre": None, "links": None, "start": "twist", "cycles": 3.0, "rate": 25.0, "seed": 0}
+        test = setup("clumod-4", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), Asked())
+        return drawing.in_the_way(test, Asked())
+
+    sentence = said(height="100 mm")
+    assert "ropes may pass through it" in sentence
+    clears = re.search(r'--height "(\d+ mm)"', sentence)
+    assert clears is not None
+    assert said(height=clears[1]) == ""
+    assert said(height=f"{int(clears[1][:-3]) - 20} mm") != ""

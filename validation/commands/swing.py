@@ -123,9 +123,12 @@ def _print(found: Simulated, out: Path | None, as_json: bool) -> None:
 
 def _draw(found: Simulated, asked: Any, folder: Path, *, animate: bool, quiet: bool) -> None:
     from validation.progress import shown
-    from validation.swing.drawing import draw
+    from validation.swing.drawing import draw, in_the_way
 
     with shown("pictures of the swing", quiet=quiet):
         written = draw(found, asked, folder, animate=animate)
+        said = in_the_way(found.record.setup, asked)
     for path in written:
         click.echo(f"massline: wrote {path}.", err=True)
+    if said:
+        click.echo(f"massline: {said}", err=True)

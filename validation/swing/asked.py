@@ -38,7 +38,7 @@ OPTIONS = {
 OTHERS = ("ropes", "axis", "along", "off_centre", "links", "start", "cycles", "rate", "seed")
 """Options that are none."""
 
-FIELDS = {"stiffness": "rope_stiffness", "extra": "unequal", "damping_ratio": "damping"}
+FIELDS = {"stiffness": "rope_stiffness", "extra": "unequal", "damping_ratio": "damping", "duration": "cycles"}
 """Fields of a suspension whose option is called otherwise."""
 
 

@@ -15,6 +15,7 @@ from validation.pictures.bodies import DrawnBody
 from validation.pictures.pendulum_scene import Instant
 from validation.pictures.pendulum_sheet import DrawnSwing, pendulum_animation, pendulum_picture
 from validation.swing.record import Record
+from validation.swing.setup import Setup
 from validation.swing.shifts import Simulated
 
 FRAMES_A_SECOND = 12
@@ -62,6 +63,28 @@ def drawn(found: Simulated, asked: Asked) -> DrawnSwing:
         time=record.swing.time,
         signal=record.signal,
         fit=record.decay.fitted,
+    )
+
+
+def in_the_way(setup: Setup, asked: Asked) -> str:
+    """A sentence where the article reaches out beyond the nearest rope above the ropes' feet; empty where nothing is in the way.
+
+    Raises
+    ------
+    BadInput : the article has no surface that can be drawn.
+    """
+    _, bodies, inertia, _ = drawing(setup.article, asked)
+    hanging = turned(setup.axis, setup.along)
+    points = np.concatenate([_hung(body, hanging, inertia.cog).vertices for body in bodies])
+    near = float(np.linalg.norm(setup.suspension.feet[:, :2], axis=1).min())
+    beyond = points[np.linalg.norm(points[:, :2], axis=1) > near, 2]
+    top = float(beyond.max(initial=-np.inf))
+    if top <= setup.height:
+        return ""
+    return (
+        f"{setup.article} reaches beyond the ropes up to {1000 * top:.0f} mm above its CoG, their feet are "
+        f"{1000 * setup.height:.0f} mm above it: ropes may pass through it, which the simulation does not know. "
+        f'With --height "{10 * np.ceil(100 * top):.0f} mm" they do not.'
     )
 
 

@@ -19,6 +19,16 @@ from validation.period import LEAST_CYCLES, LEAST_SAMPLES
 SMALL = 1e-3
 """Radians of a twist whose own effect on the period, 7e-8 of it, is nothing."""
 
+MOST_CYCLES = 1000
+"""Cycles of a record."""
+
+MOST_SAMPLES = 200_000
+"""Samples of a record: a thousand cycles at forty times the least."""
+
+MOST_DAMPING, DIED_AWAY = 0.1, 0.12
+"""Damping ratio ζ, and ζ² times the cycles, up to which the first look at a record, its spectrum, still finds the period.
+Clean decays are lost from 0.26 at 3 cycles, 0.17 at 8, 0.10 at 20, 0.04 at 100 on (measured)."""
+
 EFFECTS = ("amplitude", "damping", "rope-mass", "rope-stretch", "off-centre", "unequal ropes")
 """What Eq. 5 leaves out, in the order in which it is shown."""
 
@@ -122,21 +132,44 @@ def require_recordable(setup: Setup) -> None:
 
     Raises
     ------
-    BadInput : no mass or gravity, ropes that would cross or lie flat, too few cycles, too slow a recorder, negative noise.
+    BadInput : no mass or gravity, ropes that would cross or lie flat, too few cycles or too many, too slow a recorder or too
+        fast, a twist that dies away too soon, negative noise or seed.
     """
     require_positive("mass", setup.inertia.mass, "kg")
     require_positive("gravity", setup.gravity, "m/s²")
     s1, s2 = setup.s1_s2
     kappa = setup.inertia.mass * s1 * s2 / setup.reference
     rope_amplitude_factor(setup.suspension.amplitude, (max(s1, s2) / setup.suspension.length) ** 2, kappa)
-    if not setup.cycles >= LEAST_CYCLES:
-        problem = f"at least {LEAST_CYCLES} are needed for a period, found {setup.cycles:g}"
-        raise _refused("cycles", problem, "Record longer")
+    _require_cycles(setup)
     if not setup.rate > 0 or setup.rate * setup.ideal_period < LEAST_SAMPLES:
         problem = f"{setup.rate:g} Hz is {setup.rate * setup.ideal_period:.2g} samples a cycle, {LEAST_SAMPLES} are needed"
         raise _refused("rate", problem, f"Record at {np.ceil(LEAST_SAMPLES / setup.ideal_period):g} Hz or more")
-    if not setup.noise >= 0:
-        raise _refused("noise", f"it cannot be negative, found {setup.noise:g} rad", "Give a standard deviation")
+    samples = setup.cycles * setup.rate * setup.ideal_period
+    if not samples <= MOST_SAMPLES:
+        lasting = f"{setup.cycles:g} cycles of {setup.ideal_period:.3g} s"
+        problem = f"{setup.rate:g} Hz over {lasting} are {samples:.3g} samples, more than the {MOST_SAMPLES} that are kept"
+        raise _refused("rate", problem, f"Record at {0.9 * MOST_SAMPLES / setup.cycles / setup.ideal_period:.2g} Hz or less")
+    if not 0 <= setup.noise < np.inf:
+        raise _refused("noise", f"it must be finite and not negative, found {setup.noise:g} rad", "Give a standard deviation")
+    if setup.seed < 0:
+        raise _refused("seed", f"it must not be negative, found {setup.seed}", "Give a whole number from 0 on")
+
+
+def _require_cycles(setup: Setup) -> None:
+    if not LEAST_CYCLES <= setup.cycles <= MOST_CYCLES:
+        least, remedy = (f"at least {LEAST_CYCLES} are needed for a period", "Record longer")
+        if setup.cycles > MOST_CYCLES:
+            least, remedy = (f"at most {MOST_CYCLES} are recorded", f"Record {MOST_CYCLES} or fewer")
+        raise _refused("cycles", f"{least}, found {setup.cycles:g}", remedy)
+    most, ratio = min(MOST_DAMPING, np.sqrt(DIED_AWAY / setup.cycles)), setup.suspension.damping_ratio
+    if ratio > most:
+        left = np.exp(-2 * np.pi * ratio * LEAST_CYCLES / np.sqrt(1 - ratio**2))
+        problem = f"a twist damped by {ratio:g} has {100 * left:.2g} % left after {LEAST_CYCLES} of {setup.cycles:g} cycles"
+        raise _refused(
+            "damping_ratio",
+            problem,
+            f"Use {np.floor(1000 * most) / 1000:g} or less; fewer cycles bear more, up to {MOST_DAMPING:g}",
+        )
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:

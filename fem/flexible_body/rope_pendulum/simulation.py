@@ -42,6 +42,9 @@ LEAST_STEPS = 200
 RESOLVED = 1.5
 """Largest ``omega h`` of the fastest sway of ropes that do not stretch."""
 
+MOST = 20_000_000
+"""Steps times coordinates of a run: a quarter of an hour at most, on few links far less."""
+
 RADIUS = 0.9
 """Spectral radius of the generalised-alpha method at infinite frequency."""
 
@@ -107,7 +110,7 @@ def swing(
 
     Raises
     ------
-    BadInput : a size that cannot be, a rope that would have to push, or a step too coarse.
+    BadInput : a size that cannot be, a rope that would have to push, a step too coarse, or more than `MOST` to do.
     CheckFailed : no equilibrium, a rope that slacks on the way, or exudyn failed; with the time, the step and the last state.
     """
     require_positive("duration", duration, "s")
@@ -115,8 +118,12 @@ def swing(
     rest = at_rest(work)
     small = swings(work, rest)
     h, every = _steps(small, step, rate, stretching=bool(work.compliance.any()))
-    start, velocity = _start(work, rest, small, suspension)
+    bearable = coarsest_step(small, stretching=bool(work.compliance.any()))
+    _require_little(
+        work, duration, h, bearable, "step" if step is not None else "rate" if every == 1 and rate is not None else ""
+    )
     steps = every * int(np.ceil(duration / (h * every) - 1e-9))
+    start, velocity = _start(work, rest, small, suspension)
     with running(TASK) as exudyn:
         model = build(exudyn, work, start, velocity, _torsional(small, suspension), _stretching(work, suspension))
         Watch(steps=steps, step=h, progress=progress).run(model.system, _solver(exudyn, work, h, steps, every), TASK)
@@ -156,6 +163,21 @@ def _steps(small: Swings, step: float | None, rate: float | None, *, stretching:
     require_positive("rate", rate, "Hz")
     every = int(np.ceil(1 / (rate * wanted) - 1e-9))
     return 1 / (rate * every), every
+
+
+def _require_little(work: Ropework, duration: float, h: float, bearable: float, asked: str) -> None:
+    """Refuse a run of more than `MOST` steps times coordinates, blaming what `asked` for steps so short, or links, or time."""
+    much = duration / h * work.size / MOST
+    if much <= 1:
+        return
+    longer = 1.1 * h * much  # of two digits, and still enough
+    name = asked if asked and longer < bearable else "links" if work.links > 1 else "duration"
+    remedy = {"step": f"Use {longer:.2g} s or more", "rate": f"Record at {1 / longer:.2g} Hz or less"}
+    problem = f"{duration / h:.3g} steps of {work.size} coordinates each are {much:.3g} times as many as are simulated"
+    shorter = f"Swing {1.1 * much:.2g} times shorter"
+    if work.links > 1:
+        shorter = "Use fewer, 1 for a straight rope, or swing for less time"
+    raise refused(name, problem, remedy.get(name, shorter))
 
 
 def _start(work: Ropework, rest: Pose, small: Swings, suspension: Suspension) -> tuple[Pose, Array]:

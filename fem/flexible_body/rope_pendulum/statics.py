@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.flexible_body.rope_pendulum.bearing import require_light, require_pull, require_stiff, shares
 from fem.flexible_body.rope_pendulum.suspension import Suspension, refused, require_positive
 from geometry.arrays import Array
 from geometry.consistency import require_physical
@@ -107,12 +108,15 @@ def ropework(inertia: Inertia, suspension: Suspension, gravity: float) -> Ropewo
 
     Raises
     ------
-    BadInput : no body has this inertia, gravity is not positive, a rope would have to push, or the body would tip over.
+    BadInput : no body has this inertia, gravity is not positive, a rope would have to push or stretch beyond `MOST_STRAIN`, ropes
+        are heavier than the body, or the body would tip over.
     """
     require_positive("mass", inertia.mass, "kg")
     require_positive("gravity", gravity, "m/s²")
     article = require_physical(inertia, "inertia")
-    _require_pull(suspension, article.mass * gravity)
+    require_pull(suspension, article.mass * gravity)
+    require_light(suspension, article.mass)
+    require_stiff(suspension, article.mass * gravity, suspension.rope_mass * gravity)
     lump = suspension.rope_mass / suspension.ropes / suspension.links
     body = article
     for foot in suspension.feet:
@@ -201,7 +205,7 @@ def mass(work: Ropework, pose: Pose) -> Array:
 
 def _level(work: Ropework) -> Pose:
     """The level body under straight ropes as long as their load makes them, with the tension that statics gives them."""
-    share = _shares(work.feet) * work.body.mass
+    share = shares(work.feet) * work.body.mass
     below = np.arange(work.links)[::-1]  # joints below each link
     tension = work.gravity * (share[:, None] + work.point_mass * below)
     reach = np.cumsum(work.link_lengths[:, None] + work.compliance[:, None] * tension, axis=1)
@@ -209,27 +213,6 @@ def _level(work: Ropework) -> Pose:
     joints[..., 2] -= reach[:, :-1]
     place = np.array([*(work.anchors - work.feet)[0, :2], np.mean(work.anchors[:, 2] - reach[:, -1] - work.feet[:, 2])])
     return Pose(place=place, rotation=np.eye(3), joints=joints, tension=tension)
-
-
-def _shares(feet: Array) -> Array:
-    """Share of the weight on every rope (n,) of a level body whose CoG is the origin; negative where it would have to push."""
-    lever = np.vstack([np.ones(len(feet)), feet[:, :2].T])
-    return np.asarray(np.linalg.lstsq(lever, np.array([1.0, 0.0, 0.0]), rcond=None)[0])
-
-
-def _require_pull(suspension: Suspension, weight: float) -> None:
-    feet = suspension.feet
-    shares = _shares(feet)
-    if shares.min() <= 0:
-        worst = int(shares.argmin())
-        problem = f"the CoG is not between the ropes: rope {worst + 1} would have to push with {-shares[worst] * weight:.4g} N"
-        raise refused("off_centre", problem, "Hang the body so that its CoG lies between them")
-    lever = feet[:, :2] - feet[0, :2]
-    if len(feet) == 3 and abs(np.linalg.det(lever[1:])) < SMALL:
-        raise refused("feet", "three ropes in one line hold nothing more than two", "Set them on a circle")
-    if len(feet) == 2 and feet[:, 2].min() <= 0:
-        problem = f"on two ropes whose feet are {feet[:, 2].min():.4g} m above the CoG the body tips over"
-        raise refused("height", problem, "Tie them above the CoG")
 
 
 def _turned_on(work: Ropework, pose: Pose, angle: float) -> Pose:
@@ -253,7 +236,7 @@ def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
         left_over = np.concatenate([G.T @ T + weight[free], _stretched_too_far(work, pose)])
         size = np.concatenate([np.full(len(free), work.body.mass * work.gravity), np.repeat(work.link_lengths, work.links)])
         if np.abs(left_over / size).max() < SMALL:
-            return _require_taut(pose)
+            return _require_taut(work, pose)
         try:
             step = np.linalg.solve(np.block([[H, G.T], [G, -np.diag(np.repeat(work.compliance, work.links))]]), -left_over)
         except np.linalg.LinAlgError:
@@ -265,11 +248,12 @@ def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
     raise CheckFailed("the rope pendulum has no equilibrium there: statics did not converge", place=pose.place.tolist())
 
 
-def _require_taut(pose: Pose) -> Pose:
+def _require_taut(work: Ropework, pose: Pose) -> Pose:
     if pose.tension.min() <= 0:
         i = int(pose.tension.min(axis=1).argmin())
         problem = f"rope {i + 1} would have to push with {-pose.tension[i].min():.4g} N at rest"
-        raise refused("ropes", problem, "Make the ropes more equal, softer, or set them further from each other")
+        name = "extra" if np.ptp(work.link_lengths) else "off_centre"
+        raise refused(name, problem, "Make the ropes more equal, softer, or set them further from each other")
     return pose
 
 

@@ -24,6 +24,15 @@ HEIGHT = 0.1
 LINKS = 8
 """Links of a rope that has mass, where nothing else is said: its error is then 4 % of the rope's own effect (measured)."""
 
+MOST_LINKS = 20
+"""Links of a rope at most: their error is then below 1 % of the rope's own effect, and the cost grows with their cube."""
+
+LONGEST = 1000.0
+"""Longest rope [m]."""
+
+MOST_STRAIN = 0.1
+"""Strain of a rope at rest above which no spring stands for it: steel breaks at 2 %, and what stretches further is not linear."""
+
 Start = Literal["twist", "push"]
 """Let go at rest from a held twist, or pushed out of rest so that it would swing as far."""
 
@@ -159,14 +168,28 @@ def _moved(feet: npt.NDArray[np.float64], off_centre: Sequence[float], more: dic
     return Suspension(feet=feet - shift, **more)
 
 
+def _require_equal(s: Suspension) -> None:
+    """Refuse a rope longer or shorter than the others by as much as their feet are apart: the body would stand on end."""
+    across = np.linalg.norm(s.feet[:, None] - s.feet[None], axis=2)
+    apart = min(s.length, float(across[across > 0].min(initial=np.inf)))
+    worst = float(np.ptp(s.extra))
+    if not (worst < apart and s.lengths.min() > 0):
+        problem = f"ropes of {s.length:.4g} m whose feet are {apart:.3g} m apart cannot be {worst:.4g} m unequal"
+        raise refused("extra", problem, f"The body would stand on end: give well below {apart / 2:.2g} m")
+
+
 def _require_sizes(s: Suspension) -> None:
     require_positive("length", s.length, "m")
-    require_positive("length", float(s.lengths.min()), "m")
+    if s.length > LONGEST:
+        raise refused("length", f"ropes of {s.length:.6g} m are longer than {LONGEST:g} m", f"Give {LONGEST:g} m or less")
+    _require_equal(s)
     require_positive("amplitude", s.amplitude, "rad")
     if s.stiffness is not None:
         require_positive("stiffness", s.stiffness, "N")
     if not (np.isfinite(s.rope_mass) and s.rope_mass >= 0):
         raise refused("rope_mass", f"it cannot be negative, found {s.rope_mass:.6g} kg", "Give the mass of all ropes together")
+    if s.links > MOST_LINKS:
+        raise refused("links", f"at most {MOST_LINKS} a rope are simulated, found {s.links}", f"Use {MOST_LINKS} or fewer")
     if s.links < 1 or (s.links > 1 and s.rope_mass == 0):
         remedy = "Give 1, or a mass to put between them"
         raise refused("links", f"ropes of {s.rope_mass:.6g} kg cannot have {s.links} links", remedy)

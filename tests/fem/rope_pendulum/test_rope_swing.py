@@ -131,6 +131,19 @@ def test_where_the_refusal_is_overruled_exudyn_fails_and_says_when_and_where(mon
     assert np.size(caught.value.evidence["state"]) == 7 + 3 * 3 * 7
 
 
+def test_more_than_can_be_done_is_refused_and_said_of_what_asked_for_it() -> None:
+    light = three(rope_mass=1e-9, links=8)
+    for name, suspension, more in (
+        ("step", three(), {"step": 1e-9}),
+        ("rate", three(), {"rate": 1e9}),
+        ("links", light, {}),
+        ("duration", three(), {"duration": 1e5}),
+    ):
+        with pytest.raises(BadInput, match="times as many as are simulated") as caught:
+            swing(BODY, suspension, **({"duration": 10.0, "gravity": G} | more))
+        assert caught.value.field == name
+
+
 def test_ctrl_c_and_whatever_else_progress_raises_ends_the_run_as_itself() -> None:
     told: list[float] = []
 
