@@ -394,3 +394,15 @@ def test_ctrl_c_while_a_file_is_written_leaves_the_old_one(run: Run, tmp_path: P
     monkeypatch.setattr(np, "savez_compressed", lambda *a, **k: (_ for _ in ()).throw(KeyboardInterrupt))
     assert run("excite", "disc", "--band", "8", "16", *FAST, "--out", "run.npz")[0] == 130
     assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize(("level", "warned"), [("1", False), ("60", True)])
+def test_a_table_that_turns_beyond_small_motion_is_warned_of(run: Run, level: str, warned: bool) -> None:
+    code, out, err = run(
+        "excite", "cuboid", "--axis", "beta", "--octaves-per-minute", "60", "--ring-down", "0 s", "--level", level, "--json"
+    )
+    assert code == cli.DONE
+    (one,) = json.loads(out)["runs"]
+    assert one["small_motion"]["within"] is not warned
+    assert any("--route large" in warning for warning in one["warnings"]) is warned
+    assert ("beyond the limit" in err) is warned

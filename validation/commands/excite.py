@@ -37,7 +37,7 @@ from validation.commands import options
     "--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.'
 )
 @click.option("--flange", multiple=True, metavar="KEY=VALUE", help="Compliance: lateral, vertical, rotation, torsion=1e-6.")
-@click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=5 N, or x=5,mass:2.")
+@click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=3 N, or x=3,mass:2.")
 @click.option("--cable", multiple=True, metavar="LOC=K", help="Spring to the ground: mast-top=1000, mast-top:lateral=1000 N/m.")
 @click.option("--damper", multiple=True, metavar="LOC=C", help="Damper to the table: mast-top=20 N s/m.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write signals: .uff, .h5, .csv, .mat or .npz.")

@@ -22,6 +22,7 @@ from validation.progress import percent, shown
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import CrossMotion
+    from fem.base_excitation.small_motion import SmallMotion
 
 STIFF = 10.0
 """Times the highest driven frequency at which a first mode swells no load by more than 1 %."""
@@ -170,7 +171,10 @@ def _done(made: Ready, run: Run, cross: CrossMotion | None, progress: Progress, 
             step=1 / motion.sampling_rate,
             cells=cell_loads(simulated, rig.cells),
             loose=loose_parts(simulated, rig.frictions),
-            warnings=_warnings(response, _cut(ring_down.judged(length, motion), length - motion.driven)),
+            warnings=(
+                *_warnings(response, _cut(ring_down.judged(length, motion), length - motion.driven)),
+                *_turned(judge(motion), made.route.name),
+            ),
         ),
     )
 
@@ -179,6 +183,13 @@ def _warnings(response: Response, cut: str) -> tuple[str, ...]:
     """What the route warned of, and that the record is `cut`, in the words of the command line."""
     others = (warning for warning in response.warnings if not warning.startswith(CUT))
     return (*others, *([cut] if cut else []))
+
+
+def _turned(small: SmallMotion, route: str) -> tuple[str, ...]:
+    """What to do where the table turns beyond the limit of small motion; nothing where all is exact or it does not."""
+    if small.within or route == "large":
+        return ()
+    return (f"{small.text[:-1]}. Lower --level, or take --route large, which turns the table really",)
 
 
 def _cut(said: str, needed: float) -> str:
