@@ -42,13 +42,16 @@ def probe(path: Path) -> None:
 def probe_folder(folder: Path) -> None:
     """Try whether files could be written into `folder`; nothing is left behind.
 
-    A folder that is missing need not be made yet, but the one that it would lie in must be there.
+    A folder that is missing need not be made yet, but the one that it would lie in must be there; below the working folder, where
+    ``out/swing`` is meant, both may be missing.
 
     Raises
     ------
     OSError : there is no such folder, or nothing can be written into it.
     """
     there = folder if folder.exists() else folder.resolve().parent
+    if not there.exists() and there.is_relative_to(Path.cwd()):
+        there = next(parent for parent in there.parents if parent.exists())
     handle, name = tempfile.mkstemp(prefix=".probe-", dir=there)
     os.close(handle)
     Path(name).unlink()

@@ -96,3 +96,9 @@ def test_what_cannot_be_written_is_known_beforehand(tmp_path: Path, name: str) -
 def test_a_folder_that_takes_no_file_is_known_beforehand(folder: str) -> None:
     with pytest.raises(OSError, match=r"\S"):
         probe_folder(Path(folder))
+
+
+def test_below_the_working_folder_several_folders_may_be_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    probe_folder(Path("out") / "swing" / "deeper")
+    assert not list(tmp_path.iterdir())
