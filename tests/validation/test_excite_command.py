@@ -336,7 +336,7 @@ def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statical
         (["clumod-1", "--model", "exudyn", "--cable", "mast-top=1000"], "Use --model beam or solid"),
         (["clumod-1", "--out", "run.xls"], "a run is written as .uff, .unv, .h5, .hdf5, .csv, .mat, .npz, found .xls"),
         (["clumod-1", "--out", ""], "--out: no file is named"),
-        (["clumod-1", "--out", "../nowhere/deep/run.h5"], "--out: nowhere/deep/run.h5 cannot be written"),
+        (["clumod-1", "--out", "../nowhere/deep/run.h5"], "--out: ../nowhere/deep/run.h5 cannot be written"),
         (["clumod-1", "--out", "/dev/null/run.h5"], "--out: /dev/null/run.h5 cannot be written: Not a directory"),
         (["clumod-1", "--animate", "--pattern", "random"], "random passes no resonance"),
         (["clumod-1", "--animate", "--route", "large"], "the large route keeps no coordinates"),
