@@ -16,7 +16,7 @@ from fem.base_excitation.response import Response
 from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from identification.dynamic_mass import Estimate, from_runs
-from identification.spectra import full_record
+from identification.spectra.full_record import full_record
 
 BANDWIDTHS = 5.0
 """A line is at a resonance when it lies within so many half-power half-widths zeta f of it."""

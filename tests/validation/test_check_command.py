@@ -137,7 +137,7 @@ def test_what_is_no_campaign_is_refused_in_one_sentence(run: Run, name: str) -> 
 
 def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_path: Path) -> None:
     from identification.recording import Recording
-    from identification.spectra import full_record
+    from identification.spectra.full_record import full_record
 
     lines = np.linspace(4.0, 32.0, 57)
     recordings = {

@@ -123,7 +123,7 @@ def _spectra(made: Ready, one: Done) -> Spectra:
     """The load along the driven axis in time and frequency, and over the acceleration, by the Fourier integral of the record."""
     from scipy.signal import spectrogram
 
-    from identification.spectra import full_record
+    from identification.spectra.full_record import full_record
 
     driven, response, (low, high) = one.run.axes[0], one.response, made.question.drive.band
     n = len(response.load)

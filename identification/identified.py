@@ -1,0 +1,52 @@
+"""`Identified`: ten inertia parameters with their covariance, and where their uncertainty comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+from geometry.arrays import Array, frozen
+from geometry.inertia import Inertia
+from identification.elastic.terms import ElasticTerms
+
+PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
+"""Order of Eq. 4."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identified:
+    """One result of one way of identification.
+
+    Attributes
+    ----------
+    way : "plain" (Eqs. 6 to 11, then Eqs. 1 and 4) or "self-calibrated"
+    inertia : about the reference point of the campaign, F
+    covariance : (10, 10) of the parameters of Eq. 4 about the same point, every tolerance in it
+    band : (low, high) [Hz]
+    elastic : auxiliary terms; None when the structure was taken for rigid
+    shares : by the name of an input (noise, "force-gain", "accelerometer-position", "tare", "elasticity", ...) its share of the
+        variance of each of the ten, (10,); they add up to 1
+    misfit : chi² for each degree of freedom; nan where noise is not known
+    surprise : sum z² of the tolerances that were estimated; 0 for the plain way
+    converged : whether the iteration ended by itself
+    warnings : sentences
+    """
+
+    way: str
+    inertia: Inertia
+    covariance: Array
+    band: tuple[float, float]
+    elastic: ElasticTerms | None = None
+    shares: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    misfit: float = float("nan")
+    surprise: float = 0.0
+    converged: bool = True
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "covariance", frozen(self.covariance, (10, 10), "covariance"))
+        shares = {name: frozen(np.asarray(share), (10,), f"shares.{name}") for name, share in self.shares.items()}
+        object.__setattr__(self, "shares", MappingProxyType(shares))

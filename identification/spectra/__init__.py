@@ -1,0 +1,1 @@
+"""Spectra: from the time histories of a campaign to complex lines of every channel."""
