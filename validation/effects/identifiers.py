@@ -18,7 +18,6 @@ from geometry.keys import nearest
 from validation.effects.families import FAMILIES, Family, Size
 from validation.effects.targets import Vocabulary, built_in_places
 
-
 MISTAKEN_UNIT = "unit"
 """The family whose value may be a word."""
 
