@@ -325,7 +325,7 @@ FAMILIES: Mapping[str, Family] = {
     ),
     "mains": Family(
         side=PROCESSING,
-        what="amplitude of the mains hum in every channel, in noise floors of the channel",
+        what="mains hum in every channel, as a factor on the ordinary one",
         sizes=(Size(unit="1", low=0.0, high=1e4),),
         example="mains=5",
     ),

@@ -57,6 +57,11 @@ class Named:
         return self.values.get("", 1.0)
 
     @property
+    def what(self) -> str:
+        """The family in a few words."""
+        return FAMILIES[self.family].what
+
+    @property
     def sizes(self) -> tuple[Size, ...]:
         """What the catalogue says of its values."""
         return FAMILIES[self.family].sizes_at(self.targets)

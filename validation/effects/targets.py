@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
+from geometry.inertia import PARAMETERS
 from geometry.sensors import ChannelTable
 
 AXES = ("x", "y", "z")
 LATERAL = ("x", "y")
 CELLS = ("1", "2", "3", "4")
 JOINT = ("rotation", "lateral", "vertical", "torsion")
-PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 PARTS = ("mast", "lower-1", "lower-2", "upper-long", "upper-short")
 
 TABLE = ("table-z1", "table-z2", "table-z3", "table-x1", "table-y1", "table-y2")

@@ -1,1 +1,1 @@
-"""The effects of the catalogue planted in a virtual test: what each of them changes, and where on the way from table to record."""
+"""The effects of the catalogue in a virtual test: what each of them changes, and where on the way from table to record."""

@@ -13,6 +13,7 @@ import numpy as np
 from validation.effects.identifiers import Named
 from validation.effects.targets import AXES, COVER, FMD, TABLE
 from validation.virtual_test.chain_truth import ChainTruth
+from validation.virtual_test.plan import MAINS
 
 Change = Callable[[ChainTruth], ChainTruth]
 
@@ -66,9 +67,7 @@ def plane_offset(named: Named) -> Change:
 
 def compliance(named: Named) -> Change:
     """All cells give so many times as much."""
-    return lambda chain: replace(
-        chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit(named.target, COMPLIANT))
-    )
+    return lambda chain: replace(chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit(named.target, COMPLIANT)))
 
 
 def cell_stiffness(named: Named) -> Change:
@@ -108,8 +107,9 @@ def noise(named: Named) -> Change:
 
 
 def mains(named: Named) -> Change:
-    """Hum of so many noise floors in every channel."""
-    return lambda chain: replace(chain, mains={name: named.value * rms for name, rms in chain.noise_rms.items()})
+    """So many times the ordinary hum in every channel, instead of what there is."""
+    ordinary = dict.fromkeys((*TABLE, *COVER), MAINS["acceleration"]) | dict.fromkeys(FMD, MAINS["force"])
+    return lambda chain: replace(chain, mains={name: named.value * size for name, size in ordinary.items()})
 
 
 def along(axis: str) -> tuple[str, ...]:

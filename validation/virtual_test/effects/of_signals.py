@@ -1,4 +1,4 @@
-"""Effects on the way of a signal: what a charge amplifier lets through, a plate that gives, a sensor at its limit, crossed plugs."""
+"""Effects on the way of a signal: an amplifier's corner, a plate that gives, a sensor at its limit, crossed plugs."""
 
 from __future__ import annotations
 
