@@ -10,8 +10,8 @@ An effect leaves alone what it does not name. Several act in their order, each o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
@@ -68,7 +68,7 @@ class Effect:
     """
 
     id: str
-    value: Sequence[tuple[str, float]] = ()
+    value: Mapping[str, float] = field(default_factory=dict)
     chain: Callable[[ChainTruth], ChainTruth] = same
     rig: Callable[[Rig], Rig] = same
     signals: Callable[[Sensed], Sensed] = same
