@@ -102,6 +102,7 @@ def _recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
         table=lab.layout.table,
         sampling_rate=response.sampling_rate,
         run=run.name,
+        level=run.level,
         response=response,
         generator=generator,
     )

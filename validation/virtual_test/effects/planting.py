@@ -62,7 +62,7 @@ def _planted(named: Named) -> Effect:
     if named.family not in PLANTS:
         raise _refused(named)
     where, maker = PLANTS[named.family]
-    return Effect(id=named.id, value=dict(named.values), **{where: maker(named)})  # type: ignore[arg-type]  # one of the four places
+    return Effect(id=named.id, value=dict(named.values), **{where: maker(named)})
 
 
 def _refused(named: Named) -> BadInput:
