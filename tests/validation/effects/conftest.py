@@ -1,6 +1,6 @@
 """A small, fast virtual test without any error: all six axes swept at once, a block on the FMD."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.sensors import ChannelTable, motion_rows, resultants
 from validation.effects.identifiers import parse_all
+from validation.virtual_test import simulate
 from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.plan import MULTI, RIGID, Plan, exact
 from validation.virtual_test.runs import runs
@@ -60,6 +61,14 @@ class Recorded:
 
 
 Recorder = Callable[..., Recorded]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def short_rest() -> Iterator[None]:
+    """A rigid block on stiff cells rings for milliseconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulate, "RING_DOWN", 1.0)
+        yield
 
 
 @pytest.fixture(scope="session")
