@@ -40,7 +40,7 @@ class Sensed:
     table : the nominal channels, as in the file
     sampling_rate : [Hz]
     run : name of the run
-    response : what table, cover plate and cells really did, at the rate of the simulation
+    response : what table, cover plate and cells really did, at the rate of the simulation; None for what was recorded
     generator : of whatever the effect draws, the run's own
     """
 
@@ -48,7 +48,7 @@ class Sensed:
     table: ChannelTable
     sampling_rate: float
     run: str
-    response: Response
+    response: Response | None
     generator: np.random.Generator
 
     def column(self, channel: str) -> int:
