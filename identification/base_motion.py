@@ -1,12 +1,12 @@
-"""Base motion from accelerometers: the paper's Eqs. 2, 3, 6 and 7 on spectra, and how far the accelerometers contradict each other.
+"""Base motion from accelerometers: the paper's Eqs. 2, 3, 6 and 7 on spectra, and how far accelerometers contradict each other.
 
-What accelerometers on a rigid cover plate read is y = G u, with a row d^T [G] each (Eq. 3). Six motions u of the reference point F
-follow from more than six readings by weighted least squares (Eq. 2; Eq. 7 with equal weights)
+What accelerometers on a rigid cover plate read is y = G u, with a row d^T [G] each (Eq. 3). Six motions u of the reference
+point F follow from more than six readings by weighted least squares (Eq. 2; Eq. 7 with equal weights)
 
     u = (G^T W G)^-1 G^T W y
 
-with W the inverse noise variance. What is left, y - G u, is the only thing that the data say about themselves: eight readings of six
-motions leave two combinations that must be zero.
+with W the inverse noise variance. What is left, y - G u, is the only thing that the data say about themselves: eight readings
+of six motions leave two combinations that must be zero.
 
 Pick-ups of the table and of the cover plate are never used together unless asked for: load cells give way between them.
 """
@@ -140,13 +140,13 @@ def in_sigmas(residual: ComplexArray, expected: Array) -> Array:
     known = expected > 0
     ratio = np.abs(residual) / np.where(known, expected, 1.0)
     found = np.sqrt(np.mean(ratio**2, axis=1))
-    return np.where(known.all(axis=1), found, np.nan)
+    return np.asarray(np.where(known.all(axis=1), found, np.nan))
 
 
 def in_percent(residual: ComplexArray, readings: ComplexArray) -> Array:
     """(r, k): rms over the lines of (r, n, k) residuals in per cent of the rms reading of all channels of the run."""
     level = np.sqrt(np.mean(np.abs(readings) ** 2, axis=(1, 2)))[:, None]
-    return 100 * np.sqrt(np.mean(np.abs(residual) ** 2, axis=1)) / np.where(level > 0, level, 1.0)
+    return np.asarray(100 * np.sqrt(np.mean(np.abs(residual) ** 2, axis=1)) / np.where(level > 0, level, 1.0))
 
 
 def _complete(table: ChannelTable, groups: Sequence[str]) -> tuple[int, ...]:

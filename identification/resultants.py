@@ -130,7 +130,8 @@ def _complete(table: ChannelTable) -> tuple[int, ...]:
 def _words(row: Array, names: Sequence[str]) -> str:
     largest = float(np.abs(row).max())
     parts = [(value / largest, name) for value, name in zip(row, names, strict=True) if value]
-    said = [
-        f"{'-' if value < 0 else '+'} {'' if abs(abs(value) - 1) < 1e-6 else f'{abs(value):.3g} '}{name}" for value, name in parts
-    ]
-    return " ".join(said).removeprefix("+ ")
+    return " ".join(f"{'-' if value < 0 else '+'} {_factor(abs(value))}{name}" for value, name in parts).removeprefix("+ ")
+
+
+def _factor(size: float) -> str:
+    return "" if abs(size - 1) < 1e-6 else f"{size:.3g} "

@@ -67,7 +67,7 @@ def density(campaign: Campaign) -> Density | None:
     total = powers.sum(axis=1)
     kept = total <= STILL * total.min(axis=0)
     mean = np.sum(powers * kept[:, None, :], axis=0) / kept.sum(axis=0)
-    frequency = np.fft.rfftfreq(length, 1 / rate)
+    frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), dtype=np.float64)
     return Density(frequency=frequency, values=_smoothed(mean, frequency, kept.sum(axis=0)), segments=kept.sum(axis=0))
 
 

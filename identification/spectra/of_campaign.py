@@ -1,12 +1,12 @@
 """From a campaign to its `Spectra`: every run on one grid of lines, with noise and quality.
 
-*Time histories* become spectra of the full record (default: it is right at light damping, too) or the paper's peak-reference-hold. A
-straight line, offset and drift, is taken off every channel first: an offset D leaks up to D/(pi f) into a line, 0.08 s D at 4 Hz,
-where a sweep of 2.5 m/s² reads about 4 m/s² s. The line is fitted to the whole record, the same for all channels, so the sweep
-itself loses no more than a few parts in 1e5 of a line.
+*Time histories* become spectra of the full record (default: it is right at light damping, too) or the paper's
+peak-reference-hold. A straight line, offset and drift, is taken off every channel first: an offset D leaks up to D/(pi f) into a
+line, 0.08 s D at 4 Hz, where a sweep of 2.5 m/s² reads about 4 m/s² s. The line is fitted to the whole record, the same for all
+channels, so the sweep itself loses no more than a few parts in 1e5 of a line.
 
-*Spectra in the files* stay as they are: their lines may be chosen, but nothing is interpolated, since between two lines of a lightly
-damped resonance lies more than a straight line.
+*Spectra in the files* stay as they are: their lines may be chosen, but nothing is interpolated, since between two lines of a
+lightly damped resonance lies more than a straight line.
 """
 
 from __future__ import annotations
@@ -70,17 +70,16 @@ def spectra(
 def reference_channel(table: ChannelTable, run: Run, recorded: Recording) -> str:
     """The pilot for peak-reference-hold: among the channels marked `reference` the one that sees most of the driven axis.
 
-    Of several that see it alike, the one that sees least of the other axes. Without marked channels those of the table serve, then
-    those of the cover plate; a pattern of several axes takes the one that reads most.
+    Of several that see it alike, the one that sees least of the other axes. Without marked channels those of the table serve,
+    then those of the cover plate; a pattern of several axes takes the one that reads most.
 
     Raises
     ------
     BadInput : no accelerometer on table or cover plate.
     """
     pilots = [k for k, channel in enumerate(table.channels) if channel.reference and channel.quantity == "acceleration"]
-    chosen = (
-        pilots or table.select(group="table", quantity="acceleration") or table.select(group="cover", quantity="acceleration")
-    )
+    below, above = (table.select(group=group, quantity="acceleration") for group in ("table", "cover"))
+    chosen = pilots or below or above
     if not chosen:
         remedy = "Mark one with reference = true, or use full-record spectra"
         raise BadInput(source="channel", field="reference", problem="no channel can serve as reference", remedy=remedy)
@@ -110,7 +109,7 @@ def _recordings(campaign: Campaign, method: str) -> list[Recording]:
 def _grid(campaign: Campaign, frequency: npt.ArrayLike | None) -> Array:
     if frequency is None:
         of = campaign.processing or Processing()
-        return of.start + of.step * np.arange(round((of.stop - of.start) / of.step) + 1)
+        return np.asarray(of.start + of.step * np.arange(round((of.stop - of.start) / of.step) + 1), dtype=np.float64)
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     if lines.ndim != 1 or not len(lines) or not np.all(np.isfinite(lines)) or lines[0] <= 0 or np.any(np.diff(lines) <= 0):
         raise _refused(campaign, "frequency", "lines must ascend above 0 Hz", "Give them so")

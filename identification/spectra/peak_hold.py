@@ -1,9 +1,9 @@
 """The paper's peak-reference-hold spectra, and the same operator on a model.
 
 A record is cut into overlapping blocks behind a Hann window. Of each line of the native grid the block counts in which the
-*reference* channel is largest - for a sweep the one that passes the line - and *all* channels are taken from that block. Neighbouring
-lines come from different blocks, whose phases have nothing to do with each other; so every line is turned until the reference
-is real, and only then interpolated to the grid that is asked for. Spectra are amplitudes [unit], not densities: a sine of
+*reference* channel is largest - for a sweep the one that passes the line - and *all* channels are taken from that block.
+Neighbouring lines come from different blocks, whose phases have nothing to do with each other; so every line is turned until the
+reference is real, and only then interpolated to the grid that is asked for. Spectra are amplitudes [unit], not densities: a sine of
 amplitude 1 reads 1.
 
 A block of 15 s holds neither the run-up of a lightly damped resonance nor its ring-down, so the quotient of two such spectra
@@ -121,7 +121,7 @@ def applied(
 def model_lines(samples: int, rate: float, band: tuple[float, float]) -> Array:
     """Lines (n,) [Hz] within `band` at which `applied` needs the model: those of the record, padded to twice its length."""
     every = np.fft.rfftfreq(_padded(samples), 1 / rate)
-    return every[(every >= band[0]) & (every <= band[1])]
+    return np.asarray(every[(every >= band[0]) & (every <= band[1])], dtype=np.float64)
 
 
 def hann(size: int) -> Array:
@@ -159,7 +159,7 @@ def _native(samples: int, rate: float, lines: Array, block_size: int, overlap: f
         problem = f"lines from {2 * step:g} to {rate / 2:g} Hz can be told, found {lines[0]:g} to {lines[-1]:g} Hz"
         raise _refused(source, "frequency", problem, "Ask for lines within, or take longer blocks")
     first, last = int(np.floor(lines[0] / step)), int(np.ceil(lines[-1] / step))
-    return np.arange(first, min(last, block_size // 2) + 1) * step
+    return np.asarray(np.arange(first, min(last, block_size // 2) + 1) * step, dtype=np.float64)
 
 
 def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:

@@ -7,7 +7,8 @@ accelerometers read six motions, eight load-cell channels six resultants. The qu
 
 the smaller of the share of the accelerations that a rigid motion explains and the share of the forces that cells of equal
 stiffness explain (V: the orthonormal combinations that must balance). It is 1 where nothing is redundant: then nothing is tested.
-Cells whose stiffnesses differ by 5 % cost about 0.001, noise of 1 % of the signal 0.0001 or less, an inverted channel a tenth and more.
+Cells whose stiffnesses differ by 5 % cost about 0.001, noise of 1 % of the signal 0.0001 or less, an inverted channel a tenth
+and more.
 """
 
 from __future__ import annotations

@@ -53,10 +53,10 @@ def _of_run(name: str, recorded: Recording, floors: Array) -> tuple[str, str]:
     begins = (rms[0] > still) & (first > JERK / IN_MOTION * still)
     began = (
         "begins in motion",
-        "what went before its first sample is missing from the spectra",
+        "what went before is missing from its spectra",
         "Start recording before the drive",
     )
-    ended = "ends before the ring-down", "what would have followed is missing from the spectra", "Record longer"
+    ended = "ends before the ring-down", "what would have followed is missing from its spectra", "Record longer"
     words = tuple(recorded.names)
     return _said(name, words, rms[0], level, begins, began), _said(name, words, last[0], level, last[0] > still, ended)
 
