@@ -4,7 +4,7 @@ Priors keep what the data do not say: a structure is lightly damped (a factor of
 the band unless the data say otherwise, and coupling of damping does not exceed what its two modes have. Against data they weigh
 nothing: a resonance tells ln f a thousand times better.
 
-Source: Marquardt, J. SIAM 11 (1963) 431; scaling of the damping by the diagonal.
+Source: Marquardt, J. SIAM 11 (1963) 431; its damping as in Nielsen, IMM-REP-1999-05, Technical University of Denmark.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ COUPLING = 0.3
 TIGHTEST = 0.95
 """Largest rho: at 1 a pair would have a motion without damping."""
 
-ENOUGH = 1e-3
-"""Gain of chi² that is no gain: a thirtieth of a standard deviation."""
+ENOUGH = 0.03
+"""Gain of chi² that is no gain: a sixth of a standard deviation."""
 
 HOPELESS = 1e8
 """Damping at which a step is too short to gain by anything but rounding."""
@@ -69,19 +69,20 @@ class Refined:
 
 
 def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, accuracy: float = 1e-6) -> Refined:
-    """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost or a thousandth.
+    """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost and `ENOUGH`.
 
     Not converged when `iterations` steps did not do; none only linearises at `start`.
     """
-    at, damping = linearised(start, layout, lines), 1e-3
+    at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
         trial, predicted = _step(at, damping)
         left = _residual(trial, layout, lines)
         gained = at.cost - float(left @ left)
         if gained > 0:
-            at, damping = linearised(trial, layout, lines), damping * (0.1 if gained > 0.5 * predicted else 1.0)
+            at, rise = linearised(trial, layout, lines), 2.0
+            damping *= max(0.1, 1 - (2 * gained / predicted - 1) ** 3)
         else:
-            damping = max(10 * damping, 1e-8)
+            damping, rise = damping * rise, 2 * rise
         if damping > HOPELESS or max(gained, predicted) < accuracy * at.cost + ENOUGH:
             return replace(at, converged=True)
     return at
