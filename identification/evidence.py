@@ -1,4 +1,4 @@
-"""What a joint identification is told besides the spectra of the article: tares, an FMD known from before, classical facts, settings.
+"""What an identification is told: spectra of the article, tares, an FMD known from before, classical facts, settings.
 
 Every inertia here is about the reference point F of the campaigns, in their axes.
 """

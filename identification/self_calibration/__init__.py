@@ -1,4 +1,4 @@
-"""Self-calibration: every tolerance of the measurement chain estimated together with the article, over tare and article campaigns."""
+"""Self-calibration: tolerances of the measurement chain estimated together with the article, over tares and article."""
 
 from identification.self_calibration.calibrated import calibrated
 
