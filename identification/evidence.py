@@ -9,11 +9,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
-from geometry.inertia import PARAMETERS, Inertia
+from geometry.inertia import Inertia
 from geometry.tolerances import Tolerances
+from identification.base_motion import STANDARD_GRAVITY
+from identification.request import CONDITION_LIMIT, Fact, Request, Tare
 from identification.spectra.line_spectra import Spectra
 
 KNOWN_RELATIVE = 3e-4
@@ -63,8 +64,8 @@ def scale(inertia: Inertia) -> Array:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Tare:
-    """A campaign on an article that is known.
+class TareSpectra:
+    """What a campaign on a known article read.
 
     Attributes
     ----------
@@ -81,30 +82,27 @@ class Tare:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Fact:
-    """A classical result: a linear combination of the article's ten parameters about F that was measured some other way.
+class Evidence:
+    """Everything that one identification may use.
 
     Attributes
     ----------
-    name : "weighing", "CoG z by crane" ...; results with the same name are reported together
-    row : (10,) so that ``row @ parameters = value``, order of Eq. 4
-    value, deviation : in the unit of the combination; the deviation is one standard deviation
+    article : spectra of the article on the FMD
+    tares : campaigns on known articles, none at all where the result is to include the FMD or `fmd` is given
+    fmd : what is known of the FMD from before (`identification.tare.fmd`, a model file); None where only the tares tell it
+    facts : classical results on the article
+    hardware : id of FMD and sensors of the article's campaign
     """
 
-    name: str
-    row: Array
-    value: float
-    deviation: float
+    article: Spectra
+    tares: tuple[TareSpectra, ...] = ()
+    fmd: Known | None = None
+    facts: tuple[Fact, ...] = ()
+    hardware: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "row", frozen(self.row, (10,), "row"))
-        if not 0 < self.deviation < np.inf:
-            raise ValueError(f"`deviation` must be positive and finite, found {self.deviation}")
-
-    @staticmethod
-    def of_parameter(name: str, parameter: str, value: float, deviation: float) -> Fact:
-        """A value of one of `PARAMETERS`."""
-        return Fact(name=name, row=np.eye(10)[PARAMETERS.index(parameter)], value=value, deviation=deviation)
+        object.__setattr__(self, "tares", tuple(self.tares))
+        object.__setattr__(self, "facts", tuple(self.facts))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,34 +112,51 @@ class Settings:
     Attributes
     ----------
     tolerances : of the measurement chain, one standard deviation each
-    stiffness : (4, 3) or (3,) [N/m] of the load cells along x, y, z; None where it is not known
-    elastic : "auto" finds as many modes as the data shows, "rigid" takes the structure for rigid; a number asks for so many modes
+    stiffness : (3,) [N/m] of one load cell along x, y, z; None where it is not known
+    gravity : [m/s²]
+    modes : number of elastic modes; None lets the data choose, 0 takes every structure for rigid
     floor : model-error floor, relative to the level of a channel
-    mixed_hardware : whether campaigns of other hardware may be combined, sharing neither chain nor FMD
+    any_hardware : whether campaigns of other hardware are combined all the same, sharing neither chain nor FMD
+    condition_limit : scaled condition number above which the plain way leaves a line out
     """
 
     tolerances: Tolerances = field(default_factory=Tolerances)
-    stiffness: npt.ArrayLike | None = None
-    elastic: str | int = "auto"
+    stiffness: Array | None = None
+    gravity: float = STANDARD_GRAVITY
+    modes: int | None = None
     floor: float = FLOOR
-    mixed_hardware: bool = False
+    any_hardware: bool = False
+    condition_limit: float = CONDITION_LIMIT
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Evidence:
-    """Everything that one identification may use.
+def evidence_of(request: Request, article: Spectra, tares: Sequence[Spectra], fmd: Known | None = None) -> Evidence:
+    """The evidence of `request`, whose campaigns have the spectra `article` and, in their order, `tares`.
 
-    Attributes
-    ----------
-    article : spectra of the article on the FMD
-    tares : campaigns on known articles, none at all where the result is to include the FMD or `fmd` is given
-    fmd : the FMD from before (`identification.tare.fmd`, a model file); None where only the tares tell it
-    facts : classical results on the article
-    hardware : id of FMD and sensors of the article's campaign
+    A nominal FMD of the request is taken to be known within the tolerance of an FMD; `fmd` goes before it.
     """
+    nominal = None if request.fmd is None else Known.within(request.fmd, request.tolerances.fmd_inertia)
+    return Evidence(
+        article=article,
+        tares=tuple(_tare(asked, read) for asked, read in zip(request.tares, tares, strict=True)),
+        fmd=fmd or nominal,
+        facts=request.facts,
+        hardware=request.campaign.hardware,
+    )
 
-    article: Spectra
-    tares: Sequence[Tare] = ()
-    fmd: Known | None = None
-    facts: Sequence[Fact] = ()
-    hardware: str = ""
+
+def settings_of(request: Request) -> Settings:
+    """How `request` wants it done."""
+    return Settings(
+        tolerances=request.tolerances,
+        stiffness=request.cell_stiffness,
+        gravity=request.campaign.gravity,
+        modes=request.modes,
+        any_hardware=request.any_hardware,
+        condition_limit=request.condition_limit,
+    )
+
+
+def _tare(asked: Tare, read: Spectra) -> TareSpectra:
+    known = Known.nothing() if asked.known is None else Known.within(asked.known, asked.relative_sd)
+    name = asked.campaign.title or asked.campaign.source
+    return TareSpectra(spectra=read, known=known, hardware=asked.campaign.hardware, name=name)

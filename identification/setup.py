@@ -16,6 +16,7 @@ from geometry.inertia import Inertia
 from identification.base_motion import base_motion
 from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.terms import ElasticTerms
+from identification.evidence import Settings
 from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
 
@@ -39,8 +40,8 @@ class Setup:
     terms: ElasticTerms
 
 
-def setup(spectra: Spectra, elastic: str | int = "rigid") -> Setup:
-    """The set-up of `spectra`, "rigid", or with so many modes, or with as many as the data shows ("auto")."""
+def setup(spectra: Spectra, settings: Settings) -> Setup:
+    """The set-up of `spectra`, rigid or with elastic terms as `settings.modes` asks."""
     motion, load = base_motion(spectra).values, resultants(spectra).values
     estimate = from_runs(load, motion, spectra.frequency, spectra.table.origin)
     return Setup(motion=motion, load=load, estimate=estimate, ten=_rigid(estimate), terms=ElasticTerms())

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from identification.evidence import Known, Settings, Tare
+from identification.evidence import Known, Settings, TareSpectra
 
 _DEFAULT = Settings()
 
 
 def fmd(
-    tares: Sequence[Tare],
+    tares: Sequence[TareSpectra],
     settings: Settings = _DEFAULT,
     *,
     self_calibrated: bool = True,

@@ -6,8 +6,15 @@ from collections.abc import Callable
 
 from identification.evidence import Evidence, Settings
 from identification.identified import Identified
+from identification.self_calibration.assembly import Assembly, assembled
+from identification.self_calibration.problem import normals, total
+from identification.self_calibration.result import identified
+from identification.self_calibration.solve import Solution, minimise
 
 _DEFAULT = Settings()
+
+ANNEALED = (0.02, 0.005)
+"""Model-error floors that come before the one asked for: a coarse likelihood is smoother, and its minimum is found from farther."""
 
 
 def calibrated(
@@ -23,7 +30,18 @@ def calibrated(
 
     Raises
     ------
-    BadInput : tare and article of different `hardware` without `settings.mixed_hardware`; a channel table that differs.
-    CheckFailed : the iteration does not converge.
+    BadInput : tare and article of different `hardware` without `settings.any_hardware`; a channel table that differs.
     """
-    raise NotImplementedError  # pragma: no cover
+    problem = assembled(evidence, settings)
+    return identified(problem, fitted(problem, settings, progress=progress), settings)
+
+
+def fitted(problem: Assembly, settings: Settings, *, progress: Callable[[float], None] | None = None) -> Solution:
+    """The joint minimum, down through the annealed floors."""
+    layout, (rows, values, _) = problem.layout, problem.layout.knowledge
+    x = layout.start
+    for floor in [one for one in ANNEALED if one > settings.floor]:
+        parts = problem.parts(floor)
+        x = minimise(lambda x, parts=parts: total(normals(parts, layout, x)), x, rows, values, close=0.3, most=8).x
+    parts = problem.parts(settings.floor)
+    return minimise(lambda x: total(normals(parts, layout, x)), x, rows, values, progress=progress)

@@ -92,8 +92,14 @@ class Layout:
             begin += len(one)
         raise KeyError(name)
 
-    def __contains__(self, name: object) -> bool:
-        return any(one.name == name for one in self.blocks)
+    def block(self, name: str) -> Block:
+        """The block `name`."""
+        return next(one for one in self.blocks if one.name == name)
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """(k,) name of the block of every parameter."""
+        return tuple(one.name for one in self.blocks for _ in one.names)
 
     @property
     def start(self) -> Array:

@@ -19,9 +19,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import ComplexArray
+from identification.measurement_chain import Derivative
 from identification.spectra.line_spectra import Spectra
 
 SMOOTHED = 0.2
@@ -53,16 +55,15 @@ class Observed:
         return 2 * runs * lines * (channels - 6)
 
 
-def observed(spectra: Spectra, lines: Sequence[int] | Array, floor: float) -> Observed:
-    """The chosen `lines` (indices) of `spectra`, with noise and a model-error `floor` relative to the level of each channel.
+def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.int64], floor: float) -> Observed:
+    """The chosen `channels` and `lines` (indices) of `spectra`, with a model-error `floor` relative to the level of each channel.
 
     E|noise|² = sd² is shared by real and imaginary part.
     """
-    chosen = np.asarray(lines, dtype=np.int64)
-    values = spectra.values[:, chosen]
-    variance = np.square(spectra.noise[:, chosen]) + np.square(floor * level(spectra)[:, chosen])
-    tiny = np.finfo(np.float64).tiny
-    return Observed(frequency=spectra.frequency[chosen], values=values, weight=np.sqrt(2 / np.maximum(variance, tiny)))
+    chosen = np.ix_(np.arange(len(spectra.runs)), lines, channels)
+    variance = np.square(spectra.noise[chosen]) + np.square(floor * level(spectra)[chosen])
+    weight = np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny))
+    return Observed(frequency=spectra.frequency[lines], values=spectra.values[chosen], weight=weight)
 
 
 def level(spectra: Spectra) -> Array:
@@ -82,14 +83,14 @@ class Rows:
     ----------
     a0, a1 : (n, c, 6) of A = A0 + A1 H
     dynamic_mass : (n, 6, 6)
-    chain : for every parameter of the chain the indices of the channels that it touches and dA of these, (n, len(channels), 6)
+    chain : for every parameter of the chain the channels that it touches, and dA of these
     structure : (n, 6, 6, k) dH of the structural parameters
     """
 
     a0: ComplexArray
     a1: ComplexArray
     dynamic_mass: ComplexArray
-    chain: Sequence[tuple[Array, ComplexArray]] = ()
+    chain: Sequence[Derivative] = ()
     structure: ComplexArray | None = None
 
 
@@ -138,8 +139,8 @@ def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:
     lines, channels = w.shape
     structural = 0 if rows.structure is None else rows.structure.shape[-1]
     V = np.zeros((lines, channels, len(rows.chain) + structural), dtype=np.complex128)
-    for k, (touched, change) in enumerate(rows.chain):
-        V[:, touched, k] = (change @ u[..., None])[..., 0]
+    for k, change in enumerate(rows.chain):
+        V[:, change.channels, k] = (change.rows @ u[..., None])[..., 0]
     if rows.structure is not None:
         load = np.einsum("nijk,nj->nik", rows.structure, u, optimize=True)
         V[:, :, len(rows.chain) :] = rows.a1 @ load

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from identification.measurement_chain import Chain
@@ -24,19 +25,19 @@ class Part:
     name : for messages
     observed : at the lines that are used
     chain : of its channels
-    chain_block : its offsets in the joint vector; campaigns of the same hardware name the same one
+    offsets : (p,) where the offsets of its chain stand in the joint vector; campaigns of the same hardware share them
     structure : what stood on the load cells
     """
 
     name: str
     observed: Observed
     chain: Chain
-    chain_block: str
+    offsets: npt.NDArray[np.int64]
     structure: Structure
 
     def rows(self, layout: Layout, x: Array, *, changes: bool = True) -> Rows:
         """The linear model at `x`, with its derivatives where `changes`."""
-        theta, f = x[layout.at(self.chain_block)], self.observed.frequency
+        theta, f = x[self.offsets], self.observed.frequency
         H = self.structure.dynamic_mass(layout, x, f)
         a0, a1 = self.chain.rows(theta, f)
         if not changes:
@@ -46,10 +47,8 @@ class Part:
 
     def selection(self, layout: Layout) -> Array:
         """(own, len(layout)): chain offsets, the ten and the elastic parameters from the joint vector."""
-        at = layout.at(self.chain_block)
-        count = at.stop - at.start
-        chain = np.zeros((count, len(layout)))
-        chain[:, at] = np.eye(count)
+        chain = np.zeros((len(self.offsets), len(layout)))
+        chain[np.arange(len(self.offsets)), self.offsets] = 1.0
         return np.vstack([chain, self.structure.selection(layout)])
 
 
@@ -68,6 +67,4 @@ def total(found: Sequence[Normal]) -> Normal:
 
 
 def _joint(own: Normal, selection: Array) -> Normal:
-    return Normal(
-        cost=own.cost, gradient=selection.T @ own.gradient, matrix=selection.T @ own.matrix @ selection
-    )
+    return Normal(cost=own.cost, gradient=selection.T @ own.gradient, matrix=selection.T @ own.matrix @ selection)

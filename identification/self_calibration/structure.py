@@ -1,6 +1,6 @@
 """The dynamic mass of one campaign as a function of the joint vector: FMD, what stands on it, and elastic terms.
 
-    H = sum of M_F(bodies) + omega² L^T (Omega² - omega² + i omega C)^-1 L + omega² R                  (paper Eq. 8b)
+H = sum of M_F(bodies) + omega² L^T (Omega² - omega² + i omega C)^-1 L + omega² R                  (paper Eq. 8b)
 """
 
 from __future__ import annotations
