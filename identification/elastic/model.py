@@ -60,7 +60,7 @@ class Layout:
     @property
     def size(self) -> int:
         """Length of the vector."""
-        return self.blocks["residual"].stop
+        return int(self.blocks["residual"].stop)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -75,13 +75,13 @@ def test_derivatives_are_the_differences_of_the_model(coupled: bool) -> None:
     layout = model.layout_of(given)
     x, analytic = model.pack(PARAMETERS, given), model.derivatives(given, LINES)
 
-    def H(vector: np.ndarray) -> np.ndarray:
+    def mass_at(vector: np.ndarray) -> np.ndarray:
         parameters, moved = model.unpack(vector, layout)
         return model.dynamic_mass(mass(parameters), moved, LINES)
 
     for k, name in enumerate(layout.names):
         step = 1e-4 * np.eye(layout.size)[k]
-        slopes = [(H(x + h * step) - H(x - h * step)) / (2e-4 * h) for h in (1.0, 2.0)]
+        slopes = [(mass_at(x + h * step) - mass_at(x - h * step)) / (2e-4 * h) for h in (1.0, 2.0)]
         numeric = (4 * slopes[0] - slopes[1]) / 3  # Richardson: the error is of fourth order in the step
         # At 0.4 % damping a step of 1e-4 in ln f is 1/40 of the half-power width: (1/40)^4 is 4e-7, rounding 1e-10.
         assert_allclose(numeric, analytic[k], rtol=0, atol=3e-5 * np.abs(analytic[k]).max() + 1e-9, err_msg=name)
