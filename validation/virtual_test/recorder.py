@@ -48,6 +48,4 @@ def _noise(name: str, count: int, chain: ChainTruth, plan: Plan, run: str) -> Ar
 def _waves(time: Array, frequency: float, rate: float) -> ComplexArray:
     """(h, m) rotating phasors of unit mains and its harmonics; zero for those that a record of `rate` [Hz] cannot hold."""
     phasor = np.exp(2j * np.pi * frequency * time)
-    return np.array(
-        [share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()]
-    )
+    return np.array([share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()])
