@@ -94,7 +94,9 @@ def test_covariance_and_sigmas_are_those_of_repeated_measurements(campaign: Camp
     found = resultants(read(campaign.table, np.zeros((1, 20_000, 6), dtype=complex), noise=0.3))
     sample = np.einsum("rnk,rnl->kl", found.values, found.values.conj()).real / 20_000
     scale = np.sqrt(np.diag(sample))
-    assert_allclose(sample / np.outer(scale, scale), found.covariance[0, 0] / np.outer(scale, scale), atol=0.03)  # four times 0.7 %
+    assert_allclose(
+        sample / np.outer(scale, scale), found.covariance[0, 0] / np.outer(scale, scale), atol=0.03
+    )  # four times 0.7 %
     assert_allclose(found.sigmas, 1.0, atol=0.03)
 
 
