@@ -71,7 +71,7 @@ def unobservable(
 def jacobian(
     chain: Chain, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, structure: Sequence[npt.ArrayLike] = ()
 ) -> Array:
-    """Change of the channels by one tolerance of each parameter, relative to their levels, that no other motion explains.
+    """Change of the channels by one tolerance of each parameter, relative to their levels, beyond any other motion.
 
     Shape (2 n c 6, p + s), real above imaginary parts, for the six motions at their nominal levels each; padded with rows of zeros
     to at least p + s.
@@ -105,9 +105,8 @@ def _plain(null: Array) -> Array:
 
 
 def _combination(weights: Array, units: Array, names: Sequence[str]) -> Combination:
-    largest = float(np.abs(weights).max())
-    taking_part = abs(weights) > NEGLIGIBLE * largest
-    kept = {names[k]: float(weights[k] * units[k]) for k in np.flatnonzero(taking_part)}
+    least = NEGLIGIBLE * float(np.abs(weights).max())
+    kept = {name: float(w * unit) for name, w, unit in zip(names, weights, units, strict=True) if abs(w) > least}
     first = next(iter(kept.values()))
     offsets = {name: w / first for name, w in kept.items()}
     return Combination(weights=MappingProxyType(offsets), text=_words(offsets, names))
