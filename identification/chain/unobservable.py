@@ -71,9 +71,9 @@ def unobservable(
 def jacobian(
     chain: Chain, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, structure: Sequence[npt.ArrayLike] = ()
 ) -> Array:
-    """Change of the channels by one tolerance of each parameter, relative to their levels, beyond any other motion.
+    """Change of the channels by one tolerance of each parameter, relative to their levels, beyond all motions.
 
-    Shape (2 n c 6, p + s), real above imaginary parts, for the six motions at their nominal levels each; padded with rows of zeros
+    Shape (2 n c 6, p + s), real above imaginary parts, for the six motions at their nominal levels each; padded with zero rows
     to at least p + s.
     """
     matrix = np.asarray(H, dtype=np.complex128)
