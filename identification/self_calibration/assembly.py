@@ -1,4 +1,4 @@
-"""From the evidence to the joint problem: which campaigns share what, what is known beforehand, and where the iteration begins."""
+"""From the evidence to the joint problem: what campaigns share, what is known beforehand, where the iteration begins."""
 
 from __future__ import annotations
 
