@@ -1,4 +1,4 @@
-"""The whole set-up of one campaign - FMD and what stands on it - by the paper's equations: the plain result, the start of every fit.
+"""The whole set-up of one campaign - FMD and what stands on it - by the paper's equations: the plain way, the start of fits.
 
 Base motion and resultants (Eqs. 2, 3, 6, 7), dynamic mass (Eqs. 9 to 11), then ten parameters and the modal terms of Eq. 8b.
 """

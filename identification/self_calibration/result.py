@@ -1,7 +1,7 @@
 """From the joint minimum to an `Identified`: covariance, where it comes from, misfit and the price of the tolerances.
 
-The posterior covariance of the whole vector is C = (J^T J + sum A_b^T A_b)^-1 = C J^T J C + sum C A_b^T A_b C: what noise gives, and
-what every family of tolerances leaves. Noise counts for elasticity as far as it would be less if the elastic terms were known.
+The posterior covariance of the whole vector is C = (J^T J + sum A_b^T A_b)^-1 = C J^T J C + sum C A_b^T A_b C: what noise gives,
+and what every family of tolerances leaves. Noise counts for elasticity as far as it would be less were the elastic terms known.
 """
 
 from __future__ import annotations
@@ -89,6 +89,6 @@ def terms_of(problem: Assembly, x: Array) -> ElasticTerms:
 
 def _unconverged(solution: Solution) -> str:
     return (
-        f"the joint fit did not converge: after {solution.evaluations} evaluations the next step is still {solution.decrement:.3g} "
-        "standard deviations; do not trust its figures"
+        f"the joint fit did not converge: after {solution.evaluations} evaluations the next step is still "
+        f"{solution.decrement:.3g} standard deviations; do not trust its figures"
     )
