@@ -1,0 +1,277 @@
+"""The ten inertia parameters together with the elastic terms of Eq. 8b, from a measured dynamic mass and nothing else.
+
+Poles are added one by one where they take most out of what is left (`poles`), all parameters are refined together after each
+(`refine`), and a pole stays when it pays: when it lowers chi² by more than its eight parameters would by chance and model error
+(Schwarz, Ann. Statist. 6 (1978) 461, with the misfit of the best model as the unit of chi²). H(0) = M_F is the extrapolation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array, frozen
+from geometry.dynamic_mass import DynamicMass
+from geometry.inertia import Inertia
+from identification.elastic import model, poles
+from identification.elastic.lines import Lines, full, kept, lines_of
+from identification.elastic.model import UPPER, Layout
+from identification.elastic.refine import Refined, refine
+from identification.elastic.terms import ElasticTerms
+
+FLOOR = 0.002
+"""Model error as a share of the level of an entry's row and column."""
+
+MOST = 24
+"""Poles at most when their number is not given."""
+
+OVERLAP = 4.0
+"""Damping is coupled between poles nearer than this many half-power widths."""
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fitted:
+    """Inertia and elastic terms that explain a dynamic mass.
+
+    Attributes
+    ----------
+    parameters : (10,) of Eq. 4 about the reference point of the dynamic mass
+    covariance : (10, 10), noise and model error of the lines that were fitted, scaled by the misfit where that is above 1
+    terms : elastic terms about the same point
+    reference_point : (3,) [m]
+    misfit : chi² per degree of freedom with the given noise and floor
+    modes : number of poles
+    reason : why there are as many
+    history : (poles tried, chi² with them), in order
+    residual : (6, 6) what is left over, root mean square over the lines in standard deviations, by entry
+    band : (low, high) [Hz] of the lines
+    converged : whether the iteration ended by itself
+    layout, vector : all that was estimated, as `model.unpack` reads it
+    information : (k, k) inverse covariance of the vector, priors of `refine` included
+    """
+
+    parameters: Array
+    covariance: Array
+    terms: ElasticTerms
+    reference_point: Array
+    misfit: float
+    modes: int
+    reason: str
+    history: tuple[tuple[int, float], ...]
+    residual: Array
+    band: tuple[float, float]
+    converged: bool
+    layout: Layout
+    vector: Array
+    information: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", frozen(self.parameters, (10,), "parameters"))
+        object.__setattr__(self, "covariance", frozen(self.covariance, (10, 10), "covariance"))
+        object.__setattr__(self, "residual", frozen(self.residual, (6, 6), "residual"))
+
+    @property
+    def inertia(self) -> Inertia:
+        """The ten as a noun."""
+        return Inertia(parameters=self.parameters, reference_point=self.reference_point)
+
+
+def fit(
+    dynamic_mass: DynamicMass,
+    *,
+    weights: npt.ArrayLike | None = None,
+    floor: float = FLOOR,
+    modes: int | None = None,
+    band: tuple[float, float] | None = None,
+    start: Fitted | None = None,
+    progress: Progress | None = None,
+) -> Fitted:
+    """Inertia and elastic terms of a measured `dynamic_mass`.
+
+    Parameters
+    ----------
+    weights : (n, 6, 6) standard deviation of the complex noise of H, E|noise|² = sd², in the units of H; 0 when None
+    floor : model error as a share of the level of row and column
+    modes : number of poles; 0 takes the structure for rigid (Eq. 1 alone); None lets the data decide
+    band : (low, high) [Hz], all lines when None
+    start : an earlier fit, of another band for instance, to begin from
+    progress : called with the share done
+
+    Raises
+    ------
+    BadInput : fewer than two lines, weights of another shape or all zero with a floor of zero, a negative number of modes.
+    """
+    data = lines_of(dynamic_mass, weights, floor, band)
+    thin = data.at(kept(data))
+    tell = progress or (lambda share: None)
+    found, history, reason = _rigid_only(thin) if modes == 0 else _searched(thin, modes, start, tell)
+    tell(1.0)
+    return _result(found, history, reason, data, thin, dynamic_mass.reference_point)
+
+
+# --- the search ------------------------------------------------------------------------------------------------------
+
+
+def _rigid_only(lines: Lines) -> tuple[Refined, list[tuple[int, float]], str]:
+    rigid = refine(np.zeros(10), Layout(modes=0, residual=False), lines)
+    return rigid, [(0, rigid.chi2)], "rigid, as asked for"
+
+
+def _searched(
+    lines: Lines, modes: int | None, start: Fitted | None, tell: Progress
+) -> tuple[Refined, list[tuple[int, float]], str]:
+    first = Layout(modes=0) if start is None else start.layout
+    at = refine(np.zeros(first.size) if start is None else start.vector, first, lines)
+    tried, most = [at], MOST if modes is None else modes
+    while at.layout.modes < most:
+        longer = _with_one_more(at, lines)
+        if longer is None:
+            break
+        at = longer
+        tried.append(at)
+        tell(min(0.95, at.layout.modes / (most if modes else 16)))
+        if modes is None and _no_longer_pays(tried, lines):
+            break
+    return _chosen(tried, lines, modes)
+
+
+def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
+    """The fit with the best pole of the leftover added and everything refined; None when no pole takes anything out."""
+    found = poles.candidates(_leftover(at, lines), lines, 1)
+    return _extended(at, found[0], lines) if found else None
+
+
+def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
+    parameters, terms = model.unpack(at.vector, at.layout)
+    C = np.zeros((len(terms.frequency) + 1,) * 2)
+    C[:-1, :-1], C[-1, -1] = terms.damping, 4 * np.pi * pole.damping_ratio * pole.frequency
+    longer = ElasticTerms(
+        frequency=np.append(terms.frequency, pole.frequency),
+        damping=C,
+        participation=np.vstack([terms.participation, pole.participation]),
+        residual=terms.residual,
+    )
+    layout = model.layout_of(longer, widths=OVERLAP)
+    return refine(model.pack(parameters, longer, layout), layout, lines, iterations=12, accuracy=1e-3)
+
+
+def _leftover(at: Refined, lines: Lines) -> npt.NDArray[np.complex128]:
+    """Measured less fitted (n, 21)."""
+    _, terms = model.unpack(at.vector, at.layout)
+    mass = np.tensordot(at.vector[:10], model.inertia_basis(), axes=1)
+    return np.asarray(lines.values - model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]])
+
+
+# --- the choice ------------------------------------------------------------------------------------------------------
+
+
+def _criterion(fit: Refined, unit: float, lines: Lines) -> float:
+    return fit.chi2 / unit + fit.layout.size * float(np.log(lines.count))
+
+
+def _unit(fits: list[Refined], lines: Lines) -> float:
+    """Misfit of the best fit per degree of freedom, at least 1: model error beyond the floor is no reason for poles."""
+    return max(1.0, min(one.chi2 / max(lines.count - one.layout.size, 1) for one in fits))
+
+
+def _no_longer_pays(tried: list[Refined], lines: Lines, patience: int = 2) -> bool:
+    unit = _unit(tried, lines)
+    values = [_criterion(one, unit, lines) for one in tried]
+    return len(values) - 1 - int(np.argmin(values)) >= patience
+
+
+def _chosen(tried: list[Refined], lines: Lines, modes: int | None) -> tuple[Refined, list[tuple[int, float]], str]:
+    history = [(one.layout.modes, one.chi2) for one in tried]
+    if modes is not None:
+        return _converged(tried[-1], lines), history, f"{tried[-1].layout.modes} poles, as asked for"
+    rigid = _rigid_only(lines)[0]
+    unit = _unit(tried, lines)
+    best = min([rigid, *tried], key=lambda one: _criterion(one, unit, lines))
+    if best is rigid:
+        return rigid, history, "rigid: neither a pole nor a residual mass pays"
+    pruned = _pruned(_converged(best, lines), lines, unit)
+    return pruned, history, _why(pruned, tried, lines)
+
+
+def _converged(at: Refined, lines: Lines) -> Refined:
+    return refine(at.vector, at.layout, lines, iterations=40)
+
+
+def _pruned(at: Refined, lines: Lines, unit: float) -> Refined:
+    """Poles go, the weakest first, while that costs less than they are worth."""
+    while at.layout.modes:
+        weakest = int(np.argmin([_worth(at, r) for r in range(at.layout.modes)]))
+        shorter = _without(at, weakest, lines)
+        if _criterion(shorter, unit, lines) > _criterion(at, unit, lines):
+            return at
+        at = shorter
+    return at
+
+
+def _worth(at: Refined, r: int) -> float:
+    """What chi² would rise by without pole r, to second order in its participation, all else refitted (Wald)."""
+    place = at.layout.blocks["participation"].start + 6 * r + np.arange(6)
+    covariance = np.linalg.pinv(at.information)[np.ix_(place, place)]
+    return float(at.vector[place] @ np.linalg.solve(covariance, at.vector[place]))
+
+
+def _without(at: Refined, r: int, lines: Lines) -> Refined:
+    parameters, terms = model.unpack(at.vector, at.layout)
+    rest = np.delete(np.arange(at.layout.modes), r)
+    fewer = replace(
+        terms,
+        frequency=terms.frequency[rest],
+        damping=terms.damping[np.ix_(rest, rest)],
+        participation=terms.participation[rest],
+    )
+    layout = model.layout_of(fewer, widths=OVERLAP)
+    return refine(model.pack(parameters, fewer, layout), layout, lines, iterations=20)
+
+
+def _why(best: Refined, tried: list[Refined], lines: Lines) -> str:
+    longer = [one for one in tried if one.layout.modes > best.layout.modes]
+    price = 8 * np.log(lines.count) * _unit(tried, lines)
+    left = f"{best.layout.modes} poles leave a misfit of {best.chi2 / max(lines.count - best.layout.size, 1):.3g}"
+    if not longer:
+        return left
+    return f"{left}; one more takes {max(best.chi2 - longer[0].chi2, 0.0):.3g} out of chi², less than the {price:.3g} it would have to"
+
+
+# --- the result ------------------------------------------------------------------------------------------------------
+
+
+def _result(
+    found: Refined, history: list[tuple[int, float]], reason: str, data: Lines, thin: Lines, reference_point: Array
+) -> Fitted:
+    final = refine(_ordered(found), found.layout, data, iterations=8)
+    parameters, terms = model.unpack(final.vector, final.layout)
+    freedom = max(data.count - final.layout.size, 1)
+    scale = model.pack(np.ones(10), ElasticTerms(), Layout(modes=0))[:10]
+    independent = found.information * max(1.0, final.chi2 / freedom) ** -1
+    covariance = np.linalg.pinv(independent, hermitian=True)[:10, :10] / np.outer(scale, scale)
+    left = full(_leftover(final, data) * np.sqrt(1.0) / data.deviation)
+    return Fitted(
+        parameters=parameters,
+        covariance=covariance,
+        terms=terms,
+        reference_point=reference_point,
+        misfit=final.chi2 / freedom,
+        modes=final.layout.modes,
+        reason=reason,
+        history=tuple(history),
+        residual=np.sqrt(np.mean(np.abs(left) ** 2, axis=0)),
+        band=(float(data.frequency[0]), float(data.frequency[-1])),
+        converged=found.converged and final.converged,
+        layout=final.layout,
+        vector=final.vector,
+        information=found.information,
+    )
+
+
+def _ordered(found: Refined) -> Array:
+    return found.vector
