@@ -1,4 +1,4 @@
-"""`massline identify`: ten inertia parameters from a recorded campaign, plain and self-calibrated, with intervals and verdicts."""
+"""`massline identify`: ten inertia parameters from a recorded campaign, with intervals and verdicts."""
 
 from __future__ import annotations
 

@@ -127,9 +127,8 @@ def _source(name: str, tare: Campaign) -> str:
 def _known_names(asked: Asked) -> Sequence[str]:
     """The known article of every tare; empty for the one that the tare's campaign says."""
     if asked.known and not asked.tares:
-        raise BadInput(
-            source="--known", problem=f"{asked.known[0]} is known, but there is no tare", remedy="Name its campaign, --tare CAMPAIGN"
-        )
+        problem = f"{asked.known[0]} is known, but there is no tare"
+        raise BadInput(source="--known", problem=problem, remedy="Name its campaign, --tare CAMPAIGN")
     if not asked.known:
         return list(repeat("", len(asked.tares)))
     if len(asked.known) != len(asked.tares):
@@ -216,8 +215,8 @@ def _same_hardware(campaign: Campaign, tares: Sequence[Campaign], allowed: bool)
             )
         elif tare.hardware != campaign.hardware:
             words.append(
-                f"{tare.source} was recorded with {tare.hardware}, {campaign.source} with {campaign.hardware}: FMD and sensor errors "
-                "are taken for the same all the same, and the intervals do not know better"
+                f"{tare.source} was recorded with {tare.hardware}, {campaign.source} with {campaign.hardware}: FMD and errors of "
+                "the sensors are taken for the same, and the intervals do not know better"
             )
     return words
 
@@ -235,11 +234,8 @@ def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[s
         return []
     low, high = max(min(pair) for pair in driven), min(max(pair) for pair in driven)
     if band[1] <= low or band[0] >= high:
-        raise BadInput(
-            source="--band",
-            problem=f"{band[0]:g} to {band[1]:g} Hz lies outside of what all runs of {campaign.source} drive, {low:g} to {high:g} Hz",
-            remedy="Choose a band within",
-        )
+        problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
+        raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
     if band[0] < low or band[1] > high:
         return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
     return []
@@ -254,4 +250,5 @@ def _fmd(name: str, campaign: Campaign) -> Inertia:
     try:
         return said.inertia.placed(Pose(position=campaign.table.origin)).about(campaign.table.origin)
     except ValueError as error:
-        raise BadInput(source=name, field="inertia", problem=str(error), remedy="State mass, CoG and moments of the FMD") from None
+        remedy = "State mass, CoG and moments of the FMD"
+        raise BadInput(source=name, field="inertia", problem=str(error), remedy=remedy) from None

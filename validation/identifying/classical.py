@@ -108,7 +108,7 @@ def _axis(k: int, pose: Pose, name: str, key: str) -> tuple[int, float]:
         raise BadInput(
             source=name,
             field=key,
-            problem=f"axis {'xyz'[k]} of the article is turned against the axes of the campaign, found {np.round(along, 4).tolist()}",
+            problem=f"axis {'xyz'[k]} of the article lies askew in the campaign, along {np.round(along, 4).tolist()}",
             remedy="Use results about the turning axis, or a mounting turned by a multiple of 90 deg",
         )
     return axis, float(np.sign(along[axis]))

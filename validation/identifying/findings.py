@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
+from geometry.inertia import Inertia
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
+from validation.pictures.identification import DrawnResiduals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,7 +64,8 @@ class Findings:
     frame : the user's own frame in words, empty without one
     request : what was asked
     results : plain, then self-calibrated when there is one; the last one is the result
-    lines, dynamic_mass, spectra, study : evidence; None where it does not exist
+    fmd : what a tare took off, about F; None without one
+    lines, dynamic_mass, spectra, residuals, study : evidence; None where it does not exist
     checks : findings of the closed checks, sentences
     verdict : by PARAMETER, in words
     warnings : sentences without their full stop
@@ -74,9 +77,11 @@ class Findings:
     results: tuple[Reported, ...]
     verdict: Mapping[str, str] = field(default_factory=dict)
     frame: str = ""
+    fmd: Inertia | None = None
     lines: Lines | None = None
     dynamic_mass: DynamicMass | None = None
     spectra: Spectra | None = None
+    residuals: DrawnResiduals | None = None
     study: Study | None = None
     checks: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()

@@ -37,13 +37,13 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
 
 
 def mounted(campaign: Campaign) -> tuple[Pose, tuple[str, ...]]:
-    """Where the article's frame sits in that of `campaign`: as stated, else on the cover plate of the built-in FMD, which is said."""
+    """Where the article's frame sits in that of `campaign`: as stated, else on the built-in FMD's cover plate, which is said."""
     if campaign.mounting is not None:
         return campaign.mounting, ()
     seat = built_in(FMD).seat or Pose()
     words = (
-        f"{campaign.source}: [mounting] is missing; the known article is taken to stand {1e3 * seat.position[2]:g} mm above F, on "
-        "the cover plate of the built-in FMD, which is a reconstruction"
+        f"{campaign.source}: [mounting] is missing; the known article is taken to stand {1e3 * seat.position[2]:g} mm above F, "
+        "on the cover plate of the built-in FMD, which is a reconstruction"
     )
     return Pose(position=seat.position + campaign.table.origin), (words,)
 

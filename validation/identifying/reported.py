@@ -1,7 +1,7 @@
-"""`Reported`: one way's ten parameters about F, as they are reported - mass, CoG and the tensor about the CoG, each with an interval.
+"""`Reported`: one way's ten parameters about F, as they are reported: mass, CoG and the tensor about the CoG, with intervals.
 
-The ten values are a smooth map of the parameters of Eq. 4; the covariance goes through it linearised (GUM, JCGM 100:2008, 5.2.2), in
-which the correlation of first moment and tensor counts: moments about the CoG are better known than those about F.
+The ten values are a smooth map of the parameters of Eq. 4; the covariance goes through it linearised (GUM, JCGM 100:2008, 5.2.2),
+in which the correlation of first moment and tensor counts: moments about the CoG are better known than those about F.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import numpy as np
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
 from identification.elastic.terms import ElasticTerms
-from validation.identifying.findings import Findings
+from validation.identifying.findings import Findings, Lines
 from validation.identifying.reported import Reported, dominating
 from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
@@ -31,34 +31,28 @@ def grids(found: Findings) -> list[Grid]:
     elastic = found.result.identified.elastic
     return [
         values(found),
-        *([differences(found)] if len(found.results) > 1 else []),
         rests(found),
         *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
     ]
 
 
 def values(found: Findings) -> Grid:
-    """Mass, CoG, moments and products of both ways with their 95 % intervals."""
+    """Mass, CoG, moments and products of both ways with their 95 % intervals, and how far the second lies from the first."""
+    ways = [one.identified.way for one in found.results]
     columns = [aligned(tuple(_value(one, k) for k in range(10))) for one in found.results]
-    lines = tuple(zip(_labels(), *columns, strict=True))
-    return Grid(header=("± 95 %", *(one.identified.way for one in found.results)), lines=lines)
+    if len(found.results) > 1:
+        ways += ["moved by", "half-widths"]
+        moved = [_moved(found.results[0], found.result, k) for k in range(10)]
+        columns += [aligned(cells) for cells in zip(*moved, strict=True)]
+    return Grid(header=("± 95 %", *ways), lines=tuple(zip(_labels(), *columns, strict=True)))
 
 
-def differences(found: Findings) -> Grid:
-    """What self-calibration moves, in the unit, in per cent, and in half-widths of the plain interval."""
-    plain, better = found.results
-    lines = []
-    for k, quantity in enumerate(QUANTITIES):
-        moved = float(better.values[k] - plain.values[k])
-        width = float(plain.half_width[k])
-        share = NONE if not plain.values[k] or 1 <= k <= 3 or k >= 7 else f"{100 * moved / abs(plain.values[k]):+.2f} %"
-        many = NONE if not width else f"{moved / width:+.2f}"
-        lines.append((f"{quantity.label} [{quantity.unit}]", rounded(moved * quantity.per_si, width * quantity.per_si), share, many))
-    columns = list(zip(*lines, strict=True))
-    return Grid(
-        header=("self-calibration moves", "by", "", "half-widths of plain"),
-        lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)),
-    )
+def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
+    """By how much quantity `k` lies elsewhere in the better result: in its unit or in per cent, and in plain half-widths."""
+    moved, width, scale = float(better.values[k] - plain.values[k]), float(plain.half_width[k]), QUANTITIES[k].per_si
+    relative = plain.values[k] != 0 and QUANTITIES[k].key.partition("_")[0] in ("mass", "moi")
+    own = f"{100 * moved / abs(plain.values[k]):+.2f} %" if relative else f"{rounded(moved * scale, width * scale)} "
+    return own.rstrip() if relative else f"{own}{QUANTITIES[k].unit}", f"{moved / width:+.2f}" if width else NONE
 
 
 def rests(found: Findings) -> Grid:
@@ -67,14 +61,21 @@ def rests(found: Findings) -> Grid:
     lines = []
     for name in PARAMETERS:
         inputs = ", ".join(f"{what} {100 * share:.0f} %" for what, share in dominating(identified, name)[:SHOWN_INPUTS])
-        lines.append((name, inputs or NONE, found.verdict.get(name, NONE)))
-    return Grid(header=("about F", "uncertainty comes from", "verdict"), lines=tuple(lines), words=True)
+        lines.append((name, inputs or NONE, found.verdict.get(name) or NONE))
+    head = "uncertainty comes from"
+    width = max(len(head), *(len(inputs) for _, inputs, _ in lines))
+    return Grid(
+        header=("about F", f"{head:<{width}}", "verdict"),
+        lines=tuple((name, f"{inputs:<{width}}", verdict) for name, inputs, verdict in lines),
+        words=True,
+    )
 
 
 def modes(terms: ElasticTerms) -> Grid:
     """Elastic terms: frequency, damping, and the axis that each shows on most, with its effective mass."""
     lines = []
-    for f, zeta, L in zip(terms.frequency, terms.damping_ratio, terms.participation, strict=True):
+    for r in np.argsort(terms.frequency):
+        f, zeta, L = terms.frequency[r], terms.damping_ratio[r], terms.participation[r]
         most = sorted(range(6), key=lambda k: -_weight(L, k))[:2]
         shown = ", ".join(f"{MOTIONS[k]} {L[k] ** 2:.3g} {'kg' if k < 3 else 'kg m²'}" for k in most)
         lines.append((f"{f:.3f}", f"{100 * zeta:.3f}", shown))
@@ -94,14 +95,12 @@ def _weight(participation: np.ndarray, k: int) -> float:
 def notes(found: Findings) -> Iterator[str]:
     """What must be known to read the tables, then what was left out, checked and warned of."""
     where = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}[found.origin]
-    yield (
-        f"CoG from {found.frame or where}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm."
-    )
+    yield (f"CoG from {found.frame or where}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm.")
     yield _method(found)
     for one in found.results:
         yield _fit(one)
     if found.lines is not None:
-        yield from _left_out(found)
+        yield from _left_out(found.lines)
     yield from (f"check: {words}." for words in found.checks)
     yield from (f"warning: {words}." for words in found.warnings)
 
@@ -122,9 +121,7 @@ def _fit(one: Reported) -> str:
     return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}."
 
 
-def _left_out(found: Findings) -> Iterator[str]:
-    lines = found.lines
-    assert lines is not None
+def _left_out(lines: Lines) -> Iterator[str]:
     worst = int(np.argmax(lines.condition))
     yield (
         f"Lines: {int(np.sum(lines.kept))} of {len(lines.frequency)} used; condition number at most "

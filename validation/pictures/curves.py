@@ -25,8 +25,8 @@ CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
 
-MEASURED = "#f28a1c"
-"""Of dots."""
+MEASURED, LEFT_OUT = "#f28a1c", "#c3c8d0"
+"""Of lines that were measured, and of those among them that are not used."""
 
 WIDTHS = (2.8, 1.9, 1.1)
 """Of these: where curves coincide, all of them are seen."""
@@ -72,14 +72,14 @@ class Curve:
     mass : on the lines to be drawn
     rigid : (6, 6) mass matrix of the rigid body about the same point
     modes : eigenfrequencies, and how much each shows on an axis
-    dots : whether it is measured, line by line, and drawn so
+    dots : colour of a measured dynamic mass, drawn line by line; empty for a model
     """
 
     name: str
     mass: DynamicMass
     rigid: Array
     modes: Resonances
-    dots: bool = False
+    dots: str = ""
 
 
 def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> None:
@@ -200,7 +200,7 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) ->
             _line(upper, lower, curve, i, j, colour, dash, curve.name)
     if rigid > NOTHING * np.abs(curves[0].rigid).max():
         upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
-    _dress(upper, lower, curves[0].mass.frequency)
+    _dress(upper, lower, np.concatenate([curve.mass.frequency for curve in curves]))
     _at_least_a_decade(upper)
 
 
@@ -217,7 +217,7 @@ def _line(upper: Axes, lower: Axes, curve: Curve, i: int, j: int, colour: str, d
 
 def _dots(upper: Axes, lower: Axes, curve: Curve, i: int, j: int) -> None:
     f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-    look: dict[str, Any] = {"color": MEASURED, "linestyle": "none", "marker": "o", "markersize": 2.6, "markeredgewidth": 0}
+    look: dict[str, Any] = {"color": curve.dots, "linestyle": "none", "marker": "o", "markersize": 3.0, "markeredgewidth": 0}
     upper.semilogy(f, np.abs(H), label=curve.name, **look)
     lower.plot(f, np.degrees(np.angle(H)), **look)
 
@@ -233,7 +233,7 @@ def _phase(H: ComplexArray) -> Array:
 def _dress(upper: Axes, lower: Axes, f: Array) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    upper.set_xlim(f[0], f[-1])
+    upper.set_xlim(f.min(), f.max())
     lower.set_ylim(-195, 195)
     lower.set_yticks([-180, -90, 0, 90, 180])
     lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))

@@ -1,4 +1,4 @@
-"""Pictures of an identification: its lines, residuals of redundant channels, what dominates the uncertainty, the stability map."""
+"""Pictures of an identification: its lines, residuals of redundant channels, shares of the uncertainty, the stability map."""
 
 from __future__ import annotations
 
