@@ -8,7 +8,7 @@ Poles are added one by one where they take most out of what is left (`poles`), a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +18,8 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.inertia import Inertia
 from identification.elastic import model, poles
 from identification.elastic.lines import Lines, full, kept, lines_of
-from identification.elastic.model import UPPER, Layout
-from identification.elastic.refine import Refined, refine
+from identification.elastic.model import Layout
+from identification.elastic.refine import Refined, leftover, linearised, refine
 from identification.elastic.terms import ElasticTerms
 
 FLOOR = 0.002
@@ -28,7 +28,7 @@ FLOOR = 0.002
 MOST = 24
 """Poles at most when their number is not given."""
 
-OVERLAP = 4.0
+OVERLAP = 8.0
 """Damping is coupled between poles nearer than this many half-power widths."""
 
 Progress = Callable[[float], None]
@@ -41,10 +41,12 @@ class Fitted:
     Attributes
     ----------
     parameters : (10,) of Eq. 4 about the reference point of the dynamic mass
-    covariance : (10, 10), noise and model error of the lines that were fitted, scaled by the misfit where that is above 1
+    covariance : (10, 10) with all else estimated; noise and model error at the lines that say something new, times the misfit
+        where that is above 1. Errors alike at all lines, of gains for instance, are not in it
     terms : elastic terms about the same point
     reference_point : (3,) [m]
     misfit : chi² per degree of freedom with the given noise and floor
+    asymmetry : the same of H_ij - H_ji, which are equal in every structure: sensors are off where it is far above 1
     modes : number of poles
     reason : why there are as many
     history : (poles tried, chi² with them), in order
@@ -52,7 +54,7 @@ class Fitted:
     band : (low, high) [Hz] of the lines
     converged : whether the iteration ended by itself
     layout, vector : all that was estimated, as `model.unpack` reads it
-    information : (k, k) inverse covariance of the vector, priors of `refine` included
+    information : (k, k) inverse covariance of the vector, the weak priors of `refine` included
     """
 
     parameters: Array
@@ -60,6 +62,7 @@ class Fitted:
     terms: ElasticTerms
     reference_point: Array
     misfit: float
+    asymmetry: float
     modes: int
     reason: str
     history: tuple[tuple[int, float], ...]
@@ -142,8 +145,8 @@ def _searched(
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
     """The fit with the best pole of the leftover added and everything refined; None when no pole takes anything out."""
-    found = poles.candidates(_leftover(at, lines), lines, 1)
-    return _extended(at, found[0], lines) if found else None
+    pole = poles.next_pole(at, lines)
+    return _extended(at, pole, lines) if pole else None
 
 
 def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
@@ -158,13 +161,6 @@ def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
     )
     layout = model.layout_of(longer, widths=OVERLAP)
     return refine(model.pack(parameters, longer, layout), layout, lines, iterations=12, accuracy=1e-3)
-
-
-def _leftover(at: Refined, lines: Lines) -> npt.NDArray[np.complex128]:
-    """Measured less fitted (n, 21)."""
-    _, terms = model.unpack(at.vector, at.layout)
-    mass = np.tensordot(at.vector[:10], model.inertia_basis(), axes=1)
-    return np.asarray(lines.values - model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]])
 
 
 # --- the choice ------------------------------------------------------------------------------------------------------
@@ -199,7 +195,7 @@ def _chosen(tried: list[Refined], lines: Lines, modes: int | None) -> tuple[Refi
 
 
 def _converged(at: Refined, lines: Lines) -> Refined:
-    return refine(at.vector, at.layout, lines, iterations=40)
+    return refine(at.vector, at.layout, lines)
 
 
 def _pruned(at: Refined, lines: Lines, unit: float) -> Refined:
@@ -223,23 +219,18 @@ def _worth(at: Refined, r: int) -> float:
 def _without(at: Refined, r: int, lines: Lines) -> Refined:
     parameters, terms = model.unpack(at.vector, at.layout)
     rest = np.delete(np.arange(at.layout.modes), r)
-    fewer = replace(
-        terms,
-        frequency=terms.frequency[rest],
-        damping=terms.damping[np.ix_(rest, rest)],
-        participation=terms.participation[rest],
-    )
+    fewer = model.chosen(terms, rest)
     layout = model.layout_of(fewer, widths=OVERLAP)
     return refine(model.pack(parameters, fewer, layout), layout, lines, iterations=20)
 
 
 def _why(best: Refined, tried: list[Refined], lines: Lines) -> str:
-    longer = [one for one in tried if one.layout.modes > best.layout.modes]
-    price = 8 * np.log(lines.count) * _unit(tried, lines)
     left = f"{best.layout.modes} poles leave a misfit of {best.chi2 / max(lines.count - best.layout.size, 1):.3g}"
+    longer = [one for one in tried if one.layout.modes > best.layout.modes]
     if not longer:
         return left
-    return f"{left}; one more takes {max(best.chi2 - longer[0].chi2, 0.0):.3g} out of chi², less than the {price:.3g} it would have to"
+    gain, price = max(best.chi2 - longer[0].chi2, 0.0), 8 * np.log(lines.count) * _unit(tried, lines)
+    return f"{left}; one more would take {gain:.3g} out of chi², less than its price of {price:.3g}"
 
 
 # --- the result ------------------------------------------------------------------------------------------------------
@@ -248,30 +239,35 @@ def _why(best: Refined, tried: list[Refined], lines: Lines) -> str:
 def _result(
     found: Refined, history: list[tuple[int, float]], reason: str, data: Lines, thin: Lines, reference_point: Array
 ) -> Fitted:
-    final = refine(_ordered(found), found.layout, data, iterations=8)
-    parameters, terms = model.unpack(final.vector, final.layout)
-    freedom = max(data.count - final.layout.size, 1)
-    scale = model.pack(np.ones(10), ElasticTerms(), Layout(modes=0))[:10]
-    independent = found.information * max(1.0, final.chi2 / freedom) ** -1
-    covariance = np.linalg.pinv(independent, hermitian=True)[:10, :10] / np.outer(scale, scale)
-    left = full(_leftover(final, data) * np.sqrt(1.0) / data.deviation)
+    ordered, layout = model.ascending(found.vector, found.layout)
+    final = refine(ordered, layout, data, iterations=8)
+    parameters, terms = model.unpack(final.vector, layout)
+    misfit = final.chi2 / max(data.count - layout.size, 1)
+    information = linearised(final.vector, layout, thin).information / max(1.0, misfit)
+    deviations = np.abs(full(leftover(final.vector, layout, data) / data.deviation))
+    asymmetry, pairs = data.asymmetry
     return Fitted(
         parameters=parameters,
-        covariance=covariance,
+        covariance=_of_the_ten(information),
         terms=terms,
         reference_point=reference_point,
-        misfit=final.chi2 / freedom,
-        modes=final.layout.modes,
+        misfit=misfit,
+        asymmetry=asymmetry / pairs,
+        modes=layout.modes,
         reason=reason,
         history=tuple(history),
-        residual=np.sqrt(np.mean(np.abs(left) ** 2, axis=0)),
+        residual=np.sqrt(np.mean(deviations**2, axis=0)),
         band=(float(data.frequency[0]), float(data.frequency[-1])),
         converged=found.converged and final.converged,
-        layout=final.layout,
+        layout=layout,
         vector=final.vector,
-        information=found.information,
+        information=information,
     )
 
 
-def _ordered(found: Refined) -> Array:
-    return found.vector
+def _of_the_ten(information: Array) -> Array:
+    """(10, 10) in the units of Eq. 4; everything else is estimated with them."""
+    d = np.sqrt(np.diag(information))
+    covariance = np.linalg.pinv(information / np.outer(d, d), hermitian=True) / np.outer(d, d)
+    unit = model.inertia_scale()
+    return np.asarray(covariance[:10, :10] * np.outer(unit, unit))

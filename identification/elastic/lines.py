@@ -1,4 +1,4 @@
-"""`Lines`: a measured dynamic mass as weighted data - symmetric, each entry with its standard deviation, thinned where nothing happens.
+"""`Lines`: a measured dynamic mass as weighted data: symmetric, with standard deviations, thinned where nothing happens.
 
 A gain, an angle or a cross-talk of a sensor that is off makes an error in proportion to what else that row and that column carry,
 alike at neighbouring lines. So the model-error floor is a share of the level of row and column at the line, and lines away from
@@ -49,14 +49,10 @@ class Lines:
     def at(self, chosen: npt.ArrayLike) -> Lines:
         """The lines that `chosen` (mask or indices) picks."""
         k = np.asarray(chosen)
-        return Lines(
-            frequency=self.frequency[k], values=self.values[k], deviation=self.deviation[k], asymmetry=self.asymmetry
-        )
+        return Lines(frequency=self.frequency[k], values=self.values[k], deviation=self.deviation[k], asymmetry=self.asymmetry)
 
 
-def lines_of(
-    measured: DynamicMass, noise: npt.ArrayLike | None, floor: float, band: tuple[float, float] | None
-) -> Lines:
+def lines_of(measured: DynamicMass, noise: npt.ArrayLike | None, floor: float, band: tuple[float, float] | None) -> Lines:
     """All lines of `measured` in `band`.
 
     Parameters

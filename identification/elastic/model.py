@@ -12,7 +12,7 @@ the axes give, and R is multiplied by (2 pi 20 Hz)², so that all but the logari
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -81,10 +81,12 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> Layout:
 
     Parameters
     ----------
-    widths : distance of two frequencies, in the mean of their half-power widths 2 zeta f, up to which damping is coupled
+    widths : distance of two frequencies, in the geometric mean of their half-power widths 2 zeta f, up to which damping is
+        coupled; at that distance the coupling mixes 1 / (2 widths) rho of one mode into the other
     """
     f, C = terms.frequency, terms.damping
-    near = C != 0 if widths is None else np.abs(f[:, None] - f) <= widths * np.add.outer(np.diag(C), np.diag(C)) / (4 * np.pi)
+    width = np.sqrt(np.diag(C)) / np.sqrt(2 * np.pi)
+    near = C != 0 if widths is None else np.abs(f[:, None] - f) <= widths * np.outer(width, width)
     return Layout(modes=len(f), pairs=tuple((int(r), int(s)) for r, s in zip(*np.nonzero(np.triu(near, 1)), strict=True)))
 
 
@@ -124,7 +126,7 @@ def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None =
     R = (terms.residual / np.outer(SCALE, SCALE) * REFERENCE)[UPPER]
     return np.concatenate(
         [
-            np.asarray(parameters, dtype=np.float64) / _inertia_scale(),
+            np.asarray(parameters, dtype=np.float64) / inertia_scale(),
             np.log(terms.frequency),
             np.log(terms.damping_ratio),
             C[pairs] / (d[pairs[0]] * d[pairs[1]]),
@@ -146,13 +148,29 @@ def unpack(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, ElasticTerms]:
     if layout.residual:
         R = np.tensordot(part["residual"], residual_basis(), axes=1)
     L = part["participation"].reshape(-1, 6) * SCALE
-    return part["inertia"] * _inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
+    return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
+
+
+def ascending(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, Layout]:
+    """The same parameters with the modes in the order of their frequencies."""
+    parameters, terms = unpack(vector, layout)
+    order = np.argsort(terms.frequency, kind="stable")
+    place = np.argsort(order)
+    pairs = sorted((min(place[r], place[s]), max(place[r], place[s])) for r, s in layout.pairs)
+    ordered = replace(layout, pairs=tuple((int(r), int(s)) for r, s in pairs))
+    return pack(parameters, chosen(terms, order), ordered), ordered
+
+
+def chosen(terms: ElasticTerms, modes: npt.ArrayLike) -> ElasticTerms:
+    """`terms` with the `modes` (indices) alone, in that order; their own damping stays."""
+    k = np.asarray(modes, dtype=np.intp)
+    return replace(terms, frequency=terms.frequency[k], damping=terms.damping[np.ix_(k, k)], participation=terms.participation[k])
 
 
 @lru_cache(maxsize=1)
 def inertia_basis() -> Array:
     """(10, 6, 6): the mass matrix of Eq. 1 for one unit of the vector in each of the ten."""
-    return np.stack([Inertia(parameters=row).mass_matrix for row in np.diag(_inertia_scale())])
+    return np.stack([Inertia(parameters=row).mass_matrix for row in np.diag(inertia_scale())])
 
 
 @lru_cache(maxsize=1)
@@ -164,8 +182,8 @@ def residual_basis() -> Array:
     return basis
 
 
-def _inertia_scale() -> Array:
-    """(10,) [1], [m] and [m²]: what one unit of the vector is."""
+def inertia_scale() -> Array:
+    """(10,) [1], [m] and [m²]: what one unit of the vector is in each of the ten."""
     length = float(SCALE[3])
     return np.array([1.0, *3 * [length], *6 * [length**2]])
 

@@ -1,9 +1,10 @@
 """Where the next pole starts: the frequency, damping and participation that take most out of what a fit left over.
 
-On a grid of poles, in the band and around it, every entry of the leftover is fitted by a constant, omega² and the pole's own curve
-omega² / (omega_r² - omega² + 2 i zeta omega_r omega), all entries and poles at once. The constants and omega² are what inertia and
-residual mass could still take; the matrix of amplitudes of the third is cut down to rank one with a positive sign, for a mode of a
-symmetric structure answers by L L^T.
+On a grid of poles, in the band and around it, every entry of the leftover is fitted by a constant, omega² and the pole's curve
+omega² / (omega_r² - omega² + 2 i zeta omega_r omega), all entries and poles at once; the constants and omega² are what inertia
+and residual mass could still take. The most promising are looked at closely: all parameters of the fit may give way to first
+order, so that the slope which a resonance out of tune leaves beside it is not taken for another one, and the matrix of
+amplitudes is cut down to rank one with a positive sign, for a mode of a symmetric structure answers by L L^T.
 """
 
 from __future__ import annotations
@@ -16,12 +17,20 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from identification.elastic.lines import Lines
 from identification.elastic.model import SCALE, UPPER
+from identification.elastic.refine import Refined, leftover
 
 DAMPING = (0.0015, 0.004, 0.01, 0.03)
 """Ratios that are tried."""
 
 BEYOND = (0.6, 1.7)
 """How far out of the band a pole is looked for: of its lower and of its upper end."""
+
+
+SHORT = 150
+"""Poles of the grid that are looked at closely."""
+
+RIDGE = 1e-3
+"""Share of a pole's own curve that counts as explained by what is fitted already, so that no pole is put on another."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,19 +51,41 @@ class Candidate:
     gain: float
 
 
-def candidates(leftover: ComplexArray, lines: Lines, count: int = 3) -> tuple[Candidate, ...]:
-    """The best `count` poles, apart from each other, for `leftover` (n, 21), measured less fitted; best first."""
+def next_pole(at: Refined, lines: Lines) -> Candidate | None:
+    """The pole that takes most out of what the fit `at` leaves over; None when none takes anything."""
+    f, zeta = _shortlist(at, lines)
+    rhs, P = _projected(at, lines, f, zeta)
+    L, gain = _rank_one(rhs, P)
+    best = int(np.argmax(gain))
+    if gain[best] <= 0:
+        return None
+    return Candidate(frequency=f[best], damping_ratio=zeta[best], participation=L[best], gain=gain[best])
+
+
+def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
+    """The most promising of the grid, each entry fitted on its own by a constant, omega² and the curve of the pole."""
     f, zeta = _grid(lines.frequency)
-    amplitude, power = _amplitudes(leftover, lines, f, zeta)
-    L, gain = _rank_one(amplitude, power)
-    chosen: list[int] = []
-    for k in np.argsort(-gain):
-        apart = all(abs(f[k] - f[j]) > 0.02 * f[j] for j in chosen)
-        if gain[k] > 0 and apart:
-            chosen.append(int(k))
-        if len(chosen) == count:
-            break
-    return tuple(Candidate(frequency=f[k], damping_ratio=zeta[k], participation=L[k], gain=gain[k]) for k in chosen)
+    left = -leftover(at.vector, at.layout, lines)
+    amplitude, power = _amplitudes(left, lines, f, zeta)
+    best = np.argsort(-np.sum(power * amplitude**2, axis=1))[:SHORT]
+    return f[best], zeta[best]
+
+
+def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array, Array]:
+    """Right-hand sides (s, 21) and normal matrices (s, 21, 21) of the amplitudes once all parameters of the fit may give way."""
+    n, k = len(lines.frequency), len(at.vector)
+    curve = _curves(2 * np.pi * lines.frequency, f, zeta)
+    g = curve.view(np.float64).reshape(len(f), n, 2)
+    weight = np.sqrt(2) / lines.deviation
+    J, r = at.jacobian.reshape(k, n, 21, 2), at.residual.reshape(n, 21, 2)
+    rows = np.tensordot(g, weight[:, :, None] * J, axes=((1, 2), (1, 3)))  # (s, k, 21)
+    own = np.abs(curve) ** 2 @ weight**2
+    given = np.linalg.solve(at.information, np.column_stack([at.jacobian @ at.residual + at.prior]))[:, 0]
+    rhs = -np.tensordot(g, weight[:, :, None] * r, axes=((1, 2), (0, 2))) + np.einsum("ske,k->se", rows, given)
+    half = np.linalg.solve(np.linalg.cholesky(at.information), rows)
+    P = -half.swapaxes(1, 2) @ half
+    P[:, np.arange(21), np.arange(21)] += own * (1 + RIDGE)
+    return rhs, P
 
 
 def _grid(lines: Array) -> tuple[Array, Array]:
@@ -71,8 +102,7 @@ def _grid(lines: Array) -> tuple[Array, Array]:
 def _amplitudes(leftover: ComplexArray, lines: Lines, f: Array, zeta: Array) -> tuple[Array, Array]:
     """Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight."""
     w = 2 * np.pi * lines.frequency
-    p = 2 * np.pi * f[:, None]
-    curve = w**2 / (p**2 - w**2 + 2j * zeta[:, None] * p * w)  # (g, n)
+    curve = _curves(w, f, zeta)
     weight = 2 / lines.deviation**2  # (n, 21)
     basis = _flat_basis(w, weight)  # (2, n, 21), orthonormal with the weight
     shares = [curve.real @ (weight * one) for one in basis]
@@ -90,11 +120,23 @@ def _flat_basis(w: Array, weight: Array) -> Array:
     return np.stack([one, square / np.sqrt(np.sum(weight * square**2, axis=0))])
 
 
-def _rank_one(amplitude: Array, power: Array) -> tuple[Array, Array]:
-    """Participation (g, 6) and the fall of chi² (g,) it alone brings."""
-    A = np.zeros((len(amplitude), 6, 6))
-    A[:, UPPER[0], UPPER[1]] = A[:, UPPER[1], UPPER[0]] = amplitude
-    values, vectors = np.linalg.eigh(A / np.outer(SCALE, SCALE))
-    L = np.sqrt(np.maximum(values[:, -1], 0.0))[:, None] * vectors[:, :, -1] * SCALE
-    taken = L[:, UPPER[0]] * L[:, UPPER[1]]
-    return L, np.sum(power * (amplitude**2 - (amplitude - taken) ** 2), axis=1)
+def _curves(w: Array, f: Array, zeta: Array) -> ComplexArray:
+    """omega² / (omega_r² - omega² + 2 i zeta omega_r omega) of every pole (g, n)."""
+    p = 2 * np.pi * f[:, None]
+    return np.asarray(w**2 / (p**2 - w**2 + 2j * zeta[:, None] * p * w))
+
+
+def _rank_one(rhs: Array, P: Array) -> tuple[Array, Array]:
+    """Of every pole the best of the six eigenvectors of its matrix of amplitudes: participation (s, 6) and fall of chi² (s,)."""
+    i, j = UPPER
+    A = np.zeros((len(rhs), 6, 6))
+    A[:, i, j] = A[:, j, i] = np.linalg.solve(P, rhs[:, :, None])[:, :, 0]
+    _, vectors = np.linalg.eigh(A / np.outer(SCALE, SCALE))
+    u = vectors.swapaxes(1, 2) * SCALE  # (s, 6 vectors, 6)
+    v = u[:, :, i] * u[:, :, j]
+    along = np.einsum("sve,se->sv", v, rhs)
+    size = np.maximum(along, 0.0) / np.einsum("sve,sef,svf->sv", v, P, v)
+    gain = size * along
+    best = np.argmax(gain, axis=1)
+    k = np.arange(len(rhs))
+    return np.sqrt(size[k, best])[:, None] * u[k, best], gain[k, best]

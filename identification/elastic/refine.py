@@ -4,16 +4,17 @@ Priors keep what the data do not say: a structure is lightly damped (a factor of
 the band unless the data say otherwise, and coupling of damping does not exceed what its two modes have. Against data they weigh
 nothing: a resonance tells ln f a thousand times better.
 
-Source: Marquardt, J. SIAM 11 (1963) 431; scaling of the damping by the diagonal.
+Source: Marquardt, J. SIAM 11 (1963) 431; its damping as in Nielsen, IMM-REP-1999-05, Technical University of Denmark.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
 from identification.elastic import model
 from identification.elastic.lines import Lines
 from identification.elastic.model import UPPER, Layout
@@ -21,8 +22,20 @@ from identification.elastic.model import UPPER, Layout
 DAMPING = (np.log(0.004), 1.5)
 """Mean and standard deviation of ln zeta."""
 
-COUPLING = 0.4
+HIGHEST = float(np.log(0.1))
+"""Largest ln zeta: a pole that is damped more is no resonance but a slope that some other pole lacks."""
+
+COUPLING = 0.3
 """Standard deviation of rho."""
+
+TIGHTEST = 0.95
+"""Largest rho: at 1 a pair would have a motion without damping."""
+
+ENOUGH = 0.03
+"""Gain of chi² that is no gain: a sixth of a standard deviation."""
+
+HOPELESS = 1e8
+"""Damping at which a step is too short to gain by anything but rounding."""
 
 STEP = 0.3
 """Largest step of a logarithm or a coupling."""
@@ -36,6 +49,10 @@ class Refined:
     ----------
     vector : (k,) of `layout`
     chi2 : of the data alone
+    cost : of data and priors
+    jacobian : (k, N) of the weighted data, N = 42 n: line by line, entry by entry, real and imaginary
+    residual : (N,) fitted less measured, weighted
+    prior : (k,) gradient of half the priors' cost
     information : (k, k) J^T J with the priors
     converged : whether it ended by itself
     """
@@ -44,77 +61,92 @@ class Refined:
     vector: Array
     chi2: float
     cost: float
+    jacobian: Array
+    residual: Array
+    prior: Array
     information: Array
     converged: bool
 
 
-def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 30, accuracy: float = 1e-6) -> Refined:
-    """From the vector `start` (k,) downhill until a step gains less than `accuracy` of what is left or one unit of chi² times it."""
-    x, damping = start, 1e-3
-    J, r, chi2 = _linearised(x, layout, lines)
-    cost = float(r @ r)
-    A, g = J @ J.T, J @ r
+def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, accuracy: float = 1e-6) -> Refined:
+    """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost and `ENOUGH`.
+
+    Not converged when `iterations` steps did not do; none only linearises at `start`.
+    """
+    at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
-        trial, predicted = _step(x, A, g, damping, layout)
-        moved = _residual(trial, layout, lines)
-        gained = cost - float(moved @ moved)
+        trial, predicted = _step(at, damping)
+        left = _residual(trial, layout, lines)
+        gained = at.cost - float(left @ left)
         if gained > 0:
-            x, damping = trial, damping * (0.1 if gained > 0.5 * predicted else 1.0)
-            J, r, chi2 = _linearised(x, layout, lines)
-            cost = float(r @ r)
-            A, g = J @ J.T, J @ r
-            if gained < accuracy * (cost + 1):
-                return Refined(layout=layout, vector=x, chi2=chi2, cost=cost, information=A, converged=True)
+            at, rise = linearised(trial, layout, lines), 2.0
+            damping *= max(0.1, 1 - (2 * gained / predicted - 1) ** 3)
         else:
-            damping = max(10 * damping, 1e-8)
-            if damping > 1e8 or predicted < accuracy * (cost + 1):
-                return Refined(layout=layout, vector=x, chi2=chi2, cost=cost, information=A, converged=True)
-    return Refined(layout=layout, vector=x, chi2=chi2, cost=cost, information=A, converged=False)
+            damping, rise = damping * rise, 2 * rise
+        if damping > HOPELESS or max(gained, predicted) < accuracy * at.cost + ENOUGH:
+            return replace(at, converged=True)
+    return at
 
 
-def _step(x: Array, A: Array, g: Array, damping: float, layout: Layout) -> tuple[Array, float]:
+def _step(at: Refined, damping: float) -> tuple[Array, float]:
+    """The vector of the next trial and what cost it should save."""
+    x, A, blocks = at.vector, at.information, at.layout.blocks
+    g = at.jacobian @ at.residual + at.prior
     d = np.sqrt(np.diag(A))
-    scaled = A / np.outer(d, d)
-    dx = -np.linalg.solve(scaled + damping * np.eye(len(d)), g / d) / d
-    blocks = layout.blocks
+    dx = -np.linalg.solve(A / np.outer(d, d) + damping * np.eye(len(d)), g / d) / d
     limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
     largest = np.abs(dx[limited]).max(initial=0.0)
     dx = dx * min(1.0, STEP / max(largest, 1e-300))
-    return x + dx, float(-2 * g @ dx - dx @ A @ dx)
+    trial = x + dx
+    trial[blocks["damping"]] = np.minimum(trial[blocks["damping"]], HIGHEST)
+    trial[blocks["pairs"]] = np.clip(trial[blocks["pairs"]], -TIGHTEST, TIGHTEST)
+    dx = trial - x
+    return trial, float(-2 * g @ dx - dx @ A @ dx)
 
 
-def _weights(lines: Lines) -> Array:
-    """Per real number: the variance of a complex error is shared by its two parts."""
-    return np.asarray(np.sqrt(2) / lines.deviation)
+def leftover(x: Array, layout: Layout, lines: Lines) -> ComplexArray:
+    """Fitted less measured (n, 21), in the units of H."""
+    _, terms = model.unpack(x, layout)
+    mass = np.tensordot(x[:10], model.inertia_basis(), axes=1)
+    return np.asarray(model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]] - lines.values)
+
+
+def weighted(values: ComplexArray, lines: Lines) -> Array:
+    """(..., n, 21) complex as (..., 42 n) real of unit variance: that of a complex error is shared by its two parts."""
+    scaled = np.ascontiguousarray(values * (np.sqrt(2) / lines.deviation))
+    return scaled.reshape(*values.shape[:-2], -1).view(np.float64)
 
 
 def _residual(x: Array, layout: Layout, lines: Lines) -> Array:
-    parameters, terms = model.unpack(x, layout)
-    mass = np.tensordot(x[:10], model.inertia_basis(), axes=1)
-    left = model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]] - lines.values
-    weighted = np.ascontiguousarray(left * _weights(lines)).view(np.float64).ravel()
-    return np.concatenate([weighted, _prior(x, layout, lines)[0]])
+    return np.concatenate([weighted(leftover(x, layout, lines), lines), _prior(x, layout, lines)[0]])
 
 
-def _linearised(x: Array, layout: Layout, lines: Lines) -> tuple[Array, Array, float]:
-    """J^T (k, N), r (N,) and chi² of the data."""
+def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
+    """Cost and derivatives at the vector `x` (k,), which nothing moves."""
     _, terms = model.unpack(x, layout)
-    dH = model.derivatives(terms, lines.frequency, layout)[:, :, UPPER[0], UPPER[1]]
-    dH *= _weights(lines)
-    J = dH.reshape(len(x), -1).view(np.float64)
-    r = _residual(x, layout, lines)
-    data = r[: J.shape[1]]
-    return np.hstack([J, _prior(x, layout, lines)[1]]), r, float(data @ data)
+    J = weighted(model.derivatives(terms, lines.frequency, layout)[:, :, UPPER[0], UPPER[1]], lines)
+    r = weighted(leftover(x, layout, lines), lines)
+    p, slopes = _prior(x, layout, lines)
+    chi2, information = float(r @ r), J @ J.T
+    information[np.diag_indices(len(x))] += slopes**2
+    return Refined(
+        layout=layout,
+        vector=x,
+        chi2=chi2,
+        cost=chi2 + float(p @ p),
+        jacobian=J,
+        residual=r,
+        prior=slopes * p,
+        information=information,
+        converged=False,
+    )
 
 
 def _prior(x: Array, layout: Layout, lines: Lines) -> tuple[Array, Array]:
-    """Residuals (p,) and their derivatives (k, p)."""
+    """Residuals (k,) and their slopes (k,), zero for parameters without a prior."""
     blocks, low, high = layout.blocks, np.log(lines.frequency[0]), np.log(lines.frequency[-1])
-    mean, sd = np.zeros(len(x)), np.ones(len(x))
-    mean[blocks["frequency"]], sd[blocks["frequency"]] = (low + high) / 2, max(high - low, 1.0) / 2
-    mean[blocks["damping"]], sd[blocks["damping"]] = DAMPING
-    sd[blocks["pairs"]] = COUPLING
-    place = np.arange(blocks["frequency"].start, blocks["pairs"].stop)
-    rows = np.zeros((len(x), len(place)))
-    rows[place, np.arange(len(place))] = 1 / sd[place]
-    return ((x - mean) / sd)[place], rows
+    mean, slope = np.zeros(len(x)), np.zeros(len(x))
+    mean[blocks["frequency"]], slope[blocks["frequency"]] = (low + high) / 2, 2 / max(high - low, 1.0)
+    mean[blocks["damping"]], slope[blocks["damping"]] = DAMPING[0], 1 / DAMPING[1]
+    slope[blocks["pairs"]] = 1 / COUPLING
+    return slope * (x - mean), slope
