@@ -100,7 +100,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
         modes=modes,
         condition_limit=asked.condition_limit,
         tolerances=tolerances,
-        fmd=None if asked.fmd is None else _fmd(asked.fmd, described),
+        fmd=None if asked.fmd is None else _fmd(asked.fmd),
         cell_stiffness=stiffness,
         any_hardware=asked.any_hardware,
         robust=asked.robust,
@@ -215,8 +215,8 @@ def _same_hardware(campaign: Campaign, tares: Sequence[Campaign], allowed: bool)
             )
         elif tare.hardware != campaign.hardware:
             words.append(
-                f"{tare.source} was recorded with {tare.hardware}, {campaign.source} with {campaign.hardware}: FMD and errors of "
-                "the sensors are taken for the same, and the intervals do not know better"
+                f"{tare.source} was recorded with {tare.hardware}, {campaign.source} with {campaign.hardware}; they are combined "
+                "because --any-hardware asks for it"
             )
     return words
 
@@ -241,14 +241,13 @@ def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[s
     return []
 
 
-def _fmd(name: str, campaign: Campaign) -> Inertia:
-    """The FMD's moving part as a result file states it, about F in the frame of `campaign`."""
-    from geometry.frames import Pose
+def _fmd(name: str) -> Inertia:
+    """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
     from validation.result_file import read
 
     said = read(name, article="fmd").statement
     try:
-        return said.inertia.placed(Pose(position=campaign.table.origin)).about(campaign.table.origin)
+        return said.inertia
     except ValueError as error:
         remedy = "State mass, CoG and moments of the FMD"
         raise BadInput(source=name, field="inertia", problem=str(error), remedy=remedy) from None

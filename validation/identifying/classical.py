@@ -16,7 +16,7 @@ from geometry.frames import Pose
 from identification.campaign import Campaign
 from identification.request import Fact
 from validation import crane_cog, pendulum_file, results_file, weighing
-from validation.identifying.known import above_fmd
+from validation.identifying.known import above_fmd, stated
 from validation.measurement_file import Fields, read
 from validation.reduction import Reduction
 from validation.stated_inertia import NORMAL_95
@@ -77,8 +77,9 @@ def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]
     if key == "mass":
         return [Fact(quantity="mass_kg", value=size, sd=sd, source=name)]
     if key.startswith("cog_"):
-        axis, sign = _axis("xyz".index(key[-1]), _pose(campaign, name), name, key)
-        origin = float((_pose(campaign, name).position - campaign.table.origin)[axis])
+        pose = _pose(campaign, name)
+        axis, sign = _axis("xyz".index(key[-1]), pose, name, key)
+        origin = float(pose.position[axis])
         return [Fact(quantity=f"cog_{'xyz'[axis]}_mm", value=sign * size + origin, sd=sd, source=name)]
     if key.startswith("I"):
         pose = campaign.mounting or Pose()
@@ -90,14 +91,15 @@ def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]
 
 
 def _pose(campaign: Campaign, name: str) -> Pose:
-    if campaign.mounting is None:
+    pose = stated(campaign)
+    if pose is None:
         raise BadInput(
             source=f"{campaign.source}/campaign.toml",
             field="mounting",
             problem=f"is missing, and {name} states the CoG from the article's own origin",
             remedy="State where that origin is mounted, [mounting] with origin",
         )
-    return campaign.mounting
+    return pose
 
 
 def _axis(k: int, pose: Pose, name: str, key: str) -> tuple[int, float]:

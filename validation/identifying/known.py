@@ -21,7 +21,7 @@ def above_fmd(article: str) -> str:
 
 
 def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inertia | None, tuple[str, ...]]:
-    """The article `name` as it stands in `campaign`: its inertia about F in the campaign's axes, and what was assumed for it.
+    """The article `name` as it stands in `campaign`: its inertia in the frame of F, and what was assumed for it.
 
     None for an FMD with nothing on it.
 
@@ -33,19 +33,26 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
         return None, ()
     _require_same(name, campaign, source)
     pose, said = mounted(campaign)
-    return _inertia(above_fmd(name), source).placed(pose).about(campaign.table.origin), said
+    return _inertia(above_fmd(name), source).placed(pose), said
 
 
 def mounted(campaign: Campaign) -> tuple[Pose, tuple[str, ...]]:
-    """Where the article's frame sits in that of `campaign`: as stated, else on the built-in FMD's cover plate, which is said."""
-    if campaign.mounting is not None:
-        return campaign.mounting, ()
+    """Where the article's frame sits, seen from F: as `campaign` states, else on the built-in FMD, which is said."""
+    pose = stated(campaign)
+    if pose is not None:
+        return pose, ()
     seat = built_in(FMD).seat or Pose()
     words = (
         f"{campaign.source}: [mounting] is missing; the known article is taken to stand {1e3 * seat.position[2]:g} mm above F, "
         "on the cover plate of the built-in FMD, which is a reconstruction"
     )
-    return Pose(position=seat.position + campaign.table.origin), (words,)
+    return seat, (words,)
+
+
+def stated(campaign: Campaign) -> Pose | None:
+    """The pose of the article's frame seen from F that `campaign` states; None where it states none."""
+    there = campaign.mounting
+    return None if there is None else Pose(position=there.position - campaign.table.origin, rotation=there.rotation)
 
 
 def _require_same(name: str, campaign: Campaign, source: str) -> None:

@@ -56,13 +56,13 @@ class Reported:
 
 
 def reported(identified: Identified, frame: Pose) -> Reported:
-    """`identified` seen from `frame`, whose pose is given in the frame of the campaign.
+    """`identified` seen from `frame`, whose pose is seen from F, along the axes of the campaign.
 
     Raises
     ------
     CheckFailed : the mass is not positive, so that there is no CoG.
     """
-    there, point = frame.inverse, identified.inertia.reference_point
+    there = frame.inverse
     if identified.inertia.mass <= 0:
         raise CheckFailed(
             f"the {identified.way} result has a mass of {identified.inertia.mass:.6g} kg: is the polarity of the load cells "
@@ -71,14 +71,14 @@ def reported(identified: Identified, frame: Pose) -> Reported:
         )
 
     def change(parameters: Array) -> Array:
-        return about_cog(Inertia(parameters=parameters, reference_point=point).placed(there))
+        return about_cog(Inertia(parameters=parameters).placed(there))
 
     values = change(identified.inertia.parameters)
     J = jacobian(change, identified.inertia.parameters)
     half = NORMAL_95 * np.sqrt(np.maximum(np.diag(J @ identified.covariance @ J.T), 0.0))
     return Reported(
         identified=identified,
-        inertia=identified.inertia.placed(there),
+        inertia=Inertia(parameters=identified.inertia.parameters).placed(there),
         values=values,
         low=values - half,
         high=values + half,

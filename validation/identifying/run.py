@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+from identification.identify import identify
 
 from geometry.atomic import write_text
-from geometry.frames import Pose
 from geometry.consistency import judge
 from geometry.errors import CheckFailed
-from identification.identify import identify
+from geometry.frames import Pose
 from validation.identifying import as_json as written
 from validation.identifying import table
 from validation.identifying.asked import Asked, ready

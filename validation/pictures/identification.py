@@ -292,7 +292,7 @@ def _map(axes: Axes, one: DrawnMap, start: Array, stop: Array) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
     colours = LinearSegmentedColormap.from_list("deviation", ("#14296b", "#6f93dc", PAPER, "#ea8a78", "#7d1220"))
-    colours.set_bad(EMPTY)
+    axes.set_facecolor(EMPTY)
     known = np.abs(one.deviation[np.isfinite(one.deviation)])
     reach = max(float(np.quantile(known, 0.9)) if known.size else 0.0, 2 * one.half_width, np.finfo(np.float64).tiny)
     mesh = axes.pcolormesh(
