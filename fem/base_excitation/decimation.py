@@ -161,14 +161,15 @@ def _described(simulated: float, rate: float) -> dict[str, object]:
 
 def _filtered(channels: Array, factor: int) -> Array:
     """Every `factor`-th of the filtered samples (n, ...), the first one kept in its place."""
-    n = len(channels)
-    return _apart(channels.reshape(n, -1), factor, np.zeros(channels[:1].size)).reshape(-1, *channels.shape[1:])
+    width = int(np.prod(channels.shape[1:]))
+    found = _apart(channels.reshape(len(channels), width), factor, np.zeros(width))
+    return found.reshape(len(found), *channels.shape[1:])
 
 
 def _apart(columns: Array, factor: int, late: Array) -> Array:
     """Every `factor`-th of the filtered samples (n, c), each column `late` (c,) samples later; (ceil(n / factor), c)."""
     n = len(columns)
-    found = np.zeros((ceil(n / factor), columns.shape[1]))
+    found = np.zeros((ceil(n / factor), columns.shape[1]), order="F")
     for k, samples in enumerate(late):
         first, coefficients = delayed_taps(factor, float(samples))
         found[:, k] = _every(np.ascontiguousarray(columns[:, k]), coefficients, first, factor)

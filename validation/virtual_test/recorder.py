@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
 from validation.virtual_test.chain_truth import ChainTruth
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.streams import stream
@@ -30,12 +31,12 @@ def disturbed(values: Array, names: tuple[str, ...], chain: ChainTruth, plan: Pl
     """`values` (m, c) with the noise and the hum of this article's `run`."""
     time = np.arange(len(values)) / plan.rate
     hum = stream(plan.seed, "mains", plan.article, run)
-    frequency = MAINS + DRIFT * hum.standard_normal()
+    waves = _waves(time, MAINS + DRIFT * hum.standard_normal(), plan.rate)
     found = np.array(values, order="F")
     for k, name in enumerate(names):
-        phases = hum.uniform(0.0, 2 * np.pi, len(HARMONICS))
+        phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
         found[:, k] += _noise(name, len(time), chain, plan, run)
-        found[:, k] += chain.mains.get(name, 0.0) * _hum(time, frequency, phases, plan.rate)
+        found[:, k] += chain.mains.get(name, 0.0) * (phases @ waves).imag
     return found
 
 
@@ -44,10 +45,7 @@ def _noise(name: str, count: int, chain: ChainTruth, plan: Plan, run: str) -> Ar
     return rms * stream(plan.seed, "noise", plan.article, run, name).standard_normal(count) if rms else 0.0
 
 
-def _hum(time: Array, frequency: float, phases: Array, rate: float) -> Array:
-    """Unit fundamental and its harmonics, those that a record of `rate` [Hz] can hold."""
-    total = np.zeros_like(time)
-    for (order, share), phase in zip(HARMONICS.items(), phases, strict=True):
-        if order * frequency < rate / 2:
-            total += share * np.sin(2 * np.pi * order * frequency * time + phase)
-    return total
+def _waves(time: Array, frequency: float, rate: float) -> ComplexArray:
+    """(h, m) rotating phasors of unit mains and its harmonics; zero for those that a record of `rate` [Hz] cannot hold."""
+    phasor = np.exp(2j * np.pi * frequency * time)
+    return np.array([share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()])

@@ -25,7 +25,7 @@ from validation.virtual_test.layout import Layout, letter
 
 AXES = "xyz"
 TABLE, COVER, FORCES = slice(0, 6), slice(6, 12), slice(12, 12 + 3 * CELLS)
-TABLE_TILT, COVER_TILT = slice(24, 26), slice(26, 28)
+TABLE_TILT, COVER_TILT, TILT = slice(24, 26), slice(26, 28), slice(24, 28)
 WIDTH = 28
 
 MOTION_OF: Mapping[str, tuple[slice, slice]] = {"table": (TABLE, TABLE_TILT), "cover": (COVER, COVER_TILT)}
@@ -59,10 +59,13 @@ def needs_tilt(chain: ChainTruth) -> bool:
 
 def read(sensors: Sensors, response: Response, tilt: Array | None) -> Array:
     """What all channels read, (n, c) and undelayed; `tilt` (n, 4) [rad] alpha, beta of the table, then of the cover plate."""
-    parts = [response.table, response.cover, response.cells.reshape(len(response.table), -1)]
-    if tilt is None:
-        return np.asarray(np.hstack(parts) @ sensors.rows[:, : TABLE_TILT.start].T)
-    return np.asarray(np.hstack([*parts, tilt]) @ sensors.rows.T)
+    cells = response.cells.reshape(len(response.table), -1)
+    parts = [(TABLE, response.table), (COVER, response.cover), (FORCES, cells)]
+    parts += [] if tilt is None else [(TILT, tilt)]
+    found = np.zeros((len(sensors.rows), len(response.table)))
+    for where, signals in parts:
+        found += sensors.rows[:, where] @ signals.T
+    return found.T
 
 
 def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:

@@ -73,7 +73,7 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
     lab = laboratory(plan)
     recordings = {}
     for k, run in enumerate(driven):
-        recordings[run.name] = _recording(plan, lab, run)
+        recordings[run.name] = record(plan, lab, run)
         if progress is not None:
             progress((k + 1) / len(driven))
     campaign = _campaign(plan, lab, driven, recordings)
@@ -94,7 +94,8 @@ def laboratory(plan: Plan) -> Laboratory:
     return Laboratory(layout=layout, chain=chain, made=made, rig=rig, sensors=sensors(layout, chain, plan.gravity))
 
 
-def _recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
+def record(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
+    """What the recorder of `lab` holds after `run`."""
     response, tilt = _driven(plan, lab, run)
     names, generator = lab.layout.table.names, stream(plan.seed, "effects", plan.article, run.name)
     sensed = Sensed(
@@ -102,6 +103,7 @@ def _recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
         table=lab.layout.table,
         sampling_rate=response.sampling_rate,
         run=run.name,
+        level=run.level,
         response=response,
         generator=generator,
     )
