@@ -34,6 +34,7 @@ def as_json(found: Findings) -> dict[str, Any]:
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
         "checks": list(found.checks),
+        "cross_motion": list(found.crossed),
         "lines": None if found.lines is None else _lines(found.lines),
         "study": None if found.study is None else _study(found.study),
         "settings": _settings(found.request, found.frame),

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import DynamicMass
-from geometry.inertia import Inertia
+from geometry.dynamic_mass import ComplexArray, DynamicMass
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
@@ -64,8 +63,9 @@ class Findings:
     frame : the user's own frame in words, empty without one
     request : what was asked
     results : plain, then self-calibrated when there is one; the last one is the result
-    fmd : what a tare took off, about F; None without one
-    lines, dynamic_mass, spectra, residuals, study : evidence; None where it does not exist
+    rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
+    lines, dynamic_mass, quotient, spectra, residuals, study : evidence; None where it does not exist
+    crossed : what the quotient of the driven axis would have cost, sentences
     checks : findings of the closed checks, sentences
     verdict : by PARAMETER, in words
     warnings : sentences without their full stop
@@ -77,13 +77,15 @@ class Findings:
     results: tuple[Reported, ...]
     verdict: Mapping[str, str] = field(default_factory=dict)
     frame: str = ""
-    fmd: Inertia | None = None
+    rigid: Array | None = None
     lines: Lines | None = None
     dynamic_mass: DynamicMass | None = None
     spectra: Spectra | None = None
+    quotient: ComplexArray | None = None
     residuals: DrawnResiduals | None = None
     study: Study | None = None
     checks: tuple[str, ...] = ()
+    crossed: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
