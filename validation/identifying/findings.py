@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.frames import Pose
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
@@ -60,7 +61,7 @@ class Findings:
     ----------
     article : what the result is about: the stack, without the FMD when a tare took it off
     origin : "article" or "F", from where the CoG is given; with the user's own frame it is that frame's origin that counts
-    frame : the user's own frame in words, empty without one
+    frame : the user's own frame, seen from the article's or from F; None without one
     request : what was asked
     results : plain, then self-calibrated when there is one; the last one is the result
     rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
@@ -76,7 +77,7 @@ class Findings:
     request: Request
     results: tuple[Reported, ...]
     verdict: Mapping[str, str] = field(default_factory=dict)
-    frame: str = ""
+    frame: Pose | None = None
     rigid: Array | None = None
     lines: Lines | None = None
     dynamic_mass: DynamicMass | None = None

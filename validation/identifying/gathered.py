@@ -20,8 +20,8 @@ from validation.pictures.identification import DrawnResiduals
 SMALLEST = np.finfo(np.float64).tiny
 
 
-def gathered(made: Ready, found: Identification, frame: Pose | None = None, words: str = "") -> Findings:
-    """What `found` shows, in the user's own `frame`, seen from the article's and described by `words`.
+def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> Findings:
+    """What `found` shows, in the user's own `frame`, seen from the article's.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, word
     return Findings(
         article=above_fmd(request.campaign.article) if off else request.campaign.article,
         origin="F" if mount is None else "article",
-        frame=words,
+        frame=frame,
         request=request,
         results=results,
         verdict=dict(zip(PARAMETERS, verdicts(found), strict=True)),
@@ -55,9 +55,9 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, word
 
 
 def rigid(found: Identification, one: Identified) -> Array:
-    """Mass matrix (6, 6) about F of all that the load cells carry, FMD included: what is measured less the elastic terms of `one`.
+    """Mass matrix (6, 6) about F of all that the load cells carry, FMD included: what is measured less elastic terms of `one`.
 
-    The mean over all lines that are used, brought to the form of Eq. 1.
+    The median of all lines that are used, brought to the form of Eq. 1.
     """
     H = found.estimate.dynamic_mass
     kept = np.asarray(found.exclusions.kept, dtype=bool)

@@ -57,7 +57,7 @@ def identified(asked: Asked, frame: str | None = None, *, quiet: bool = True) ->
         made = ready(asked, told)
     with stages(made.request.campaign.article, quiet=quiet) as told:
         found = identify(made.request, told)
-    return gathered(made, found, pose, frame or "")
+    return gathered(made, found, pose)
 
 
 def _write(found: Findings, folder: Path, *, keep: bool, quiet: bool) -> None:

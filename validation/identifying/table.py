@@ -96,7 +96,9 @@ def _weight(participation: np.ndarray, k: int) -> float:
 def notes(found: Findings) -> Iterator[str]:
     """What must be known to read the tables, then what was left out, checked and warned of."""
     where = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}[found.origin]
-    yield (f"CoG from {found.frame or where}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm.")
+    yield (
+        f"CoG from {where if found.frame is None else 'your own frame'}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm."
+    )
     yield _method(found)
     for one in found.results:
         yield _fit(one)
