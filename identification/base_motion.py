@@ -33,9 +33,7 @@ STANDARD_GRAVITY = 9.81
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BaseMotion:
-    """Six base motions of the reference point, run by run and line by line.
-
-    Where pick-ups feel gravity the motion is the *apparent* one (`identification.tilt`).
+    """Six base motions of the reference point, run by run and line by line: the *apparent* ones (`identification.tilt`).
 
     Attributes
     ----------
@@ -76,7 +74,7 @@ def base_motion(
     groups : of `geometry.sensors.GROUPS`; by default the cover plate where it tells all six motions, else the table
     weights : a number for each channel of `groups` in the order of the table, inverse variances up to a factor; by default the
         inverse variance of the noise, or equal weights in runs where the noise of a channel is not known
-    gravity : [m/s²], for channels that do not feel it beside channels that do
+    gravity : [m/s²], by which the readings of channels that do not feel it differ
 
     Raises
     ------
@@ -130,7 +128,7 @@ def rows(spectra: Spectra, chosen: Sequence[int], gravity: float) -> Array:
     channels = [spectra.table.channels[k] for k in chosen]
     G = np.broadcast_to(motion_rows(channels, spectra.table.origin), (len(spectra.frequency), len(channels), 6)).copy()
     kinematic = [k for k, channel in enumerate(channels) if not channel.senses_gravity]
-    if kinematic and len(kinematic) < len(channels):
+    if kinematic:
         G[:, kinematic] = G[:, kinematic] @ kinematic_of_apparent(spectra.frequency, gravity)
     return G
 

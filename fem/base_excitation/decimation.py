@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import ceil, isfinite
+from math import ceil, floor, isfinite
 from typing import Any, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
@@ -34,6 +35,12 @@ RIPPLE = 1e-6
 
 HALF = 44
 """Samples of the record on each side of a sample that the filter looks at; enough for `PASS` and `RIPPLE`."""
+
+POINTS = 12
+"""Samples through which a delay by a part of a sample is interpolated."""
+
+BLOCK = 4096
+"""Samples of the record that are filtered at a time, to spare memory."""
 
 
 def simulation_rate(output_rate: float, least: float = LEAST) -> float:
@@ -92,6 +99,18 @@ def decimated(record: BaseMotion | Response, rate: float) -> BaseMotion | Respon
     return _motion(record, factor) if isinstance(record, BaseMotion) else _response(record, factor)
 
 
+def decimated_channels(channels: Array, simulated: float, rate: float, delay: npt.ArrayLike = 0.0) -> Array:
+    """Samples (n, c) at the rate `simulated` [Hz] brought down to `rate` [Hz], each channel `delay` (c,) [s] later.
+
+    Raises
+    ------
+    BadInput : `rate` is not positive, or `simulated` is not a whole multiple of it.
+    """
+    late = np.broadcast_to(np.asarray(delay, dtype=np.float64) * simulated, (channels.shape[1],))
+    factor = _factor(simulated, rate)
+    return channels if factor == 1 and not late.any() else _apart(channels, factor, late)
+
+
 @cache
 def taps(factor: int) -> Array:
     """The anti-alias filter for every `factor`-th sample: (2 `HALF` `factor` + 1,), symmetric, of sum 1."""
@@ -142,14 +161,63 @@ def _described(simulated: float, rate: float) -> dict[str, object]:
 
 def _filtered(channels: Array, factor: int) -> Array:
     """Every `factor`-th of the filtered samples (n, ...), the first one kept in its place."""
-    from scipy.signal import upfirdn
+    width = int(np.prod(channels.shape[1:]))
+    found = _apart(channels.reshape(len(channels), width), factor, np.zeros(width))
+    return found.reshape(len(found), *channels.shape[1:])
 
-    n = len(channels)
-    flat = np.ascontiguousarray(channels.reshape(n, -1).T)
-    found = np.array([upfirdn(taps(factor), row, down=factor)[HALF : HALF + ceil(n / factor)] for row in flat])
-    return np.asarray(
-        found.T.reshape(-1, *channels.shape[1:]) if flat.size else np.zeros((ceil(n / factor), *channels.shape[1:]))
-    )
+
+def _apart(columns: Array, factor: int, late: Array) -> Array:
+    """Every `factor`-th of the filtered samples (n, c), each column `late` (c,) samples later; (ceil(n / factor), c)."""
+    n = len(columns)
+    found = np.zeros((ceil(n / factor), columns.shape[1]), order="F")
+    for k, samples in enumerate(late):
+        first, coefficients = delayed_taps(factor, float(samples))
+        found[:, k] = _every(np.ascontiguousarray(columns[:, k]), coefficients, first, factor)
+    return found
+
+
+def delayed_taps(factor: int, samples: float) -> tuple[int, Array]:
+    """`taps` that delay by so many `samples` as well, and how many samples before the middle they begin.
+
+    A delay is a polynomial through `POINTS` samples around it (Lagrange), which for motion far below the rate of the simulation
+    is exact to rounding; a whole number of samples is exact for any.
+    """
+    if samples == 0.0:
+        return -HALF * factor, taps(factor)
+    first = floor(samples) - POINTS // 2 + 1
+    nodes = first + np.arange(POINTS)
+    weights = [np.prod([(samples - other) / (node - other) for other in nodes if other != node]) for node in nodes]
+    return first - HALF * factor, np.convolve(taps(factor), weights)
+
+
+def _every(signal: Array, coefficients: Array, first: int, factor: int) -> Array:
+    """y[m] = sum over i of coefficients[i] signal[m factor - first - i], at rest beyond both ends; (ceil(n / factor),).
+
+    The coefficients are cut into pieces of `factor`: one product with all pieces at once, whose rows are then added up shifted.
+    """
+    count, pieces = ceil(len(signal) / factor), ceil(len(coefficients) / factor)
+    cut = np.zeros(pieces * factor)
+    cut[cut.size - len(coefficients) :] = coefficients[::-1]  # cut[l] belongs to the sample l - before of the one that is wanted
+    before = first + len(coefficients) - 1 + cut.size - len(coefficients)
+    table, found = cut.reshape(pieces, factor), np.zeros(count)
+    for start in range(0, count, BLOCK):
+        stop = min(start + BLOCK, count)
+        samples = _padded(signal, start * factor - before, (stop - start + pieces - 1) * factor)
+        products = table @ samples.reshape(-1, factor).T
+        for k, row in enumerate(products):
+            found[start:stop] += row[k : k + stop - start]
+    return found
+
+
+def _padded(signal: Array, start: int, count: int) -> Array:
+    """`count` samples of `signal` from `start` on, zero beyond both its ends."""
+    low, high = max(start, 0), min(start + count, len(signal))
+    if low == start and high == start + count:
+        return signal[low:high]
+    found = np.zeros(count)
+    if high > low:
+        found[low - start : high - start] = signal[low:high]
+    return found
 
 
 def _factor(simulated: float, rate: float) -> int:

@@ -70,11 +70,11 @@ def run(structure: RigStructure, system: States, channels: Channels, motion: Bas
     CheckFailed : the answer grows beyond all numbers; with the first channel and time at which it does.
     """
     wanted, samples, last = seen(channels, system), _inputs(structure, motion), drive_end(motion)
-    found, state = np.empty((len(samples), len(wanted.of_states))), np.zeros(len(system.A))
+    found, state = np.empty((len(wanted.of_states), len(samples))).T, np.zeros(len(system.A))  # a channel lies in one piece
     straight = straightened(samples) if len(system.A) else samples
     with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
         for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
-            found[block.samples] = block.outputs + samples[block.samples] @ wanted.of_inputs.T
+            np.add(block.outputs.T, wanted.of_inputs @ samples[block.samples].T, out=found[block.samples].T)
             _require_bounded(found[block.samples], channels, block.samples.start / motion.sampling_rate, motion.sampling_rate)
             if block.samples.stop == last + 1:
                 state = block.state

@@ -204,12 +204,14 @@ def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array]
 
     growth, now, ahead = held(uncoupled.pole * step)
     first, last = step * now, step * ahead
-    seen = outputs @ uncoupled.shape
+    seen, modes = outputs @ uncoupled.shape, len(uncoupled.pole)
+    parted = np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
     memory: ComplexArray | None = None
 
     def solve(samples: Array) -> tuple[Array, Array]:
         nonlocal memory
-        forces = uncoupled.drive @ samples.T.astype(np.complex128)
+        forces = parted @ samples.T
+        forces = forces[:modes] + 1j * forces[modes:]
         if memory is None:
             memory = -last * forces[:, 0]  # at rest at the first sample, whatever the input is there
         w = np.empty_like(forces)

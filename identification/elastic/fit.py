@@ -19,7 +19,7 @@ from geometry.inertia import Inertia
 from identification.elastic import model, poles
 from identification.elastic.lines import Lines, full, kept, lines_of
 from identification.elastic.model import Layout
-from identification.elastic.refine import Refined, leftover, linearised, refine
+from identification.elastic.refine import RATIOS, Refined, correlation_time, leftover, linearised, refine
 from identification.elastic.terms import ElasticTerms
 
 FLOOR = 0.002
@@ -41,8 +41,8 @@ class Fitted:
     Attributes
     ----------
     parameters : (10,) of Eq. 4 about the reference point of the dynamic mass
-    covariance : (10, 10) with all else estimated; noise and model error at the lines that say something new, times the misfit
-        where that is above 1. Errors alike at all lines, of gains for instance, are not in it
+    covariance : (10, 10) with all else estimated: noise and model error at the lines that say something new, times what the
+        misfit and the lines that repeat an error make of it. Errors alike at all lines, of gains for instance, are not in it
     terms : elastic terms about the same point
     reference_point : (3,) [m]
     misfit : chi² per degree of freedom with the given noise and floor
@@ -145,8 +145,11 @@ def _searched(
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
     """The fit with the best pole of the leftover added and everything refined; None when no pole takes anything out."""
-    pole = poles.next_pole(at, lines)
-    return _extended(at, pole, lines) if pole else None
+    for pole in poles.next_poles(at, lines):
+        longer = _extended(at, pole, lines)
+        if longer.chi2 < at.chi2:
+            return longer
+    return None
 
 
 def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
@@ -170,9 +173,14 @@ def _criterion(fit: Refined, unit: float, lines: Lines) -> float:
     return fit.chi2 / unit + fit.layout.size * float(np.log(lines.count))
 
 
+def _misfit(fit: Refined, lines: Lines) -> float:
+    return fit.chi2 / max(lines.count - fit.layout.size, 1)
+
+
 def _unit(fits: list[Refined], lines: Lines) -> float:
-    """Misfit of the best fit per degree of freedom, at least 1: model error beyond the floor is no reason for poles."""
-    return max(1.0, min(one.chi2 / max(lines.count - one.layout.size, 1) for one in fits))
+    """What one of chi² is worth, at least 1: model error beyond the floor, alike from line to line, is no reason for poles."""
+    best = min(fits, key=lambda one: _misfit(one, lines))
+    return max(1.0, _misfit(best, lines) * correlation_time(best))
 
 
 def _no_longer_pays(tried: list[Refined], lines: Lines, patience: int = 2) -> bool:
@@ -199,8 +207,12 @@ def _converged(at: Refined, lines: Lines) -> Refined:
 
 
 def _pruned(at: Refined, lines: Lines, unit: float) -> Refined:
-    """Poles go, the weakest first, while that costs less than they are worth."""
+    """Poles that are no resonances go, then others, the weakest first, while that costs less than they are worth."""
     while at.layout.modes:
+        limits = np.abs(at.vector[at.layout.blocks["damping"], None] - np.log(RATIOS)).min(axis=1)
+        if limits.min() < 1e-6:
+            at = _without(at, int(np.argmin(limits)), lines)
+            continue
         weakest = int(np.argmin([_worth(at, r) for r in range(at.layout.modes)]))
         shorter = _without(at, weakest, lines)
         if _criterion(shorter, unit, lines) > _criterion(at, unit, lines):
@@ -225,11 +237,13 @@ def _without(at: Refined, r: int, lines: Lines) -> Refined:
 
 
 def _why(best: Refined, tried: list[Refined], lines: Lines) -> str:
-    left = f"{best.layout.modes} poles leave a misfit of {best.chi2 / max(lines.count - best.layout.size, 1):.3g}"
+    left = f"{best.layout.modes} poles leave a misfit of {_misfit(best, lines):.3g}"
     longer = [one for one in tried if one.layout.modes > best.layout.modes]
     if not longer:
         return left
     gain, price = max(best.chi2 - longer[0].chi2, 0.0), 8 * np.log(lines.count) * _unit(tried, lines)
+    if gain > price:
+        return f"{left}; what one more would take out of chi², {gain:.3g}, is no resonance"
     return f"{left}; one more would take {gain:.3g} out of chi², less than its price of {price:.3g}"
 
 
@@ -240,10 +254,11 @@ def _result(
     found: Refined, history: list[tuple[int, float]], reason: str, data: Lines, thin: Lines, reference_point: Array
 ) -> Fitted:
     ordered, layout = model.ascending(found.vector, found.layout)
-    final = refine(ordered, layout, data, iterations=8)
+    final = refine(ordered, layout, data, iterations=20)
     parameters, terms = model.unpack(final.vector, layout)
     misfit = final.chi2 / max(data.count - layout.size, 1)
-    information = linearised(final.vector, layout, thin).information / max(1.0, misfit)
+    said = linearised(final.vector, layout, thin)
+    information = said.information / _unit([said], thin)
     deviations = np.abs(full(leftover(final.vector, layout, data) / data.deviation))
     asymmetry, pairs = data.asymmetry
     return Fitted(

@@ -29,6 +29,9 @@ BEYOND = (0.6, 1.7)
 SHORT = 150
 """Poles of the grid that are looked at closely."""
 
+APART = 0.02
+"""Relative distance of two candidates: nearer ones are the same."""
+
 RIDGE = 1e-3
 """Share of a pole's own curve that counts as explained by what is fitted already, so that no pole is put on another."""
 
@@ -51,15 +54,16 @@ class Candidate:
     gain: float
 
 
-def next_pole(at: Refined, lines: Lines) -> Candidate | None:
-    """The pole that takes most out of what the fit `at` leaves over; None when none takes anything."""
+def next_poles(at: Refined, lines: Lines, count: int = 3) -> tuple[Candidate, ...]:
+    """The poles, apart from each other, that take most out of what the fit `at` leaves over, the best first."""
     f, zeta = _shortlist(at, lines)
     rhs, P = _projected(at, lines, f, zeta)
     L, gain = _rank_one(rhs, P)
-    best = int(np.argmax(gain))
-    if gain[best] <= 0:
-        return None
-    return Candidate(frequency=f[best], damping_ratio=zeta[best], participation=L[best], gain=gain[best])
+    chosen: list[int] = []
+    for k in np.argsort(-gain).tolist():
+        if len(chosen) < count and gain[k] > 0 and all(abs(f[k] / f[j] - 1) > APART for j in chosen):
+            chosen.append(k)
+    return tuple(Candidate(frequency=f[k], damping_ratio=zeta[k], participation=L[k], gain=gain[k]) for k in chosen)
 
 
 def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:

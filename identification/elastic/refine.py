@@ -22,8 +22,8 @@ from identification.elastic.model import UPPER, Layout
 DAMPING = (np.log(0.004), 1.5)
 """Mean and standard deviation of ln zeta."""
 
-HIGHEST = float(np.log(0.1))
-"""Largest ln zeta: a pole that is damped more is no resonance but a slope that some other pole lacks."""
+RATIOS = (2e-4, 0.1)
+"""Damping ratios of a resonance: above them it is a slope that other poles lack, below them an error of one line."""
 
 COUPLING = 0.3
 """Standard deviation of rho."""
@@ -98,7 +98,7 @@ def _step(at: Refined, damping: float) -> tuple[Array, float]:
     largest = np.abs(dx[limited]).max(initial=0.0)
     dx = dx * min(1.0, STEP / max(largest, 1e-300))
     trial = x + dx
-    trial[blocks["damping"]] = np.minimum(trial[blocks["damping"]], HIGHEST)
+    trial[blocks["damping"]] = np.clip(trial[blocks["damping"]], *np.log(RATIOS))
     trial[blocks["pairs"]] = np.clip(trial[blocks["pairs"]], -TIGHTEST, TIGHTEST)
     dx = trial - x
     return trial, float(-2 * g @ dx - dx @ A @ dx)
@@ -115,6 +115,14 @@ def weighted(values: ComplexArray, lines: Lines) -> Array:
     """(..., n, 21) complex as (..., 42 n) real of unit variance: that of a complex error is shared by its two parts."""
     scaled = np.ascontiguousarray(values * (np.sqrt(2) / lines.deviation))
     return scaled.reshape(*values.shape[:-2], -1).view(np.float64)
+
+
+def correlation_time(at: Refined) -> float:
+    """Lines that repeat the same error, 1 and more: the sum of the autocorrelation of what is left over up to its first zero."""
+    r = at.residual.reshape(-1, 42)
+    lags = [float(np.sum(r[k:] * r[: len(r) - k])) for k in range(len(r) // 2)]
+    ends = next((k for k, lag in enumerate(lags) if lag <= 0), len(lags))
+    return 1 + 2 * sum(lags[1:ends]) / lags[0] if lags and lags[0] > 0 else 1.0
 
 
 def _residual(x: Array, layout: Layout, lines: Lines) -> Array:

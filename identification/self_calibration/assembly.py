@@ -1,14 +1,15 @@
-"""From the evidence to the joint problem: which campaigns share what, what is known beforehand, and where the iteration begins."""
+"""From the evidence to the joint problem: what campaigns share, what is known beforehand, where the iteration begins."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.inertia import PARAMETERS
-from identification.evidence import Evidence, Settings
+from identification.evidence import Evidence, Settings, TareSpectra
 from identification.measurement_chain import Chain, chain
 from identification.self_calibration import elastic_block, hardware, lines
 from identification.self_calibration.layout import Block, Layout, block
@@ -86,12 +87,29 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
     standing = (Body(block="article"),) if own is None else (own[0], Body(block="article"))
     campaigns = [_campaign("article", evidence.article, 0, standing, whole, settings, blocks)]
     for k, (tare, found, group) in enumerate(zip(evidence.tares, tares, groups, strict=True)):
-        known = rooted(f"known:{k}", tare.known.inertia.parameters, tare.known.covariance)
-        if known.block:
-            blocks.append(_unit(known, "tare"))
-        campaigns.append(_campaign(f"tare:{k}", tare.spectra, group, (bodies[group][0], known), found, settings, blocks))
+        standing = (bodies[group][0], _known(k, tare, blocks))
+        campaigns.append(_campaign(f"tare:{k}", tare.spectra, group, standing, found, settings, blocks))
     said = warnings if own is not None else (*warnings, WITHOUT_TARE)
     return Assembly(layout=Layout(blocks=(*_chains(campaigns), *blocks)), campaigns=tuple(campaigns), warnings=said)
+
+
+def of_fmd(tares: Sequence[TareSpectra], settings: Settings) -> Assembly:
+    """The joint problem of several `tares` of one hardware, in which the FMD is what is asked for: the block "article"."""
+    found = [setup(tare.spectra, replace(settings, modes=0)) for tare in tares]
+    left = [one.ten - tare.known.inertia.parameters for one, tare in zip(found, tares, strict=True)]
+    blocks, campaigns = [block("article", PARAMETERS, np.mean(left, axis=0))], []
+    for k, (tare, one) in enumerate(zip(tares, found, strict=True)):
+        known = _known(k, tare, blocks)
+        campaigns.append(_campaign(f"tare:{k}", tare.spectra, 0, (Body(block="article"), known), one, settings, blocks))
+    return Assembly(layout=Layout(blocks=(*_chains(campaigns), *blocks)), campaigns=tuple(campaigns))
+
+
+def _known(k: int, tare: TareSpectra, blocks: list[Block]) -> Body:
+    """The known article of a tare; what is not exact of it is added to `blocks`."""
+    known = rooted(f"known:{k}", tare.known.inertia.parameters, tare.known.covariance)
+    if known.block:
+        blocks.append(_unit(known, "tare"))
+    return known
 
 
 def _fmds(evidence: Evidence, tares: list[Setup], groups: list[int]) -> tuple[dict[int, tuple[Body, Array]], list[Block]]:

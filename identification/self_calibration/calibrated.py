@@ -14,7 +14,7 @@ from identification.self_calibration.solve import Solution, minimise
 _DEFAULT = Settings()
 
 ANNEALED = (0.02, 0.005)
-"""Model-error floors that come before the one asked for: a coarse likelihood is smoother, and its minimum is found from farther."""
+"""Model-error floors that come before the one asked for: a coarse likelihood is found from farther."""
 
 
 def calibrated(

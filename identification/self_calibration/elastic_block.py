@@ -29,8 +29,7 @@ NEIGHBOURS = 30.0
 """Distance of two modes, in their half-power widths, up to which their damping may be coupled."""
 
 STIFF = (20.0 / 150.0) ** 2
-"""Standard deviation of the residual of a body that is taken for rigid, as a share of its mass matrix at 20 Hz: its first mode may
-lie at 150 Hz."""
+"""Standard deviation of the residual of a nearly rigid body, as a share of its mass matrix at 20 Hz: a first mode at 150 Hz."""
 
 
 def of_article(name: str, ten: Array, terms: ElasticTerms) -> tuple[model.Layout, Block]:

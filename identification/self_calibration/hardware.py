@@ -30,8 +30,8 @@ def groups(evidence: Evidence, settings: Settings) -> tuple[list[int], tuple[str
         if found[-1]:
             _require_allowed(evidence, tare.hardware, tare.name, settings)
             warnings.append(
-                f"{tare.name}: its hardware {tare.hardware!r} is not the article's {evidence.hardware!r}; they share neither sensor errors "
-                "nor FMD, and the tare says nothing about the article"
+                f"{tare.name}: its hardware {tare.hardware!r} is not the article's {evidence.hardware!r}; they share "
+                "neither sensor errors nor FMD, and the tare says nothing about the article"
             )
     return found, tuple(warnings)
 

@@ -54,7 +54,7 @@ def block(
     mean: npt.ArrayLike = 0.0,
     families: Sequence[str] | str = "",
 ) -> Block:
-    """A block each parameter of which is known by itself, to be `mean` (k,) within `deviation` (k,), infinite where it is free."""
+    """A block whose parameters are known one by one: `mean` (k,) within `deviation` (k,), infinite where one is free."""
     k = len(names)
     sd, mu = np.broadcast_to(np.asarray(deviation, dtype=np.float64), k), np.broadcast_to(np.asarray(mean, dtype=np.float64), k)
     known = np.flatnonzero(np.isfinite(sd))

@@ -1,7 +1,7 @@
 """The likelihood of one campaign: base motions are eliminated in closed form, line by line and run by run.
 
-At one line of one run all channels read y = A u + n with six latent base motions u. Whitened by W = diag(1 / sd) of the real and of
-the imaginary part, W A = Q R, the residual is what no base motion explains,
+At one line of one run all channels read y = A u + n with six latent base motions u. Whitened by W = diag(1 / sd) of the real and
+of the imaginary part, W A = Q R, the residual is what no base motion explains,
 
     r = (1 - Q Q^H) W y ,      u = R^-1 Q^H W y ,
 

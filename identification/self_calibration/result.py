@@ -1,7 +1,7 @@
 """From the joint minimum to an `Identified`: covariance, where it comes from, misfit and the price of the tolerances.
 
-The posterior covariance of the whole vector is C = (J^T J + sum A_b^T A_b)^-1. Held at their estimate, the elastic parameters
-leave C' below C; the difference is what elasticity costs. C' itself is the sum of what noise and every family of tolerances give.
+The posterior covariance of the whole vector is C = (J^T J + sum A_b^T A_b)^-1 = C J^T J C + sum C A_b^T A_b C: what noise gives,
+and what every family of tolerances leaves. Noise counts for elasticity as far as it would be less were the elastic terms known.
 """
 
 from __future__ import annotations
@@ -43,20 +43,29 @@ def identified(problem: Assembly, solution: Solution, settings: Settings) -> Ide
 def shares(layout: Layout, solution: Solution) -> dict[str, Array]:
     """By input, its share (10,) of the variance of the article's parameters."""
     article = layout.at("article")
-    full = np.diag(inverse(solution.normal.matrix))[article]
-    rigid = np.flatnonzero([not name.startswith("elastic:") for name in layout.owners])
-    own = np.searchsorted(rigid, np.arange(article.start, article.stop))
-    held = inverse(solution.normal.matrix[np.ix_(rigid, rigid)])
-    gain = held[own]
+    C = inverse(solution.normal.matrix)[article]
     rows, _, families = layout.knowledge
-    parts = {NOISE: np.einsum("ij,jk,ik->i", gain, solution.data.matrix[np.ix_(rigid, rigid)], gain, optimize=True)}
-    spread = np.square(gain @ rows[:, rigid].T)
-    for family in dict.fromkeys(families):
-        if family != FAMILY:
-            parts[family] = spread[:, [one == family for one in families]].sum(axis=1)
-    parts[FAMILY] = np.maximum(full - held[own, own], 0.0)
+    spread = np.square(C @ rows.T)
+    parts = {family: spread[:, [one == family for one in families]].sum(axis=1) for family in dict.fromkeys(families)}
+    noise = _spread(C, solution.data.matrix)
+    rigid = np.minimum(noise, _with_elastic_held(layout, solution))
+    parts = {NOISE: rigid, **parts, FAMILY: parts.get(FAMILY, 0.0) + noise - rigid}
     whole = np.sum(list(parts.values()), axis=0)
     return {name: part / whole for name, part in parts.items() if np.any(part > 0)}
+
+
+def _with_elastic_held(layout: Layout, solution: Solution) -> Array:
+    """(10,) variance that noise gives the article's parameters where the elastic ones are known."""
+    article = layout.at("article")
+    rigid = np.flatnonzero([not name.startswith("elastic:") for name in layout.owners])
+    chosen = np.ix_(rigid, rigid)
+    own = np.searchsorted(rigid, np.arange(article.start, article.stop))
+    return _spread(inverse(solution.normal.matrix[chosen])[own], solution.data.matrix[chosen])
+
+
+def _spread(gain: Array, matrix: Array) -> Array:
+    """Diagonal of ``gain @ matrix @ gain.T``."""
+    return np.asarray(np.sum((gain @ matrix) * gain, axis=1))
 
 
 def misfit(problem: Assembly, solution: Solution, C: Array, settings: Settings) -> float:
@@ -80,6 +89,6 @@ def terms_of(problem: Assembly, x: Array) -> ElasticTerms:
 
 def _unconverged(solution: Solution) -> str:
     return (
-        f"the joint fit did not converge: after {solution.evaluations} evaluations the next step is still {solution.decrement:.3g} standard "
-        "deviations; do not trust its figures"
+        f"the joint fit did not converge: after {solution.evaluations} evaluations the next step is still "
+        f"{solution.decrement:.3g} standard deviations; do not trust its figures"
     )

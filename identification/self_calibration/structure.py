@@ -98,7 +98,7 @@ def ten_matrices() -> Array:
 
 
 def rooted(block: str, mean: Array, covariance: Array) -> Body:
-    """A body known to be `mean` (10,) with `covariance` (10, 10): z is of unit variance, and as long as the covariance has rank."""
+    """A body known to be `mean` (10,) with `covariance` (10, 10): z is of unit variance, as long as the covariance has rank."""
     scale = np.sqrt(np.diag(covariance))
     safe = np.where(scale > 0, scale, 1.0)
     values, vectors = np.linalg.eigh(covariance / np.outer(safe, safe))

@@ -3,8 +3,8 @@
 A record is cut into overlapping blocks behind a Hann window. Of each line of the native grid the block counts in which the
 *reference* channel is largest - for a sweep the one that passes the line - and *all* channels are taken from that block.
 Neighbouring lines come from different blocks, whose phases have nothing to do with each other; so every line is turned until the
-reference is real, and only then interpolated to the grid that is asked for. Spectra are amplitudes [unit], not densities: a sine of
-amplitude 1 reads 1.
+reference is real, and only then interpolated to the grid that is asked for. Spectra are amplitudes [unit], not densities: a
+sine of amplitude 1 reads 1.
 
 A block of 15 s holds neither the run-up of a lightly damped resonance nor its ring-down, so the quotient of two such spectra
 is not the response function near it (`identification.spectra.sweep_bias` measures by how much). Data that exist only

@@ -22,6 +22,9 @@ JERK = 6.0
 UNKNOWN = 0.01
 """Share of its largest block above which a channel still moves, where its noise is not known."""
 
+NEGLIGIBLE = 1e-4
+"""Share of its largest block below which a channel counts as still whatever its noise: records without noise ring for ever."""
+
 NAMED = 3
 """How many channels a warning names."""
 
@@ -48,7 +51,7 @@ def _of_run(name: str, recorded: Recording, floors: Array) -> tuple[str, str]:
     if len(rms) < 2:
         return "", ""
     level = rms.max(axis=0)
-    still = np.where(floors > 0, IN_MOTION * floors, UNKNOWN * level)
+    still = np.where(floors > 0, np.maximum(IN_MOTION * floors, NEGLIGIBLE * level), UNKNOWN * level)
     first = np.abs(forward[0] - forward.mean(axis=0))
     begins = (rms[0] > still) & (first > JERK / IN_MOTION * still)
     began = (

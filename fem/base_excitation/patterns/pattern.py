@@ -80,7 +80,7 @@ def sampled(
     _require_below_nyquist(pattern, sampling_rate)
     driven = pattern.driven + (cross.delay if cross else 0.0)
     clock = Clock(sampling_rate=sampling_rate, count=_count((driven + ring_down) * sampling_rate, pattern.label))
-    motion = np.zeros((3, clock.count, 6))
+    motion = np.zeros((3, 6, clock.count)).transpose(0, 2, 1)  # an axis lies in one piece
     _add(motion, pattern.signals(clock), cross.at_once if cross else np.eye(6))
     if cross:
         _add(motion, pattern.signals(replace(clock, late=cross.delay)), cross.delayed)

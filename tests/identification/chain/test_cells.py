@@ -25,7 +25,7 @@ def forces_of(made: Chain, values: dict[str, float]) -> np.ndarray:
 def statics(stiffness: np.ndarray, places: np.ndarray, load: np.ndarray) -> np.ndarray:
     """(c, 3) forces of three-component springs under a rigid plate, by least energy.
 
-    Moved by (t, r) the springs store sum k |t + r x p|² / 2; where that less the work of the load is least follows from differences.
+    Moved by (t, r) the springs store sum k |t + r x p|² / 2; where this less the work of the load is least, differences tell.
     """
 
     def drawn_out(q: np.ndarray) -> np.ndarray:
