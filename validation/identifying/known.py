@@ -64,9 +64,11 @@ def stated(campaign: Campaign) -> Pose | None:
 
 
 def _require_same(name: str, campaign: Campaign, source: str) -> None:
-    """Refuse a known article that is another one than the campaign's."""
+    """Refuse a known article that is another one than the campaign's; what a user's own file holds is the user's to know."""
+    from validation.article_reference import is_file
+
     there = above_fmd(campaign.article)
-    if above_fmd(name) == there or there in ("", campaign.article):
+    if above_fmd(name) == there or is_file(name):
         return
     raise BadInput(
         source=source,
