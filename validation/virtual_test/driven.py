@@ -62,6 +62,7 @@ def sensed(plan: Plan, lab: Laboratory, run: DrivenRun, values: Array, rate: flo
         table=lab.layout.table,
         sampling_rate=rate,
         run=run.name,
+        level=run.level,
         response=response,
         generator=stream(plan.seed, "effects", plan.article, run.name, what),
     )

@@ -40,6 +40,7 @@ class Sensed:
     table : the nominal channels, as in the file
     sampling_rate : [Hz]
     run : name of the run
+    level : at which it was driven, as a factor on the nominal one
     response : what table, cover plate and cells really did, at the rate of the simulation; None for what was recorded
     generator : of whatever the effect draws, the run's own
     """
@@ -48,6 +49,7 @@ class Sensed:
     table: ChannelTable
     sampling_rate: float
     run: str
+    level: float
     response: Response | None
     generator: np.random.Generator
 

@@ -30,12 +30,14 @@ class DrivenRun:
     axis : of `MOTIONS`; empty where several are driven
     pattern : what the table is driven with
     excitation : the same as the campaign file states it
+    level : factor on the nominal one
     """
 
     name: str
     axis: str
     pattern: Pattern
     excitation: Excitation
+    level: float = 1.0
 
 
 def runs(plan: Plan) -> tuple[DrivenRun, ...]:
@@ -48,7 +50,7 @@ def runs(plan: Plan) -> tuple[DrivenRun, ...]:
     found: list[DrivenRun] = []
     for level in plan.levels:
         ending = "" if level == plan.levels[0] else f"-at-{level:g}"
-        found += [replace(run, name=f"{run.name}{ending}") for run in _of_level(plan, level)]
+        found += [replace(run, name=f"{run.name}{ending}", level=level) for run in _of_level(plan, level)]
     return tuple(found)
 
 

@@ -48,14 +48,15 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
     lab = laboratory(plan)
     recordings = {}
     for k, run in enumerate(driven):
-        recordings[run.name] = _recording(plan, lab, run)
+        recordings[run.name] = recording(plan, lab, run)
         if progress is not None:
             progress((k + 1) / len(driven))
     campaign = _campaign(plan, lab, driven, recordings)
     return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
 
 
-def _recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
+def recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
+    """What the recorder of `lab` holds after `run`, noise and hum in it."""
     names = lab.layout.table.names
     samples = disturbed(record(plan, lab, run), names, lab.chain, plan, run.name)
     got = changed_record(sensed(plan, lab, run, samples, plan.rate), plan.effects)
