@@ -1,0 +1,237 @@
+"""The dynamic mass of a rigid body with elastic terms, its derivatives, and the vector of parameters that fits move.
+
+    H = M(p) + omega² L^T D^-1 L + omega² R,   D = Omega² - omega² + i omega C                       (paper Eq. 8b in matrix form)
+
+With X = D^-1 L every derivative is an outer product of rows of X, because dH = -omega² X^T dD X and D is symmetric. Nothing is
+re-diagonalised, so a cluster of modes stays smooth.
+
+The vector holds, in this order: the ten of Eq. 4, ln f, ln zeta, the damping of pairs as a share of what its two modes have,
+rho_rs = C_rs / sqrt(C_rr C_ss), L mode by mode, and the 21 of R. Rotations are divided by the length that the nominal levels of
+the axes give, and R is multiplied by (2 pi 20 Hz)², so that all but the logarithms and rho are in kg or kg^0.5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.inertia import PARAMETERS, Inertia
+from identification.elastic.terms import ElasticTerms
+
+SCALE = np.array([LEVELS["x"] / LEVELS[axis] for axis in MOTIONS])
+"""(6,) [1] and [m]: S H S with S = diag(1 / SCALE) is in kg throughout."""
+
+REFERENCE = (2 * np.pi * 20.0) ** 2
+"""[rad²/s²]: the residual is told by its share of H at 20 Hz."""
+
+UPPER = np.triu_indices(6)
+"""Rows and columns of the 21 entries of a symmetric 6x6 matrix."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """What the vector of parameters holds.
+
+    Attributes
+    ----------
+    modes : number of poles
+    pairs : (r, s), r < s, of the modes whose damping is coupled
+    residual : whether the 21 of R are among the parameters; 0 when they are not
+    """
+
+    modes: int
+    pairs: tuple[tuple[int, int], ...] = ()
+    residual: bool = True
+
+    @property
+    def blocks(self) -> dict[str, slice]:
+        """Where inertia, frequency, damping, pairs, participation and residual stand."""
+        m = self.modes
+        counts = {"inertia": 10, "frequency": m, "damping": m, "pairs": len(self.pairs), "participation": 6 * m}
+        counts["residual"] = 21 * self.residual
+        ends = np.cumsum([0, *counts.values()]).tolist()
+        return {name: slice(ends[k], ends[k + 1]) for k, name in enumerate(counts)}
+
+    @property
+    def size(self) -> int:
+        """Length of the vector."""
+        return int(self.blocks["residual"].stop)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of every parameter, modes counted from 1: m, f[1], zeta[1], rho[1,2], L[1,x], R[x,beta] ..."""
+        modes = range(1, self.modes + 1)
+        return (
+            *PARAMETERS,
+            *(f"f[{r}]" for r in modes),
+            *(f"zeta[{r}]" for r in modes),
+            *(f"rho[{r + 1},{s + 1}]" for r, s in self.pairs),
+            *(f"L[{r},{axis}]" for r in modes for axis in MOTIONS),
+            *(f"R[{MOTIONS[i]},{MOTIONS[j]}]" for i, j in zip(*UPPER, strict=True) if self.residual),
+        )
+
+
+def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> Layout:
+    """The layout of `terms`: pairs are those that have coupled damping, or - with `widths` - those that overlap.
+
+    Parameters
+    ----------
+    widths : distance of two frequencies, in the geometric mean of their half-power widths 2 zeta f, up to which damping is
+        coupled; at that distance the coupling mixes 1 / (2 widths) rho of one mode into the other
+    """
+    f, C = terms.frequency, terms.damping
+    width = np.sqrt(np.diag(C)) / np.sqrt(2 * np.pi)
+    near = C != 0 if widths is None else np.abs(f[:, None] - f) <= widths * np.outer(width, width)
+    return Layout(modes=len(f), pairs=tuple((int(r), int(s)) for r, s in zip(*np.nonzero(np.triu(near, 1)), strict=True)))
+
+
+def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
+    """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]."""
+    w2 = _squares(frequency)
+    X = _answers(terms, frequency)
+    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
+
+
+def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout | None = None) -> ComplexArray:
+    """Derivatives (k, n, 6, 6) of H at `frequency` (n,) [Hz] by the vector of `layout`, by default the one of `terms`.
+
+    They do not depend on the ten inertia parameters, in which H is linear.
+    """
+    layout = layout or layout_of(terms)
+    blocks, m, w2 = layout.blocks, layout.modes, _squares(frequency)
+    X = _answers(terms, frequency)
+    out = np.zeros((layout.size, len(X), 6, 6), dtype=np.complex128)
+    out[blocks["inertia"]] = inertia_basis()[:, None]
+    if layout.residual:
+        out[blocks["residual"]] = w2 * residual_basis()[:, None]
+    if m:
+        stiff, lossy = _by_poles(terms, X, w2)
+        out[blocks["frequency"]] = stiff + lossy
+        out[blocks["damping"]] = lossy
+        out[blocks["pairs"]] = _by_pairs(terms, X, w2, layout)
+        _by_participation(out[blocks["participation"]].reshape(m, 6, -1, 6, 6), X, w2)
+    return out
+
+
+def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None = None) -> Array:
+    """The vector (k,) of ten inertia `parameters` (Eq. 4) and `terms`; damping of pairs outside `layout` is left out."""
+    layout = layout or layout_of(terms)
+    C, pairs = terms.damping, _pairs(layout)
+    d = np.sqrt(np.diag(C))
+    R = (terms.residual / np.outer(SCALE, SCALE) * REFERENCE)[UPPER]
+    return np.concatenate(
+        [
+            np.asarray(parameters, dtype=np.float64) / inertia_scale(),
+            np.log(terms.frequency),
+            np.log(terms.damping_ratio),
+            C[pairs] / (d[pairs[0]] * d[pairs[1]]),
+            (terms.participation / SCALE).ravel(),
+            R if layout.residual else R[:0],
+        ]
+    )
+
+
+def unpack(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, ElasticTerms]:
+    """Ten inertia parameters and terms from a vector (k,)."""
+    x = np.asarray(vector, dtype=np.float64)
+    part = {name: x[place] for name, place in layout.blocks.items()}
+    f, pairs = np.exp(part["frequency"]), _pairs(layout)
+    d = np.sqrt(4 * np.pi * np.exp(part["damping"]) * f)
+    C = np.diag(d**2)
+    C[pairs] = C[pairs[::-1]] = part["pairs"] * d[pairs[0]] * d[pairs[1]]
+    R = np.zeros((6, 6))
+    if layout.residual:
+        R = np.tensordot(part["residual"], residual_basis(), axes=1)
+    L = part["participation"].reshape(-1, 6) * SCALE
+    return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
+
+
+def ascending(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, Layout]:
+    """The same parameters with the modes in the order of their frequencies."""
+    parameters, terms = unpack(vector, layout)
+    order = np.argsort(terms.frequency, kind="stable")
+    place = np.argsort(order)
+    pairs = sorted((min(place[r], place[s]), max(place[r], place[s])) for r, s in layout.pairs)
+    ordered = replace(layout, pairs=tuple((int(r), int(s)) for r, s in pairs))
+    return pack(parameters, chosen(terms, order), ordered), ordered
+
+
+def chosen(terms: ElasticTerms, modes: npt.ArrayLike) -> ElasticTerms:
+    """`terms` with the `modes` (indices) alone, in that order; their own damping stays."""
+    k = np.asarray(modes, dtype=np.intp)
+    return replace(terms, frequency=terms.frequency[k], damping=terms.damping[np.ix_(k, k)], participation=terms.participation[k])
+
+
+@lru_cache(maxsize=1)
+def inertia_basis() -> Array:
+    """(10, 6, 6): the mass matrix of Eq. 1 for one unit of the vector in each of the ten."""
+    return np.stack([Inertia(parameters=row).mass_matrix for row in np.diag(inertia_scale())])
+
+
+@lru_cache(maxsize=1)
+def residual_basis() -> Array:
+    """(21, 6, 6): R for one unit of the vector in each of its entries."""
+    basis = np.zeros((21, 6, 6))
+    k = np.arange(21)
+    basis[k, UPPER[0], UPPER[1]] = basis[k, UPPER[1], UPPER[0]] = np.outer(SCALE, SCALE)[UPPER] / REFERENCE
+    return basis
+
+
+def inertia_scale() -> Array:
+    """(10,) [1], [m] and [m²]: what one unit of the vector is in each of the ten."""
+    length = float(SCALE[3])
+    return np.array([1.0, *3 * [length], *6 * [length**2]])
+
+
+def _pairs(layout: Layout) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    pairs = np.array(layout.pairs, dtype=np.intp).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _squares(frequency: npt.ArrayLike) -> Array:
+    """omega² (n, 1, 1)."""
+    return (2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))[:, None, None]) ** 2
+
+
+def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
+    """X = D^-1 L (n, m, 6)."""
+    w = 2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))[:, None]
+    squares, C, L = (2 * np.pi * terms.frequency) ** 2, terms.damping, terms.participation
+    if not np.any(C - np.diag(np.diag(C))):
+        return np.asarray(L / (squares - w**2 + 1j * w * np.diag(C))[:, :, None])
+    D = np.diag(squares) - w[:, :, None] ** 2 * np.eye(len(squares)) + 1j * w[:, :, None] * C
+    return np.asarray(np.linalg.solve(D, np.broadcast_to(L, (len(w), *L.shape)).astype(np.complex128)))
+
+
+def _by_poles(terms: ElasticTerms, X: ComplexArray, w2: Array) -> tuple[ComplexArray, ComplexArray]:
+    """(m, n, 6, 6) twice: by ln f through stiffness alone, and through the damping 2 zeta omega, which ln zeta shares."""
+    rows = X.transpose(1, 0, 2)
+    losses = (terms.damping @ X).transpose(1, 0, 2)
+    stiff = -2 * (2 * np.pi * terms.frequency)[:, None, None, None] ** 2 * w2 * _outer(rows, rows)
+    half = -0.5j * w2**1.5 * _outer(rows, losses)
+    return stiff, half + half.swapaxes(2, 3)
+
+
+def _by_pairs(terms: ElasticTerms, X: ComplexArray, w2: Array, layout: Layout) -> ComplexArray:
+    """(p, n, 6, 6) by rho."""
+    r, s = _pairs(layout)
+    d, rows = np.sqrt(np.diag(terms.damping)), X.transpose(1, 0, 2)
+    one = -1j * w2**1.5 * (d[r] * d[s])[:, None, None, None] * _outer(rows[r], rows[s])
+    return np.asarray(one + one.swapaxes(2, 3))
+
+
+def _by_participation(out: ComplexArray, X: ComplexArray, w2: Array) -> None:
+    """Fill (m, 6, n, 6, 6) by L: row j and column j of H are omega² X_r."""
+    answer = (w2[:, :, 0] * X.transpose(1, 0, 2))[:, None]
+    for j in range(6):
+        out[:, j, :, j, :] += SCALE[j] * answer[:, 0]
+        out[:, j, :, :, j] += SCALE[j] * answer[:, 0]
+
+
+def _outer(left: ComplexArray, right: ComplexArray) -> ComplexArray:
+    return np.asarray(left[..., :, None] * right[..., None, :])

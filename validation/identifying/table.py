@@ -1,0 +1,145 @@
+"""The page of `massline identify`: both results side by side, what each parameter rests on, elastic terms, what was left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from geometry.dynamic_mass import MOTIONS
+from geometry.inertia import PARAMETERS
+from identification.elastic.terms import ElasticTerms
+from validation.identifying.findings import Findings, Lines
+from validation.identifying.known import takes_fmd_off
+from validation.identifying.reported import Reported, dominating
+from validation.rows import NONE, rounded
+from validation.statement import QUANTITIES
+from validation.tables.grid import Grid, aligned
+
+SHOWN_INPUTS = 2
+"""Inputs that are named for each parameter."""
+
+
+def title(found: Findings) -> str:
+    """Article, number of runs, band."""
+    low, high = found.result.identified.band
+    count = len(found.request.campaign.runs)
+    return f"{found.article}: identified from {count} runs, {low:g} to {high:g} Hz"
+
+
+def grids(found: Findings) -> list[Grid]:
+    """All tables, in the order in which they are read."""
+    elastic = found.result.identified.elastic
+    return [
+        values(found),
+        rests(found),
+        *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
+    ]
+
+
+def values(found: Findings) -> Grid:
+    """Mass, CoG, moments and products of both ways with their 95 % intervals, and how far the second lies from the first."""
+    ways = [one.identified.way for one in found.results]
+    columns = [aligned(tuple(_value(one, k) for k in range(10))) for one in found.results]
+    if len(found.results) > 1:
+        ways += ["moved by", "half-widths"]
+        moved = [_moved(found.results[0], found.result, k) for k in range(10)]
+        columns += [aligned(cells) for cells in zip(*moved, strict=True)]
+    return Grid(header=("± 95 %", *ways), lines=tuple(zip(_labels(), *columns, strict=True)))
+
+
+def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
+    """By how much quantity `k` lies elsewhere in the better result: in its unit or in per cent, and in plain half-widths."""
+    moved, width, scale = float(better.values[k] - plain.values[k]), float(plain.half_width[k]), QUANTITIES[k].per_si
+    relative = plain.values[k] != 0 and QUANTITIES[k].key.partition("_")[0] in ("mass", "moi")
+    own = f"{100 * moved / abs(plain.values[k]):+.2f} %" if relative else f"{rounded(moved * scale, width * scale)} "
+    return own.rstrip() if relative else f"{own}{QUANTITIES[k].unit}", f"{moved / width:+.2f}" if width else NONE
+
+
+def rests(found: Findings) -> Grid:
+    """What every parameter of Eq. 4 about F rests on, and the verdict on it."""
+    identified = found.result.identified
+    lines = []
+    for name in PARAMETERS:
+        inputs = ", ".join(f"{what} {100 * share:.0f} %" for what, share in dominating(identified, name)[:SHOWN_INPUTS])
+        lines.append((name, inputs or NONE, found.verdict.get(name) or NONE))
+    head = "uncertainty comes from"
+    width = max(len(head), *(len(inputs) for _, inputs, _ in lines))
+    return Grid(
+        header=("about F", f"{head:<{width}}", "verdict"),
+        lines=tuple((name, f"{inputs:<{width}}", verdict) for name, inputs, verdict in lines),
+        words=True,
+    )
+
+
+def modes(terms: ElasticTerms) -> Grid:
+    """Elastic terms: frequency, damping, and the axis that each shows on most, with its effective mass."""
+    lines = []
+    for r in np.argsort(terms.frequency):
+        f, zeta, L = terms.frequency[r], terms.damping_ratio[r], terms.participation[r]
+        most = sorted(range(6), key=lambda k: -_weight(L, k))[:2]
+        shown = ", ".join(f"{MOTIONS[k]} {L[k] ** 2:.3g} {'kg' if k < 3 else 'kg m²'}" for k in most)
+        lines.append((f"{f:.3f}", f"{100 * zeta:.3f}", shown))
+    columns = list(zip(*lines, strict=True))
+    return Grid(
+        header=("elastic terms [Hz]", "damping [%]", "effective mass about F"),
+        lines=tuple(zip(*map(aligned, columns[:2]), columns[2], strict=True)),
+        words=True,
+    )
+
+
+def _weight(participation: np.ndarray, k: int) -> float:
+    """Effective mass along axis `k`, rotations weighed as at a lever of half a metre."""
+    return float(participation[k] ** 2) * (1.0 if k < 3 else 4.0)
+
+
+def notes(found: Findings) -> Iterator[str]:
+    """What must be known to read the tables, then what was left out, checked and warned of."""
+    where = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}[found.origin]
+    yield (
+        f"CoG from {where if found.frame is None else 'your own frame'}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm."
+    )
+    yield _method(found)
+    for one in found.results:
+        yield _fit(one)
+    if found.lines is not None:
+        yield from _left_out(found.lines)
+    yield from (f"single axis: {words}." for words in found.crossed)
+    yield from (f"check: {words}." for words in found.checks)
+    yield from (f"warning: {words}." for words in found.warnings)
+
+
+def _method(found: Findings) -> str:
+    tares = ", ".join(tare.campaign.article for tare in found.request.tares)
+    facts = dict.fromkeys(fact.source for fact in found.request.facts)
+    told = f"tare {tares}" if tares else "the FMD as stated" if found.request.fmd is not None else "no tare"
+    taken = told if takes_fmd_off(found.request) else f"{told}, so the FMD's moving part is in the result"
+    return f"Spectra: {found.request.method}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
+
+
+def _fit(one: Reported) -> str:
+    found = one.identified
+    terms = 0 if found.elastic is None else len(found.elastic.frequency)
+    misfit = "" if np.isnan(found.misfit) else f", chi² per degree of freedom {found.misfit:.3g}"
+    surprise = f", sum z² of the tolerances {found.surprise:.3g}" if found.surprise else ""
+    stopped = "" if found.converged else "; it did not converge"
+    return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}."
+
+
+def _left_out(lines: Lines) -> Iterator[str]:
+    worst = int(np.argmax(lines.condition))
+    yield (
+        f"Lines: {int(np.sum(lines.kept))} of {len(lines.frequency)} used; condition number at most "
+        f"{lines.condition[worst]:.3g}, at {lines.frequency[worst]:g} Hz; the limit is {lines.limit:g}."
+    )
+    yield from (f"left out: {reason}." for reason in lines.reasons)
+
+
+def _labels() -> tuple[str, ...]:
+    return tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES)
+
+
+def _value(one: Reported, k: int) -> str:
+    scale = QUANTITIES[k].per_si
+    value, half = float(one.values[k]) * scale, float(one.half_width[k]) * scale
+    return f"{rounded(value, half)} ± {rounded(half, half)}" if half else rounded(value, None)
