@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-
 from geometry.arrays import Array
 from geometry.frames import Pose
 from identification.identified import Identified

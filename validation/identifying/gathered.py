@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from identification.identify import Identification
 
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import PARAMETERS, Inertia, six_from_tensor
 from identification.elastic.model import dynamic_mass
 from identification.identified import Identified
+from identification.identify import Identification
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.asked import Ready
 from validation.identifying.findings import Findings, Lines

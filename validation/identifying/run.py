@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from identification.identify import identify
 
 from geometry.atomic import write_text
 from geometry.consistency import judge
 from geometry.errors import CheckFailed
+from identification.identify import identify
 from validation.frame_text import read_frame
 from validation.identifying import as_json as written
 from validation.identifying import table

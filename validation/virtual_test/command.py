@@ -84,7 +84,9 @@ def _require_alive(campaign: Campaign) -> None:
             try:
                 require_alive(recorded.values[:, k], name, run)
             except BadInput:
-                problem = f"without noise, hum and cross motion nothing moves {name} in the run {run}, and it reads zero throughout"
+                problem = (
+                    f"without noise, hum and cross motion nothing moves {name} in the run {run}, and it reads zero throughout"
+                )
                 remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
                 raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
 
