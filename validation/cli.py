@@ -28,6 +28,7 @@ COMMANDS = {
     "excite": "Base excitation in time: sweeps, random, bursts; loads, load cells, resonances.",
     "simulate": "A virtual test on the shaker: a campaign with tolerances, noise and planted effects, and its truth.",
     "check": "What a recorded campaign holds, and what is wrong with it.",
+    "identify": "Mass, CoG and inertia from a recorded campaign, with intervals and verdicts.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

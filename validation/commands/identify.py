@@ -85,7 +85,6 @@ def command(
 
     Exit code 0 when it is done, whatever the verdicts; 1 when no body can have what comes out; 2 when the input cannot be used.
     """
-    from validation.frame_text import read_frame
     from validation.identifying.asked import Asked
     from validation.identifying.run import answer
     from validation.output import require_folder
@@ -108,6 +107,5 @@ def command(
         robust=robust,
         study=study,
     )
-    pose = None if frame is None else read_frame(frame)
     folder = out if out is not None else Path("out") if plot else None
-    answer(asked, pose, as_json=as_json, folder=folder, keep=out is not None)
+    answer(asked, frame, as_json=as_json, folder=folder, keep=out is not None)

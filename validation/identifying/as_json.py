@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.frames import Pose
 from geometry.inertia import PARAMETERS
 from identification.elastic.terms import ElasticTerms
 from identification.request import Request
@@ -34,9 +35,11 @@ def as_json(found: Findings) -> dict[str, Any]:
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
         "checks": list(found.checks),
+        "cross_motion": list(found.crossed),
         "lines": None if found.lines is None else _lines(found.lines),
         "study": None if found.study is None else _study(found.study),
-        "settings": _settings(found.request, found.frame),
+        "frame": None if found.frame is None else _frame(found.frame),
+        "settings": _settings(found.request),
     }
 
 
@@ -102,6 +105,11 @@ def _study(study: Study) -> dict[str, Any]:
     }
 
 
+def _frame(frame: Pose) -> dict[str, Any]:
+    """As a result file states a frame, so that the result can be read again."""
+    return {"origin": " ".join(f"{x:.15g}" for x in frame.position) + " m", "rotation": frame.rotation.tolist()}
+
+
 def _nulled(values: Array) -> Any:
     """Nested lists with null for NaN, which is no JSON."""
     if values.ndim == 0:
@@ -109,7 +117,7 @@ def _nulled(values: Array) -> Any:
     return [_nulled(one) for one in values]
 
 
-def _settings(request: Request, frame: str) -> dict[str, Any]:
+def _settings(request: Request) -> dict[str, Any]:
     tolerances = request.tolerances
     return {
         "campaign": request.campaign.source,
@@ -135,7 +143,6 @@ def _settings(request: Request, frame: str) -> dict[str, Any]:
         "any_hardware": request.any_hardware,
         "robust": request.robust,
         "study": request.study,
-        "frame": frame or None,
         "tolerances_si": {name: getattr(tolerances, name) for name in tolerances.__dataclass_fields__},
         "fmd": None if request.fmd is None else inertia_json(request.fmd),
         "cell_stiffness_n_m": None if request.cell_stiffness is None else request.cell_stiffness.tolist(),

@@ -83,11 +83,13 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     names = _known_names(asked)
     described = campaign_file.read_description(asked.campaign)
     below = [campaign_file.read_description(folder) for folder in asked.tares]
-    words = _same_hardware(described, below, asked.any_hardware)
+    words: list[str] = []
+    if not asked.any_hardware:
+        _require_same_hardware(described, below)
     for tare, name in zip(below, names, strict=True):
         _require_other(tare, described)
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
-    data, said = classical.facts(asked.classical, described, tared=bool(below))
+    data, said = classical.facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
     words += [*said, *_band_within(asked.band, described)]
     campaign = _read(asked.campaign, progress)
     tares = [_tare(folder, name, progress) for folder, name in zip(asked.tares, names, strict=True)]
@@ -194,31 +196,15 @@ def _require_other(tare: Campaign, campaign: Campaign) -> None:
         )
 
 
-def _same_hardware(campaign: Campaign, tares: Sequence[Campaign], allowed: bool) -> list[str]:
-    """What is to be said about the hardware of article and tares.
-
-    Raises
-    ------
-    BadInput : a tare of another hardware that is not allowed.
-    """
-    words = []
+def _require_same_hardware(campaign: Campaign, tares: Sequence[Campaign]) -> None:
     for tare in tares:
-        if not (tare.hardware and campaign.hardware):
-            who = campaign if not campaign.hardware else tare
-            words.append(f"{who.source}: `campaign.hardware` is not stated; FMD and sensors are taken to be those of the tare")
-        elif tare.hardware != campaign.hardware and not allowed:
+        if tare.hardware and campaign.hardware and tare.hardware != campaign.hardware:
             raise BadInput(
                 source=f"{tare.source}/{campaign_file.NAME}",
                 field="campaign.hardware",
                 problem=f"is {tare.hardware}, that of {campaign.source} is {campaign.hardware}: another FMD, other sensors",
-                remedy="A tare says nothing about another FMD; --any-hardware combines them all the same",
+                remedy="Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so",
             )
-        elif tare.hardware != campaign.hardware:
-            words.append(
-                f"{tare.source} was recorded with {tare.hardware}, {campaign.source} with {campaign.hardware}; they are combined "
-                "because --any-hardware asks for it"
-            )
-    return words
 
 
 def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[str]:

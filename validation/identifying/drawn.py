@@ -29,6 +29,9 @@ FINE = 1401
 SHARP = 0.05
 """Damping ratio above which a term is no resonance that could be pointed at, but bends the curve where the others leave it."""
 
+QUOTIENT = "#b9a5dd"
+"""Of the quotient, beneath what is measured with all runs."""
+
 POINT = "about F; loads of the table on the article"
 
 
@@ -83,7 +86,8 @@ def _stack(found: Findings) -> str:
 
 def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
     """The measured dynamic mass H about F, lines that were left out apart, and what was fitted to it."""
-    rigid, modes = _whole(found), _Terms(frequency=np.zeros(0), effective_mass=np.zeros((0, 6)))
+    own = found.result.identified.inertia.mass_matrix
+    rigid, modes = own if found.rigid is None else found.rigid, _Terms(frequency=np.zeros(0), effective_mass=np.zeros((0, 6)))
     terms = found.result.identified.elastic
     fine = np.linspace(H.frequency[0], H.frequency[-1], FINE)
     fitted = np.tile(rigid + 0j, (FINE, 1, 1)) if terms is None else dynamic_mass(rigid, terms, fine)
@@ -93,6 +97,7 @@ def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
     kept = np.ones(len(H.frequency), dtype=bool) if found.lines is None else found.lines.kept > 0
     model = DynamicMass(frequency=fine, matrix=fitted, reference_point=H.reference_point)
     drawn = [
+        *_quotient(found, H, rigid, modes),
         Curve(name="measured, Eqs. 9 to 11", mass=_at(H, kept), rigid=rigid, modes=modes, dots=MEASURED),
         Curve(name=f"fitted, {count} elastic terms", mass=model, rigid=rigid, modes=modes),
     ]
@@ -101,10 +106,11 @@ def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
     return tuple(drawn)
 
 
-def _whole(found: Findings) -> Array:
-    """Rigid mass matrix (6, 6) about F of all that the load cells carry: the result, and the FMD where a tare took it off."""
-    own = found.result.identified.inertia
-    return own.mass_matrix if found.fmd is None else (own + found.fmd).mass_matrix
+def _quotient(found: Findings, H: DynamicMass, rigid: Array, modes: _Terms) -> list[Curve]:
+    if found.quotient is None:
+        return []
+    mass = DynamicMass(frequency=H.frequency, matrix=found.quotient, reference_point=H.reference_point)
+    return [Curve(name="quotient of the driven axis, Eq. 8a", mass=mass, rigid=rigid, modes=modes, dots=QUOTIENT)]
 
 
 def _at(H: DynamicMass, chosen: np.ndarray) -> DynamicMass:

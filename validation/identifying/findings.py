@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import DynamicMass
-from geometry.inertia import Inertia
+from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.frames import Pose
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
@@ -61,11 +61,12 @@ class Findings:
     ----------
     article : what the result is about: the stack, without the FMD when a tare took it off
     origin : "article" or "F", from where the CoG is given; with the user's own frame it is that frame's origin that counts
-    frame : the user's own frame in words, empty without one
+    frame : the user's own frame, seen from the article's or from F; None without one
     request : what was asked
     results : plain, then self-calibrated when there is one; the last one is the result
-    fmd : what a tare took off, about F; None without one
-    lines, dynamic_mass, spectra, residuals, study : evidence; None where it does not exist
+    rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
+    lines, dynamic_mass, quotient, spectra, residuals, study : evidence; None where it does not exist
+    crossed : what the quotient of the driven axis would have cost, sentences
     checks : findings of the closed checks, sentences
     verdict : by PARAMETER, in words
     warnings : sentences without their full stop
@@ -76,14 +77,16 @@ class Findings:
     request: Request
     results: tuple[Reported, ...]
     verdict: Mapping[str, str] = field(default_factory=dict)
-    frame: str = ""
-    fmd: Inertia | None = None
+    frame: Pose | None = None
+    rigid: Array | None = None
     lines: Lines | None = None
     dynamic_mass: DynamicMass | None = None
     spectra: Spectra | None = None
+    quotient: ComplexArray | None = None
     residuals: DrawnResiduals | None = None
     study: Study | None = None
     checks: tuple[str, ...] = ()
+    crossed: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property

@@ -9,6 +9,7 @@ from geometry.frames import Pose
 from geometry.inertia import Inertia
 from geometry.keys import nearest
 from identification.campaign import Campaign
+from identification.request import Request
 
 FMD = "fmd"
 """The lowest part of every stack on load cells."""
@@ -18,6 +19,13 @@ def above_fmd(article: str) -> str:
     """What `article`, bottom to top, has on the FMD; empty for the FMD alone, and the whole where it does not begin with it."""
     bottom, _, rest = article.partition("+")
     return rest if bottom == FMD else article
+
+
+def takes_fmd_off(request: Request) -> bool:
+    """Whether the FMD can be taken off: it was given, or a tare of the same hardware tells it."""
+    own = request.campaign.hardware
+    told = (tare.campaign.hardware in ("", own) or not own for tare in request.tares)
+    return request.fmd is not None or any(told)
 
 
 def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inertia | None, tuple[str, ...]]:
@@ -56,9 +64,11 @@ def stated(campaign: Campaign) -> Pose | None:
 
 
 def _require_same(name: str, campaign: Campaign, source: str) -> None:
-    """Refuse a known article that is another one than the campaign's."""
+    """Refuse a known article that is another one than the campaign's; what a user's own file holds is the user's to know."""
+    from validation.article_reference import is_file
+
     there = above_fmd(campaign.article)
-    if above_fmd(name) == there or there in ("", campaign.article):
+    if above_fmd(name) == there or is_file(name):
         return
     raise BadInput(
         source=source,

@@ -10,20 +10,21 @@ from identification.identify import identify
 from geometry.atomic import write_text
 from geometry.consistency import judge
 from geometry.errors import CheckFailed
-from geometry.frames import Pose
+from validation.frame_text import read_frame
 from validation.identifying import as_json as written
 from validation.identifying import table
 from validation.identifying.asked import Asked, ready
-from validation.identifying.findings import Findings, findings
+from validation.identifying.findings import Findings
+from validation.identifying.gathered import gathered
 from validation.output import json_text
-from validation.progress import percent
+from validation.progress import shown, stages
 from validation.tables.text import page
 
 RESULT = "identify.json"
 """The file of a result in its folder."""
 
 
-def answer(asked: Asked, frame: Pose | None, *, as_json: bool, folder: Path | None, keep: bool) -> None:
+def answer(asked: Asked, frame: str | None, *, as_json: bool, folder: Path | None, keep: bool) -> None:
     """Identify what is `asked`, print it, and draw it into `folder` (None: nowhere); `keep` writes the JSON there, too.
 
     Raises
@@ -43,23 +44,24 @@ def answer(asked: Asked, frame: Pose | None, *, as_json: bool, folder: Path | No
         raise CheckFailed(f"no body can have the {found.result.identified.way} result: {body.text}")
 
 
-def identified(asked: Asked, frame: Pose | None = None, *, quiet: bool = True) -> Findings:
+def identified(asked: Asked, frame: str | None = None, *, quiet: bool = True) -> Findings:
     """The findings that `asked` leads to, reported in `frame`, the user's own seen from the article's.
 
     Raises
     ------
     BadInput : something that was asked cannot be used.
+    CheckFailed : an estimate that does not settle, or without positive mass.
     """
-    with percent(f"reading {asked.campaign}", quiet=quiet) as told:
-        made = ready(asked, lambda folder, share: told(share))
-    with percent(f"identifying {made.request.campaign.article}", quiet=quiet) as told:
-        result = identify(made.request, told)
-    return findings(made, result, frame)
+    pose = None if frame is None else read_frame(frame)
+    with stages("reading", quiet=quiet) as told:
+        made = ready(asked, told)
+    with stages(made.request.campaign.article, quiet=quiet) as told:
+        found = identify(made.request, told)
+    return gathered(made, found, pose)
 
 
 def _write(found: Findings, folder: Path, *, keep: bool, quiet: bool) -> None:
     from validation.identifying.drawn import draw
-    from validation.progress import shown
 
     if keep:
         write_text(folder / RESULT, json_text(written.as_json(found)) + "\n")

@@ -10,6 +10,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
 from identification.elastic.terms import ElasticTerms
 from validation.identifying.findings import Findings, Lines
+from validation.identifying.known import takes_fmd_off
 from validation.identifying.reported import Reported, dominating
 from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
@@ -95,12 +96,15 @@ def _weight(participation: np.ndarray, k: int) -> float:
 def notes(found: Findings) -> Iterator[str]:
     """What must be known to read the tables, then what was left out, checked and warned of."""
     where = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}[found.origin]
-    yield (f"CoG from {found.frame or where}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm.")
+    yield (
+        f"CoG from {where if found.frame is None else 'your own frame'}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm."
+    )
     yield _method(found)
     for one in found.results:
         yield _fit(one)
     if found.lines is not None:
         yield from _left_out(found.lines)
+    yield from (f"single axis: {words}." for words in found.crossed)
     yield from (f"check: {words}." for words in found.checks)
     yield from (f"warning: {words}." for words in found.warnings)
 
@@ -108,7 +112,8 @@ def notes(found: Findings) -> Iterator[str]:
 def _method(found: Findings) -> str:
     tares = ", ".join(tare.campaign.article for tare in found.request.tares)
     facts = dict.fromkeys(fact.source for fact in found.request.facts)
-    taken = f"tare {tares}" if tares else "no tare, so the FMD's moving part is in the result"
+    told = f"tare {tares}" if tares else "the FMD as stated" if found.request.fmd is not None else "no tare"
+    taken = told if takes_fmd_off(found.request) else f"{told}, so the FMD's moving part is in the result"
     return f"Spectra: {found.request.method}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
 
 

@@ -123,7 +123,9 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
         request=Request(campaign=stack, tares=(Tare(campaign=campaign("fmd+disc+cuboid"), known=None),)),
         results=results,
         verdict={"m": "trustworthy", "mx": "dominated by elasticity", "Ixy": "not identifiable from this data"},
-        fmd=fmd,
+        rigid=(true + fmd).mass_matrix,
+        quotient=1.01 * H.matrix,
+        crossed=("x: the quotient is off by 1 %",),
         lines=Lines(
             frequency=FREQUENCY,
             condition=np.where(kept > 0, 3.0, 180.0),

@@ -67,7 +67,7 @@ def test_a_page_of_80_columns_cuts_no_figure(found: Findings) -> None:
 
 
 def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: Findings) -> None:
-    bare = replace(found, request=replace(found.request, tares=()), origin="F", fmd=None)
+    bare = replace(found, request=replace(found.request, tares=()), origin="F")
     text = " ".join(_page(bare).split())
     assert "no tare, so the FMD's moving part is in the result" in text
     assert "CoG from F, the centre of the force-measuring plane" in text
