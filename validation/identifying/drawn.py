@@ -138,7 +138,7 @@ def _residuals(found: Findings, residuals: pages.DrawnResiduals, path: Path) -> 
         "What a pick-up reads beyond the motion that all of them agree on, and what redundant load cells contradict each other "
         "by, as a share of the readings of their kind at the line."
     )
-    pages.draw_residuals(f"{_stack(found)}: redundant channels", residuals, path, note)
+    pages.draw_residuals(f"{_stack(found)}: what redundant channels disagree by", residuals, path, note)
 
 
 def _stability(found: Findings, study: Study, path: Path) -> None:

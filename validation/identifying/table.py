@@ -16,6 +16,8 @@ from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
 from validation.tables.grid import Grid, aligned
 
+ORIGINS = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}
+
 SHOWN_INPUTS = 2
 """Inputs that are named for each parameter."""
 
@@ -51,8 +53,9 @@ def values(found: Findings) -> Grid:
 def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
     """By how much quantity `k` lies elsewhere in the better result: in its unit or in per cent, and in plain half-widths."""
     moved, width, scale = float(better.values[k] - plain.values[k]), float(plain.half_width[k]), QUANTITIES[k].per_si
+    finest = min(width, float(better.half_width[k])) * scale
     relative = plain.values[k] != 0 and QUANTITIES[k].key.partition("_")[0] in ("mass", "moi")
-    own = f"{100 * moved / abs(plain.values[k]):+.2f} %" if relative else f"{rounded(moved * scale, width * scale)} "
+    own = f"{100 * moved / abs(plain.values[k]):+.2f} %" if relative else f"{rounded(moved * scale, finest)} "
     return own.rstrip() if relative else f"{own}{QUANTITIES[k].unit}", f"{moved / width:+.2f}" if width else NONE
 
 
@@ -95,10 +98,8 @@ def _weight(participation: np.ndarray, k: int) -> float:
 
 def notes(found: Findings) -> Iterator[str]:
     """What must be known to read the tables, then what was left out, checked and warned of."""
-    where = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}[found.origin]
-    yield (
-        f"CoG from {where if found.frame is None else 'your own frame'}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm."
-    )
+    where = ORIGINS[found.origin] if found.frame is None else f"your own frame, seen from {ORIGINS[found.origin]}"
+    yield f"CoG from {where}. Moments and products about the CoG; products are matrix entries, Θxy = -∫xy dm."
     yield _method(found)
     for one in found.results:
         yield _fit(one)
