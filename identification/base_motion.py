@@ -24,8 +24,8 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.observability import of_motions
 from geometry.sensors import ChannelTable, motion_rows
+from identification.gravity import tilt
 from identification.spectra.line_spectra import Spectra
-from identification.tilt import kinematic_of_apparent
 
 STANDARD_GRAVITY = 9.81
 """[m/s²] where a campaign does not state its own: that of the campaign format."""
@@ -33,7 +33,7 @@ STANDARD_GRAVITY = 9.81
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BaseMotion:
-    """Six base motions of the reference point, run by run and line by line: the *apparent* ones (`identification.tilt`).
+    """Six base motions of the reference point, run by run and line by line: the *apparent* ones (`identification.gravity`).
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ def rows(spectra: Spectra, chosen: Sequence[int], gravity: float) -> Array:
     G = np.broadcast_to(motion_rows(channels, spectra.table.origin), (len(spectra.frequency), len(channels), 6)).copy()
     kinematic = [k for k, channel in enumerate(channels) if not channel.senses_gravity]
     if kinematic:
-        G[:, kinematic] = G[:, kinematic] @ kinematic_of_apparent(spectra.frequency, gravity)
+        G[:, kinematic] = G[:, kinematic] @ np.linalg.inv(tilt(spectra.frequency, gravity))
     return G
 
 

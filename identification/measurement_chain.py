@@ -57,7 +57,8 @@ class Chain:
     columns : indices in the channel table of the chain's channels, in the order of its rows
     names : (c,) of these
     parameters : that may move
-    left_out : names of channels of the table that the chain cannot predict: those on the structure are not rigid with it
+    left_out : names of channels of the table that the chain does not predict
+    remarks : sentences: what was left out and why, what was assumed of the load cells
     cover, table, forces : its parts
     springs : the load cells
     """
@@ -66,6 +67,7 @@ class Chain:
     names: tuple[str, ...]
     parameters: tuple[Parameter, ...]
     left_out: tuple[str, ...]
+    remarks: tuple[str, ...]
     cover: PickUps
     table: PickUps
     forces: Loads
@@ -178,6 +180,7 @@ def chain(
         names=tuple(table.names[k] for k in columns),
         parameters=opened(candidates, overrides),
         left_out=tuple(name for k, name in enumerate(table.names) if k not in columns),
+        remarks=(*_left_out(table, columns), *_assumed(springs, bool(below), stiffness is None)),
         cover=parts[0],
         table=parts[1],
         forces=forces,
@@ -218,8 +221,31 @@ def _gravity(cover: PickUps, table: PickUps) -> list[Parameter]:
     ]
 
 
+def _left_out(table: ChannelTable, columns: tuple[int, ...]) -> list[str]:
+    """Which channels the chain does not predict, and why."""
+    left = [channel for k, channel in enumerate(table.channels) if k not in columns]
+    on_structure = [channel.name for channel in left if channel.group == "article"]
+    others = [channel.name for channel in left if channel.group != "article"]
+    why = ((on_structure, "sits on the structure, which is not rigid"), (others, "measures no load of the FMD"))
+    return [f"not used: {', '.join(names)}; what {reason}, tells nothing here" for names, reason in why if names]
+
+
+def _assumed(springs: Springs, table: bool, unknown: bool) -> list[str]:
+    """What the chain takes for granted of the load cells."""
+    found = []
+    if not springs.of_cells:
+        found.append("the force channels do not tell how cells share the load: their readings are taken for the resultants")
+    if table and unknown:
+        found.append(
+            "the stiffness of the load cells is not stated: that of the reconstructed FMD is assumed, within a factor of five"
+        )
+    return found
+
+
 def _lines(frequency: npt.ArrayLike) -> Array:
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    if np.any(lines <= 0):
+        raise ValueError(f"`frequency` must be above zero, found {lines.min():g}: at rest a tilt is no acceleration")
     return frozen(lines, lines.shape, "frequency")
 
 

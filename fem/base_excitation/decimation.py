@@ -11,7 +11,8 @@ it takes for granted that all is at rest beyond.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, floor, isfinite
 from typing import Any, overload
@@ -39,7 +40,7 @@ HALF = 44
 POINTS = 12
 """Samples through which a delay by a part of a sample is interpolated."""
 
-BLOCK = 4096
+BLOCK = 1024
 """Samples of the record that are filtered at a time, to spare memory."""
 
 
@@ -168,11 +169,53 @@ def _filtered(channels: Array, factor: int) -> Array:
 
 def _apart(columns: Array, factor: int, late: Array) -> Array:
     """Every `factor`-th of the filtered samples (n, c), each column `late` (c,) samples later; (ceil(n / factor), c)."""
-    n = len(columns)
-    found = np.zeros((ceil(n / factor), columns.shape[1]), order="F")
-    for k, samples in enumerate(late):
-        first, coefficients = delayed_taps(factor, float(samples))
-        found[:, k] = _every(np.ascontiguousarray(columns[:, k]), coefficients, first, factor)
+    step = BLOCK * factor
+    return joined((columns[start : start + step].T for start in range(0, len(columns), step)), factor, late)
+
+
+def joined(blocks: Iterable[Array], factor: int, late: npt.ArrayLike) -> Array:
+    """Every `factor`-th of the filtered samples of channels in `blocks` (c, k), each `late` (c,) samples later: (m, c)."""
+    pieces = [_cut(factor, float(samples)) for samples in np.atleast_1d(np.asarray(late, dtype=np.float64))]
+    longest, earliest = max((len(one.table) for one in pieces), default=1), min((one.before for one in pieces), default=0)
+    found: list[Array] = []
+    held, base, done, count = np.zeros((len(pieces), 0)), 0, 0, 0
+    for block in blocks:
+        held = np.hstack([held, block])
+        count = base + held.shape[1]
+        ready = max((count + earliest) // factor - longest + 1, done)
+        found.append(_several(held, base, pieces, done, ready, factor))
+        first = max(ready * factor - max((one.before for one in pieces), default=0), base)
+        held, base, done = held[:, first - base :], first, ready
+    found.append(_several(held, base, pieces, done, ceil(count / factor), factor))
+    return np.asarray(np.hstack(found).T)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Cut:
+    """A filter cut into pieces of as many coefficients as samples are left out, `table` (pieces, factor), latest sample last.
+
+    The first coefficient belongs to the sample that comes `before` so many samples before the one that is wanted.
+    """
+
+    table: Array
+    before: int
+
+
+def _cut(factor: int, late: float) -> _Cut:
+    first, coefficients = delayed_taps(factor, late)
+    size = ceil(len(coefficients) / factor) * factor
+    table = np.zeros(size)
+    table[size - len(coefficients) :] = coefficients[::-1]
+    return _Cut(table=table.reshape(-1, factor), before=first + size - 1)
+
+
+def _several(held: Array, base: int, pieces: list[_Cut], start: int, stop: int, factor: int) -> Array:
+    """Samples `start` to `stop` of the record, (c, stop - start); `held` (c, k) begins at the sample `base`."""
+    found = np.zeros((len(pieces), stop - start))
+    for row, signal, cut in zip(found, held, pieces, strict=True):
+        samples = _padded(signal, start * factor - cut.before - base, (stop - start + len(cut.table) - 1) * factor)
+        for k, products in enumerate(cut.table @ samples.reshape(-1, factor).T):
+            row += products[k : k + stop - start]
     return found
 
 
@@ -190,27 +233,8 @@ def delayed_taps(factor: int, samples: float) -> tuple[int, Array]:
     return first - HALF * factor, np.convolve(taps(factor), weights)
 
 
-def _every(signal: Array, coefficients: Array, first: int, factor: int) -> Array:
-    """y[m] = sum over i of coefficients[i] signal[m factor - first - i], at rest beyond both ends; (ceil(n / factor),).
-
-    The coefficients are cut into pieces of `factor`: one product with all pieces at once, whose rows are then added up shifted.
-    """
-    count, pieces = ceil(len(signal) / factor), ceil(len(coefficients) / factor)
-    cut = np.zeros(pieces * factor)
-    cut[cut.size - len(coefficients) :] = coefficients[::-1]  # cut[l] belongs to the sample l - before of the one that is wanted
-    before = first + len(coefficients) - 1 + cut.size - len(coefficients)
-    table, found = cut.reshape(pieces, factor), np.zeros(count)
-    for start in range(0, count, BLOCK):
-        stop = min(start + BLOCK, count)
-        samples = _padded(signal, start * factor - before, (stop - start + pieces - 1) * factor)
-        products = table @ samples.reshape(-1, factor).T
-        for k, row in enumerate(products):
-            found[start:stop] += row[k : k + stop - start]
-    return found
-
-
 def _padded(signal: Array, start: int, count: int) -> Array:
-    """`count` samples of `signal` from `start` on, zero beyond both its ends."""
+    """`count` samples of `signal` from `start` on, at rest beyond both its ends."""
     low, high = max(start, 0), min(start + count, len(signal))
     if low == start and high == start + count:
         return signal[low:high]

@@ -172,13 +172,18 @@ def answer(
     sampling_rate : [Hz]
     stop : a sample at which one block ends, whose state is wanted
     """
-    uncoupled, step = poles(system), 1 / sampling_rate
-    solve = _by_stepping(system, outputs, step) if uncoupled is None else _by_poles(uncoupled, outputs, step)
+    solve = solver(system, outputs, sampling_rate)
     for start, end in pairwise(_edges(len(samples), stop)):
         found, state = solve(samples[start:end])
         yield Block(samples=slice(start, end), outputs=found, state=state)
         if progress is not None:
             progress(end / len(samples))
+
+
+def solver(system: States, outputs: Array, sampling_rate: float) -> Callable[[Array], tuple[Array, Array]]:
+    """What answers block after block of samples (k, p), at rest at the first: `outputs` (k, o), and state (2 n,) at the end."""
+    uncoupled, step = poles(system), 1 / sampling_rate
+    return _by_stepping(system, outputs, step) if uncoupled is None else _by_poles(uncoupled, outputs, step)
 
 
 def straightened(samples: Array) -> Array:

@@ -19,7 +19,7 @@ from geometry.inertia import Inertia
 from identification.elastic import model, poles
 from identification.elastic.lines import Lines, full, kept, lines_of
 from identification.elastic.model import Layout
-from identification.elastic.refine import RATIOS, Refined, correlation_time, leftover, linearised, refine
+from identification.elastic.refine import Refined, correlation_time, leftover, limits, linearised, refine
 from identification.elastic.terms import ElasticTerms
 
 FLOOR = 0.002
@@ -27,6 +27,9 @@ FLOOR = 0.002
 
 MOST = 24
 """Poles at most when their number is not given."""
+
+PATIENCE = 3
+"""Poles that are tried beyond the last one that paid: a mode of two directions may need two before either does."""
 
 OVERLAP = 8.0
 """Damping is coupled between poles nearer than this many half-power widths."""
@@ -162,8 +165,14 @@ def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
         participation=np.vstack([terms.participation, pole.participation]),
         residual=terms.residual,
     )
-    layout = model.layout_of(longer, widths=OVERLAP)
+    layout = _coupled(longer, at.layout)
     return refine(model.pack(parameters, longer, layout), layout, lines, iterations=12, accuracy=1e-3)
+
+
+def _coupled(terms: ElasticTerms, before: Layout) -> Layout:
+    """The layout of `terms` with damping coupled where poles overlap, and where it has been `before`."""
+    now = model.layout_of(terms, widths=OVERLAP)
+    return Layout(modes=now.modes, pairs=tuple(sorted({*now.pairs, *before.pairs})), residual=before.residual)
 
 
 # --- the choice ------------------------------------------------------------------------------------------------------
@@ -183,10 +192,13 @@ def _unit(fits: list[Refined], lines: Lines) -> float:
     return max(1.0, _misfit(best, lines) * correlation_time(best))
 
 
-def _no_longer_pays(tried: list[Refined], lines: Lines, patience: int = 2) -> bool:
-    unit = _unit(tried, lines)
-    values = [_criterion(one, unit, lines) for one in tried]
-    return len(values) - 1 - int(np.argmin(values)) >= patience
+def _no_longer_pays(tried: list[Refined], lines: Lines) -> bool:
+    """Whether the last `PATIENCE` poles together took less than their price, or less than a tenth of what there was to take."""
+    if len(tried) <= PATIENCE:
+        return False
+    before, after = tried[-1 - PATIENCE], tried[-1]
+    gain = before.chi2 - after.chi2
+    return gain < (after.layout.size - before.layout.size) * np.log(lines.count) or gain < 0.1 * before.chi2
 
 
 def _chosen(tried: list[Refined], lines: Lines, modes: int | None) -> tuple[Refined, list[tuple[int, float]], str]:
@@ -209,9 +221,9 @@ def _converged(at: Refined, lines: Lines) -> Refined:
 def _pruned(at: Refined, lines: Lines, unit: float) -> Refined:
     """Poles that are no resonances go, then others, the weakest first, while that costs less than they are worth."""
     while at.layout.modes:
-        limits = np.abs(at.vector[at.layout.blocks["damping"], None] - np.log(RATIOS)).min(axis=1)
-        if limits.min() < 1e-6:
-            at = _without(at, int(np.argmin(limits)), lines)
+        room = _room(at, lines)
+        if room.min() < 1e-6:
+            at = _without(at, int(np.argmin(room)), lines)
             continue
         weakest = int(np.argmin([_worth(at, r) for r in range(at.layout.modes)]))
         shorter = _without(at, weakest, lines)
@@ -219,6 +231,14 @@ def _pruned(at: Refined, lines: Lines, unit: float) -> Refined:
             return at
         at = shorter
     return at
+
+
+def _room(at: Refined, lines: Lines) -> Array:
+    """(m,) distance of ln f and ln zeta of every pole from where a resonance ends."""
+    blocks, m = at.layout.blocks, at.layout.modes
+    x = at.vector[blocks["frequency"].start : blocks["damping"].stop]
+    low, high = (limit[: 2 * m] for limit in limits(at.layout, lines))
+    return np.asarray(np.minimum(x - low, high - x).reshape(2, m).min(axis=0))
 
 
 def _worth(at: Refined, r: int) -> float:

@@ -22,6 +22,9 @@ from identification.elastic.model import UPPER, Layout
 DAMPING = (np.log(0.004), 1.5)
 """Mean and standard deviation of ln zeta."""
 
+REACH = (0.5, 2.5)
+"""How far out of the band a pole may go, of its lower and of its upper end: beyond, it is an error and no mode."""
+
 RATIOS = (2e-4, 0.1)
 """Damping ratios of a resonance: above them it is a slope that other poles lack, below them an error of one line."""
 
@@ -75,31 +78,33 @@ def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, 
     """
     at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
-        trial, predicted = _step(at, damping)
+        trial, predicted = _step(at, damping, lines)
         left = _residual(trial, layout, lines)
         gained = at.cost - float(left @ left)
-        if gained > 0:
+        if gained > 0 and predicted > 0:
             at, rise = linearised(trial, layout, lines), 2.0
             damping *= max(0.1, 1 - (2 * gained / predicted - 1) ** 3)
         else:
             damping, rise = damping * rise, 2 * rise
-        if damping > HOPELESS or max(gained, predicted) < accuracy * at.cost + ENOUGH:
+        if damping > HOPELESS or 0 <= max(gained, predicted) < accuracy * at.cost + ENOUGH:
             return replace(at, converged=True)
     return at
 
 
-def _step(at: Refined, damping: float) -> tuple[Array, float]:
-    """The vector of the next trial and what cost it should save."""
+def _step(at: Refined, damping: float, lines: Lines) -> tuple[Array, float]:
+    """The vector of the next trial and what cost it should save; what stands at a limit and pushes against it stays."""
     x, A, blocks = at.vector, at.information, at.layout.blocks
     g = at.jacobian @ at.residual + at.prior
-    d = np.sqrt(np.diag(A))
-    dx = -np.linalg.solve(A / np.outer(d, d) + damping * np.eye(len(d)), g / d) / d
     limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
-    largest = np.abs(dx[limited]).max(initial=0.0)
-    dx = dx * min(1.0, STEP / max(largest, 1e-300))
-    trial = x + dx
-    trial[blocks["damping"]] = np.clip(trial[blocks["damping"]], *np.log(RATIOS))
-    trial[blocks["pairs"]] = np.clip(trial[blocks["pairs"]], -TIGHTEST, TIGHTEST)
+    low, high = np.full(len(x), -np.inf), np.full(len(x), np.inf)
+    low[limited], high[limited] = limits(at.layout, lines)
+    free = ~(((x <= low) & (g > 0)) | ((x >= high) & (g < 0)))
+    d = np.sqrt(np.diag(A))[free]
+    scaled = A[np.ix_(free, free)] / np.outer(d, d) + damping * np.eye(len(d))
+    dx = np.zeros(len(x))
+    dx[free] = -np.linalg.solve(scaled, g[free] / d) / d
+    dx *= min(1.0, STEP / max(np.abs(dx[limited]).max(initial=0.0), STEP))
+    trial = np.clip(x + dx, low, high)
     dx = trial - x
     return trial, float(-2 * g @ dx - dx @ A @ dx)
 
@@ -115,6 +120,16 @@ def weighted(values: ComplexArray, lines: Lines) -> Array:
     """(..., n, 21) complex as (..., 42 n) real of unit variance: that of a complex error is shared by its two parts."""
     scaled = np.ascontiguousarray(values * (np.sqrt(2) / lines.deviation))
     return scaled.reshape(*values.shape[:-2], -1).view(np.float64)
+
+
+def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
+    """Lowest and highest ln f, ln zeta and rho, in the order of the vector."""
+    f, m, p = lines.frequency[[0, -1]], layout.modes, len(layout.pairs)
+    low, high = np.log(np.array(REACH) * f)
+    return (
+        np.concatenate([np.full(m, low), np.full(m, np.log(RATIOS[0])), np.full(p, -TIGHTEST)]),
+        np.concatenate([np.full(m, high), np.full(m, np.log(RATIOS[1])), np.full(p, TIGHTEST)]),
+    )
 
 
 def correlation_time(at: Refined) -> float:

@@ -12,9 +12,9 @@ from geometry.frames import rotation_about
 from geometry.sensors import ChannelTable, motion_rows
 from identification.base_motion import base_motion, groups_used
 from identification.campaign import Campaign
+from identification.gravity import tilt
 from identification.losing_a_sensor import without_each
 from identification.spectra.line_spectra import Spectra
-from identification.tilt import kinematic_of_apparent
 
 LINES = np.array([4.0, 9.0, 20.0, 32.0])
 
@@ -108,12 +108,11 @@ def test_a_pickup_that_feels_gravity_reads_the_apparent_motion() -> None:
     """From the rotation itself: a sensor along d on a body turned by R reads d·R^T (a - g), g pointing down."""
     frequency, gravity, small = 4.0, 9.81, 1e-6
     omega = 2 * np.pi * frequency
-    tilt = kinematic_of_apparent([frequency], gravity)[0]
     for axis, name in enumerate("xyz"):
         kinematic = np.zeros(6)
         kinematic[3 + axis] = -(omega**2) * small  # acceleration at the moment of the largest angle
         weight = rotation_about(name, small).T @ np.array([0.0, 0.0, gravity]) - [0.0, 0.0, gravity]
-        apparent = np.linalg.solve(tilt, kinematic)
+        apparent = tilt([frequency], gravity)[0] @ kinematic
         assert_allclose(apparent[:3], weight, rtol=0, atol=gravity * small**2)  # the angle squared
         assert_allclose(apparent[3:], kinematic[3:])
 
@@ -125,7 +124,8 @@ def test_kinematic_pickups_and_others_agree_on_the_apparent_motion(table: Channe
     mixed = replace(read(table, u), table=replace(table, channels=tuple(channels)))
     values = mixed.values.copy()
     G = motion_rows([channels[k] for k in chosen], table.origin)
-    values[:, :, chosen] = np.einsum("ck,nkl,rnl->rnc", G, kinematic_of_apparent(LINES, 9.81), u)
+    kinematic = np.linalg.solve(tilt(LINES, 9.81), u[..., None])[..., 0]
+    values[:, :, chosen] = kinematic @ G.T
     found = base_motion(replace(mixed, values=values), gravity=9.81)
     assert_allclose(found.values, u, rtol=0, atol=1e-13)
     assert_allclose(found.residual, 0, atol=1e-13)

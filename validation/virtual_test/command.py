@@ -52,13 +52,14 @@ def simulate(question: Question, *, as_json: bool) -> None:
 
 
 def _require_free(question: Question) -> None:
-    from validation.output import require_folder
+    from validation.output import require_file, require_folder
 
-    for above in (question.out, question.sealed) if len(question.plans) > 1 else ():
-        if above is not None:
-            require_folder(above, "--out" if above == question.out else "--sealed")
+    require_folder(question.out, "--out")
+    if question.sealed is not None:
+        tried = require_file if len(question.plans) == 1 else require_folder
+        tried(question.sealed, "--sealed")
     for plan in question.plans:
-        folders.require_free(question.folder(plan), question.truth(plan), "--sealed" if question.sealed else "--out")
+        folders.require_free(question.folder(plan), question.truth(plan))
 
 
 def _written(question: Question, plan: Plan, words: str, *, quiet: bool) -> Written:

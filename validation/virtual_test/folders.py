@@ -13,28 +13,21 @@ from pathlib import Path
 
 from geometry import atomic
 from geometry.errors import BadInput
-from validation.output import json_text, require_file
+from validation.output import json_text
 
 KIND = "virtual test"
 FILES = "files_sha256"
 
 
-def require_free(folder: Path, truth: Path, option: str) -> None:
-    """Refuse, before anything is computed, a folder or a truth that cannot be written or that would destroy what is there.
-
-    Parameters
-    ----------
-    option : by which the place of the truth was named
+def require_free(folder: Path, truth: Path) -> None:
+    """Refuse, before anything is computed, a folder or a truth that would destroy what is there.
 
     Raises
     ------
     BadInput : `folder` holds something else than the virtual test that `truth` vouches for; `truth` is another file, or lies in
-        the folder; one of them cannot be written.
+        the folder.
     """
     _require_apart(folder, truth)
-    for path, named in ((folder, "--out"), (truth, option)):
-        if path.parent.exists() or path.parent != folder.parent:
-            require_file(path / "campaign.toml" if path == folder else path, named)
     known = _vouched(truth)
     if truth.exists() and known is None:
         problem = f"{truth} is there and is no truth of a virtual test"

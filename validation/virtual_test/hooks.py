@@ -41,7 +41,7 @@ class Sensed:
     sampling_rate : [Hz]
     run : name of the run
     level : at which it was driven, as a factor on the nominal one
-    response : what table, cover plate and cells really did, at the rate of the simulation
+    response : what table, cover plate and cells really did, at the rate of the simulation; None for what was recorded
     generator : of whatever the effect draws, the run's own
     """
 
@@ -50,7 +50,7 @@ class Sensed:
     sampling_rate: float
     run: str
     level: float
-    response: Response
+    response: Response | None
     generator: np.random.Generator
 
     def column(self, channel: str) -> int:

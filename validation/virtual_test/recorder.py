@@ -1,4 +1,4 @@
-"""The recorder: delays and one anti-alias filter for all channels, then noise and the mains' hum, at the rate of the record."""
+"""What a recorder adds: noise of every channel and the mains' hum, at the rate of the record."""
 
 from __future__ import annotations
 
@@ -18,13 +18,6 @@ DRIFT = 0.02
 
 HARMONICS = {1: 1.0, 3: 0.3, 5: 0.1}
 """Amplitude of each harmonic over that of the fundamental."""
-
-
-def recorded(values: Array, simulated: float, plan: Plan, delay: Array) -> Array:
-    """`values` (n, c) at the rate `simulated` [Hz], each channel `delay` (c,) [s] late, at the rate of the record: (m, c)."""
-    from fem.base_excitation.decimation import decimated_channels
-
-    return decimated_channels(values, simulated, plan.rate, delay)
 
 
 def disturbed(values: Array, names: tuple[str, ...], chain: ChainTruth, plan: Plan, run: str) -> Array:

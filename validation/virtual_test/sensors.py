@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.base_excitation.response import Response
+from fem.base_excitation.driven_states import Channels, cell_forces
+from fem.base_excitation.rig_structure import RigStructure
 from geometry.arrays import Array, frozen
 from geometry.frames import rigid_transformation
 from geometry.sensors import Channel
@@ -25,7 +26,7 @@ from validation.virtual_test.layout import Layout, letter
 
 AXES = "xyz"
 TABLE, COVER, FORCES = slice(0, 6), slice(6, 12), slice(12, 12 + 3 * CELLS)
-TABLE_TILT, COVER_TILT, TILT = slice(24, 26), slice(26, 28), slice(24, 28)
+TABLE_TILT, COVER_TILT = slice(24, 26), slice(26, 28)
 WIDTH = 28
 
 MOTION_OF: Mapping[str, tuple[slice, slice]] = {"table": (TABLE, TABLE_TILT), "cover": (COVER, COVER_TILT)}
@@ -52,20 +53,22 @@ def sensors(layout: Layout, chain: ChainTruth, gravity: float) -> Sensors:
     return Sensors(rows=gains[:, None] * rows, delay=delay)
 
 
-def needs_tilt(chain: ChainTruth) -> bool:
-    """Whether the two halves of gravity differ."""
-    return chain.gravity != chain.accelerometer_tilt
+def channels(sensors: Sensors, structure: RigStructure) -> Channels:
+    """What all channels read, undelayed and without the tilt of the table, as sums of the motions of a rig."""
+    table, forces = np.eye(6, structure.mass.shape[0]), cell_forces(structure)
+    rows = sensors.rows
+    return Channels(
+        names=tuple(f"channel {number}" for number in range(1, len(rows) + 1)),
+        acceleration=rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover,
+        velocity=rows[:, FORCES] @ forces.velocity,
+        displacement=rows[:, FORCES] @ forces.displacement + rows[:, COVER_TILT] @ (structure.cover - table)[3:5],
+    )
 
 
-def read(sensors: Sensors, response: Response, tilt: Array | None) -> Array:
-    """What all channels read, (n, c) and undelayed; `tilt` (n, 4) [rad] alpha, beta of the table, then of the cover plate."""
-    cells = response.cells.reshape(len(response.table), -1)
-    parts = [(TABLE, response.table), (COVER, response.cover), (FORCES, cells)]
-    parts += [] if tilt is None else [(TILT, tilt)]
-    found = np.zeros((len(sensors.rows), len(response.table)))
-    for where, signals in parts:
-        found += sensors.rows[:, where] @ signals.T
-    return found.T
+def tilted(sensors: Sensors, motion: Array) -> Array | float:
+    """What the tilt of the table adds to all channels (c, k), `motion` (3, 6, k) of the table; 0 where it cancels."""
+    rows = sensors.rows[:, TABLE_TILT] + sensors.rows[:, COVER_TILT]
+    return np.asarray(rows @ motion[0, 3:5]) if rows.any() else 0.0
 
 
 def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:

@@ -64,10 +64,10 @@ class Base:
         moment = [np.cross(p, f) for p, f in zip(POINTS, felt, strict=True)]
         return first_harmonic(np.concatenate([np.sum(felt, axis=0), np.sum(moment, axis=0)], axis=1))
 
-    def reading(self, table: ChannelTable, kinematic: bool) -> np.ndarray:
-        """(k,) amplitudes of the accelerometers of `table` on the cover plate."""
+    def reading(self, table: ChannelTable, kinematic: bool, group: str = "cover") -> np.ndarray:
+        """(k,) amplitudes of the accelerometers of `group`."""
         of = []
-        for channel in (table.channels[k] for k in table.select(group="cover")):
+        for channel in (table.channels[k] for k in table.select(group=group)):
             place = channel.places[0]
             lab = self.motion[:3] + np.cross(self.motion[3:], place.position)
             of.append(lab @ place.direction if kinematic else first_harmonic(self.lack_of_fall(place.position)) @ place.direction)
@@ -119,6 +119,18 @@ def test_kinematic_accelerometers_read_what_moves(base: Base, paper: ChannelTabl
     y = predicted(kinematic(paper), apparent(base))
     read = base.reading(small(paper), kinematic=True)
     assert_allclose(y[:8], read, rtol=0, atol=1e-6 * np.abs(read).max())
+
+
+def test_a_table_below_soft_cells_tilts_by_what_they_give(base: Base, paper: ChannelTable) -> None:
+    """Its displacement is the cover plate's and K^-1 f on top; its accelerometers feel all of its tilt. Cells of 1e5 N/m."""
+    made = chain(paper, EXACT, stiffness=(1e5, 1e5, 4e5), gravity=G)
+    f = (block()[0] @ apparent(base)).real
+    q = np.concatenate([base.amplitude, base.angle * base.axis]) + made.springs.compliance({}) @ f
+    table = Base(q[:3], q[3:])
+    A0, A1 = made.rows(np.zeros(len(made.parameters)), FREQUENCY)
+    y = ((A0 + A1 @ block()) @ apparent(base))[0, list(made.table.columns)]
+    read = table.reading(paper, kinematic=False, group="table")
+    assert_allclose(y, read, rtol=0, atol=1e-6 * np.abs(read).max())
 
 
 def test_taken_for_tilting_ones_kinematic_pick_ups_put_the_centre_of_gravity_15_mm_off(paper: ChannelTable) -> None:

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from geometry.sensors import ChannelTable, motion_rows, resultants
+from geometry.sensors import Channel, ChannelTable, Place, motion_rows, resultants
 from geometry.tolerances import Tolerances
 from identification.chain.fmd import ASSUMED, STATED
 from identification.measurement_chain import Chain, chain
@@ -133,6 +133,28 @@ def test_without_a_table_its_rows_and_the_compliance_vanish(paper: ChannelTable)
     made = chain(ChannelTable(channels=kept))
     assert not any(one.family == "fmd-compliance" or ":table-" in one.name for one in made.parameters)
     assert made.rows(np.zeros(len(made.parameters)), FREQUENCY)[0].shape == (3, 16, 6)
+
+
+def test_a_pick_up_on_the_structure_is_left_out_with_a_word(paper: ChannelTable) -> None:
+    place = Place(position=np.array([0.0, 0.0, 0.4]), direction=np.array([1.0, 0.0, 0.0]))
+    tip = Channel(name="mast-top-x", quantity="acceleration", group="article", places=(place,))
+    made = chain(ChannelTable(channels=(tip, *paper.channels)), stiffness=STIFFNESS)
+    assert made.left_out == ("mast-top-x",)
+    assert "mast-top-x" not in made.names
+    assert len(made.remarks) == 1
+    assert "mast-top-x" in made.remarks[0]
+    assert not chain(paper, stiffness=STIFFNESS).remarks
+
+
+def test_what_is_assumed_of_the_cells_is_said(paper: ChannelTable, loads_only: ChannelTable) -> None:
+    assert [remark.split(":")[0] for remark in chain(paper).remarks] == ["the stiffness of the load cells is not stated"]
+    assert "resultants" in chain(loads_only, stiffness=STIFFNESS).remarks[0]
+
+
+def test_a_line_at_zero_is_refused(paper: ChannelTable) -> None:
+    made = chain(paper)
+    with pytest.raises(ValueError, match="frequency"):
+        made.rows(np.zeros(len(made.parameters)), [0.0, 1.0])
 
 
 def test_values_and_theta_are_each_others_inverse(paper: ChannelTable) -> None:

@@ -1,6 +1,6 @@
 """A small, fast virtual test without any error: all six axes swept at once, a block on the FMD."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,11 +10,11 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.sensors import ChannelTable, motion_rows, resultants
 from validation.effects.identifiers import parse_all
-from validation.virtual_test import simulate
 from validation.virtual_test.effects.planting import planted
+from validation.virtual_test.laboratory import laboratory
 from validation.virtual_test.plan import MULTI, RIGID, Plan, exact
 from validation.virtual_test.runs import runs
-from validation.virtual_test.simulate import laboratory, record
+from validation.virtual_test.simulate import recording
 
 RATE = 256.0
 
@@ -63,14 +63,6 @@ class Recorded:
 Recorder = Callable[..., Recorded]
 
 
-@pytest.fixture(scope="session", autouse=True)
-def short_rest() -> Iterator[None]:
-    """A rigid block on stiff cells rings for milliseconds."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulate, "RING_DOWN", 1.0)
-        yield
-
-
 @pytest.fixture(scope="session")
 def plan() -> Plan:
     quick = Plan(
@@ -93,7 +85,7 @@ def recorder(plan: Plan) -> Recorder:
     def run(*effects: str, **changes: object) -> Recorded:
         own = replace(plan, effects=planted(parse_all(effects)), **changes)  # type: ignore[arg-type]
         lab = laboratory(own)
-        return Recorded(values=record(own, lab, runs(own)[0]).values, table=lab.layout.table)
+        return Recorded(values=recording(own, lab, runs(own)[0]).values, table=lab.layout.table)
 
     return run
 

@@ -7,22 +7,24 @@ from validation.rows import NONE
 from validation.tables.grid import Grid
 from validation.virtual_test.effects.planting import PLANTS
 
+NOTE = "Write --effect ID=VALUE as in the first column, in SI. It may be repeated, with other targets as well."
+
 
 def page_of_effects() -> str:
     """All of it as text."""
     from validation.tables.text import page
 
-    return page("Effects that a virtual test can plant", (grid(),), ("Write --effect ID=VALUE, as in the last column. SI.",))
+    return page("Effects that a virtual test can plant", (grid(),), (NOTE,))
 
 
 def grid() -> Grid:
     """One line a family."""
     lines = tuple(
-        (name, family.what, _targets(family), "\n".join(_sizes(family)) or NONE, family.example)
+        (family.example.split(", or ")[0], _targets(family), "\n".join(_sizes(family)) or NONE, family.what)
         for name, family in FAMILIES.items()
         if name in PLANTS
     )
-    return Grid(header=("family", "what", "acts on", "size", "for example"), lines=lines, words=True)
+    return Grid(header=("for example", "acts on", "from to", "what"), lines=lines, words=True)
 
 
 def _targets(family: Family) -> str:
@@ -38,5 +40,6 @@ def _sizes(family: Family) -> list[str]:
 
 
 def _size(size: Size) -> str:
-    limits = f"{size.low:g} or {size.high:g}" if size.whole else f"{size.low:.3g} to {size.high:.3g} {size.unit.replace('1', '')}"
-    return f"{size.key}: {limits}".strip() if size.key else limits.strip()
+    unit = "" if size.unit == "1" else f" {size.unit}"
+    limits = f"{size.low:g} or {size.high:g}" if size.whole else f"{size.low:.3g} to {size.high:.3g}{unit}"
+    return f"{size.key}: {limits}" if size.key else limits

@@ -33,6 +33,8 @@ def flexible_cover(named: Named) -> Change:
     """``-omega^2 c f_z``: the cover plate gives c under the whole vertical load, and its pick-ups ride on that along z."""
 
     def change(sensed: Sensed) -> Sensed:
+        if sensed.response is None:
+            raise ValueError("`response` must be there: a plate bends under the load that is simulated")
         bending = named.value * second_derivative(sensed.response.load[:, VERTICAL], sensed.sampling_rate)
         seen = [c.places[0].direction[VERTICAL] if c.group == "cover" else 0.0 for c in sensed.table.channels]
         return replace(sensed, values=sensed.values + np.outer(bending, seen))
