@@ -107,9 +107,9 @@ def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
 
 
 def _quotient(found: Findings, H: DynamicMass, rigid: Array, modes: _Terms) -> list[Curve]:
-    if found.quotient is None:
+    if found.crossed is None:
         return []
-    mass = DynamicMass(frequency=H.frequency, matrix=found.quotient, reference_point=H.reference_point)
+    mass = DynamicMass(frequency=H.frequency, matrix=found.crossed.quotient, reference_point=H.reference_point)
     return [Curve(name="quotient of the driven axis, Eq. 8a", mass=mass, rigid=rigid, modes=modes, dots=QUOTIENT)]
 
 

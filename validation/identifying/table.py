@@ -8,6 +8,7 @@ import numpy as np
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
+from identification.cross_motion import CrossMotion
 from identification.elastic.terms import ElasticTerms
 from validation.identifying.findings import Findings, Lines
 from validation.identifying.known import takes_fmd_off
@@ -36,6 +37,7 @@ def grids(found: Findings) -> list[Grid]:
         values(found),
         rests(found),
         *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
+        *([single_axis(found.crossed)] if found.crossed is not None else []),
     ]
 
 
@@ -75,6 +77,15 @@ def rests(found: Findings) -> Grid:
     )
 
 
+def single_axis(crossed: CrossMotion) -> Grid:
+    """What the quotient of the driven axis alone would have cost."""
+    lines = [
+        (axis, *(f"{100 * share:.2g} %" for share in shares))
+        for axis, *shares in zip(MOTIONS, crossed.cross_motion, crossed.diagonal, crossed.column, strict=True)
+    ]
+    return Grid(header=("Eq. 8a alone", "other axes move", "off on the diagonal", "off beside it, up to"), lines=tuple(lines))
+
+
 def modes(terms: ElasticTerms) -> Grid:
     """Elastic terms: frequency, damping, and the axis that each shows on most, with its effective mass."""
     lines = []
@@ -105,7 +116,6 @@ def notes(found: Findings) -> Iterator[str]:
         yield _fit(one)
     if found.lines is not None:
         yield from _left_out(found.lines)
-    yield from (f"single axis: {words}." for words in found.crossed)
     yield from (f"check: {words}." for words in found.checks)
     yield from (f"warning: {words}." for words in found.warnings)
 
