@@ -54,9 +54,7 @@ class Rigidity:
     within: float
 
 
-def judged(
-    model: Flexible, places: Mapping[str, Array], seat: Array, frequency: Array, limit: float
-) -> tuple[Rigidity, ...]:
+def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency: Array, limit: float) -> tuple[Rigidity, ...]:
     """Every one of `places` (3,) [m] in the article's own frame, the most rigid first; `seat` (3,) [m] of that frame from F."""
     if not places:
         return ()
