@@ -17,7 +17,7 @@ from validation.identifying.asked import Asked, ready
 from validation.identifying.findings import Findings
 from validation.identifying.gathered import gathered
 from validation.output import json_text
-from validation.progress import shown, stages
+from validation.progress import percent, shown, stages
 from validation.tables.text import page
 
 RESULT = "identify.json"
@@ -55,8 +55,8 @@ def identified(asked: Asked, frame: str | None = None, *, quiet: bool = True) ->
     pose = None if frame is None else read_frame(frame)
     with stages("reading", quiet=quiet) as told:
         made = ready(asked, told)
-    with stages(made.request.campaign.article, quiet=quiet) as told:
-        found = identify(made.request, told)
+    with percent(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
+        found = identify(made.request, share)
     return gathered(made, found, pose)
 
 
