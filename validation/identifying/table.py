@@ -21,8 +21,8 @@ from validation.tables.grid import Grid, aligned
 
 ORIGINS = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}
 
-SHOWN_INPUTS = 2
-"""Inputs that are named for each parameter."""
+OTHERS = 1
+"""Inputs that are named beside the one that dominates."""
 
 
 def title(found: Findings) -> str:
@@ -37,7 +37,7 @@ def grids(found: Findings) -> list[Grid]:
     elastic = found.result.identified.elastic
     return [
         values(found),
-        rests(found),
+        verdicts(found),
         *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
         *([single_axis(found.crossed)] if found.crossed is not None else []),
     ]
@@ -63,19 +63,14 @@ def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
     return own.rstrip() if relative else f"{own}{QUANTITIES[k].unit}", f"{moved / width:+.2f}" if width else NONE
 
 
-def rests(found: Findings) -> Grid:
-    """What the uncertainty of every value comes from, and the verdict on it."""
+def verdicts(found: Findings) -> Grid:
+    """What is to be thought of every value, and what its uncertainty comes from."""
     lines = []
     for k, (quantity, name) in enumerate(zip(QUANTITIES, classical.QUANTITIES, strict=True)):
-        inputs = ", ".join(f"{what} {100 * share:.0f} %" for what, share in found.result.dominating(k)[:SHOWN_INPUTS])
-        lines.append((quantity.label, inputs or NONE, found.verdict.get(name) or NONE))
-    head = "uncertainty comes from"
-    width = max(len(head), *(len(inputs) for _, inputs, _ in lines))
-    return Grid(
-        header=("", f"{head:<{width}}", "verdict"),
-        lines=tuple((name, f"{inputs:<{width}}", verdict) for name, inputs, verdict in lines),
-        words=True,
-    )
+        said = found.verdict.get(name, NONE)
+        others = ", ".join(f"{what} {100 * share:.0f} %" for what, share in found.result.dominating(k)[1 : 1 + OTHERS])
+        lines.append((quantity.label, f"{said}; then {others}" if others else said))
+    return Grid(header=("", "verdict"), lines=tuple(lines), words=True)
 
 
 def single_axis(crossed: CrossMotion) -> Grid:
