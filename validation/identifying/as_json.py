@@ -35,7 +35,7 @@ def as_json(found: Findings) -> dict[str, Any]:
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
         "checks": list(found.checks),
-        "cross_motion": list(found.crossed),
+        "cross_motion": [] if found.crossed is None else list(found.crossed.text),
         "lines": None if found.lines is None else _lines(found.lines),
         "study": None if found.study is None else _study(found.study),
         "frame": None if found.frame is None else _frame(found.frame),

@@ -107,9 +107,9 @@ def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
 
 
 def _quotient(found: Findings, H: DynamicMass, rigid: Array, modes: _Terms) -> list[Curve]:
-    if found.quotient is None:
+    if found.crossed is None:
         return []
-    mass = DynamicMass(frequency=H.frequency, matrix=found.quotient, reference_point=H.reference_point)
+    mass = DynamicMass(frequency=H.frequency, matrix=found.crossed.quotient, reference_point=H.reference_point)
     return [Curve(name="quotient of the driven axis, Eq. 8a", mass=mass, rigid=rigid, modes=modes, dots=QUOTIENT)]
 
 
@@ -138,7 +138,7 @@ def _residuals(found: Findings, residuals: pages.DrawnResiduals, path: Path) -> 
         "What a pick-up reads beyond the motion that all of them agree on, and what redundant load cells contradict each other "
         "by, as a share of the readings of their kind at the line."
     )
-    pages.draw_residuals(f"{_stack(found)}: redundant channels", residuals, path, note)
+    pages.draw_residuals(f"{_stack(found)}: what redundant channels disagree by", residuals, path, note)
 
 
 def _stability(found: Findings, study: Study, path: Path) -> None:

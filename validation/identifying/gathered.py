@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from identification.identify import Identification
 
 from geometry.arrays import Array
 from geometry.frames import Pose
-from geometry.inertia import PARAMETERS, Inertia, six_from_tensor
+from geometry.inertia import Inertia, six_from_tensor
 from identification.elastic.model import dynamic_mass
 from identification.identified import Identified
+from identification.identify import Identification
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.asked import Ready
 from validation.identifying.findings import Findings, Lines
@@ -40,16 +40,12 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> F
         frame=frame,
         request=request,
         results=results,
-        verdict=dict(zip(PARAMETERS, verdicts(found), strict=True)),
         rigid=rigid(found, found.self_calibrated),
         lines=_lines(found),
         dynamic_mass=found.estimate.dynamic_mass,
-        quotient=None if found.crossed is None else found.crossed.quotient,
-        crossed=() if found.crossed is None else found.crossed.text,
+        crossed=found.crossed,
         spectra=found.article,
         residuals=residuals(found),
-        study=None if found.study is None else _study(found, pose),
-        checks=_checks(found),
         warnings=tuple(dict.fromkeys(text.rstrip(".") for text in said)),
     )
 
@@ -86,7 +82,8 @@ def residuals(found: Identification) -> DrawnResiduals:
 def _level(article: Spectra, names: tuple[str, ...]) -> Array:
     """(r, n, 1) rms of the readings of the channels `names`."""
     chosen = [article.table.names.index(name) for name in names]
-    return np.maximum(np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True)), SMALLEST)
+    level = np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True))
+    return np.asarray(np.maximum(level, SMALLEST))
 
 
 def _lines(found: Identification) -> Lines:

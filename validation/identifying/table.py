@@ -8,6 +8,7 @@ import numpy as np
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
+from identification.cross_motion import CrossMotion
 from identification.elastic.terms import ElasticTerms
 from validation.identifying.findings import Findings, Lines
 from validation.identifying.known import takes_fmd_off
@@ -15,6 +16,8 @@ from validation.identifying.reported import Reported, dominating
 from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
 from validation.tables.grid import Grid, aligned
+
+ORIGINS = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}
 
 SHOWN_INPUTS = 2
 """Inputs that are named for each parameter."""
@@ -34,6 +37,7 @@ def grids(found: Findings) -> list[Grid]:
         values(found),
         rests(found),
         *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
+        *([single_axis(found.crossed)] if found.crossed is not None else []),
     ]
 
 
@@ -51,8 +55,9 @@ def values(found: Findings) -> Grid:
 def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
     """By how much quantity `k` lies elsewhere in the better result: in its unit or in per cent, and in plain half-widths."""
     moved, width, scale = float(better.values[k] - plain.values[k]), float(plain.half_width[k]), QUANTITIES[k].per_si
+    finest = min(width, float(better.half_width[k])) * scale
     relative = plain.values[k] != 0 and QUANTITIES[k].key.partition("_")[0] in ("mass", "moi")
-    own = f"{100 * moved / abs(plain.values[k]):+.2f} %" if relative else f"{rounded(moved * scale, width * scale)} "
+    own = f"{100 * moved / abs(plain.values[k]):+.2f} %" if relative else f"{rounded(moved * scale, finest)} "
     return own.rstrip() if relative else f"{own}{QUANTITIES[k].unit}", f"{moved / width:+.2f}" if width else NONE
 
 
@@ -70,6 +75,15 @@ def rests(found: Findings) -> Grid:
         lines=tuple((name, f"{inputs:<{width}}", verdict) for name, inputs, verdict in lines),
         words=True,
     )
+
+
+def single_axis(crossed: CrossMotion) -> Grid:
+    """What the quotient of the driven axis alone would have cost."""
+    lines = [
+        (axis, *(f"{100 * share:.2g} %" for share in shares))
+        for axis, *shares in zip(MOTIONS, crossed.cross_motion, crossed.diagonal, crossed.column, strict=True)
+    ]
+    return Grid(header=("Eq. 8a alone", "other axes move", "off on the diagonal", "off beside it, up to"), lines=tuple(lines))
 
 
 def modes(terms: ElasticTerms) -> Grid:
@@ -95,16 +109,13 @@ def _weight(participation: np.ndarray, k: int) -> float:
 
 def notes(found: Findings) -> Iterator[str]:
     """What must be known to read the tables, then what was left out, checked and warned of."""
-    where = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}[found.origin]
-    yield (
-        f"CoG from {where if found.frame is None else 'your own frame'}; moments and products about the CoG, products as matrix entries, Θxy = -∫xy dm."
-    )
+    where = ORIGINS[found.origin] if found.frame is None else f"your own frame, seen from {ORIGINS[found.origin]}"
+    yield f"CoG from {where}. Moments and products about the CoG; products are matrix entries, Θxy = -∫xy dm."
     yield _method(found)
     for one in found.results:
         yield _fit(one)
     if found.lines is not None:
         yield from _left_out(found.lines)
-    yield from (f"single axis: {words}." for words in found.crossed)
     yield from (f"check: {words}." for words in found.checks)
     yield from (f"warning: {words}." for words in found.warnings)
 

@@ -15,6 +15,7 @@ from geometry.frames import Pose
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place
 from identification.campaign import Campaign, Excitation, Run
+from identification.cross_motion import CrossMotion
 from identification.elastic.model import dynamic_mass
 from identification.elastic.terms import ElasticTerms
 from identification.identified import Identified
@@ -124,8 +125,13 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
         results=results,
         verdict={"m": "trustworthy", "mx": "dominated by elasticity", "Ixy": "not identifiable from this data"},
         rigid=(true + fmd).mass_matrix,
-        quotient=1.01 * H.matrix,
-        crossed=("x: the quotient is off by 1 %",),
+        crossed=CrossMotion(
+            quotient=1.01 * H.matrix,
+            cross_motion=np.full(6, 0.031),
+            diagonal=np.full(6, 0.0123),
+            column=np.full(6, 0.45),
+            text=tuple(f"{axis}: the quotient is off by 1 %" for axis in MOTIONS),
+        ),
         lines=Lines(
             frequency=FREQUENCY,
             condition=np.where(kept > 0, 3.0, 180.0),

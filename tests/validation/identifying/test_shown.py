@@ -37,6 +37,7 @@ def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Findings) -
 @pytest.mark.parametrize(
     "words",
     [
+        "beta 3.1 % 1.2 % 45 %",
         "trustworthy",
         "dominated by elasticity",
         "left out: 12.1 to 12.5 Hz: condition number 180 exceeds 100.",
