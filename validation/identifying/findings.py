@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Pose
+from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
@@ -67,8 +68,8 @@ class Findings:
     results : plain, then self-calibrated when there is one; the last one is the result
     rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
     lines, dynamic_mass, crossed, spectra, residuals, study : evidence; None where it does not exist
-    checks : findings of the closed checks, sentences
-    verdict : by PARAMETER, in words
+    checks : findings of the closed checks
+    verdict : by PARAMETER about F and by name in `identification.classical.QUANTITIES`, in words
     warnings : sentences without their full stop
     """
 
@@ -85,7 +86,7 @@ class Findings:
     crossed: CrossMotion | None = None
     residuals: DrawnResiduals | None = None
     study: Study | None = None
-    checks: tuple[str, ...] = ()
+    checks: tuple[Finding, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property

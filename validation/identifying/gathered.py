@@ -7,6 +7,8 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import Inertia, six_from_tensor
+from identification import closed_checks
+from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
 from identification.identified import Identified
 from identification.identify import Identification
@@ -40,6 +42,8 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> F
         frame=frame,
         request=request,
         results=results,
+        verdict=results[-1].quality.verdict,
+        checks=_checks(found),
         rigid=rigid(found, found.self_calibrated),
         lines=_lines(found),
         dynamic_mass=found.estimate.dynamic_mass,
@@ -48,6 +52,11 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> F
         residuals=residuals(found),
         warnings=tuple(dict.fromkeys(text.rstrip(".") for text in said)),
     )
+
+
+def _checks(found: Identification) -> tuple[Finding, ...]:
+    request = found.request
+    return closed_checks.checks(found.estimate.dynamic_mass, found.article, request.tolerances, gravity=request.campaign.gravity)
 
 
 def rigid(found: Identification, one: Identified) -> Array:
