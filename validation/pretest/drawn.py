@@ -15,7 +15,7 @@ from validation.pictures.moving import MovingBody
 from validation.pictures.pretest import DrawnPretest, draw_pretest
 from validation.pictures.rigid_places import draw_rigid
 from validation.pretest.findings import Findings
-from validation.pretest.rigid_places import coarse_lines, elastic_share
+from validation.pretest.rigid_places import coarse_lines, largest_share
 from validation.pretest.table import title
 from validation.stated_inertia import NORMAL_95
 from validation.statement import QUANTITIES
@@ -77,8 +77,8 @@ def _surfaces(found: Findings, model: Flexible) -> dict[str, tuple[MovingBody, .
     start: list[MovingBody] = []
     most: list[MovingBody] = []
     for body, edges, moved in moved_bodies(model, model.modes.shapes):
-        share = elastic_share(moved, body.vertices + found.seat, model.modes, found.seat, lines).max(axis=2)
-        for drawn, size in ((start, share[:, 0]), (most, share.max(axis=1))):
+        shares = largest_share(moved, body.vertices + found.seat, model.modes, found.seat, lines)
+        for drawn, size in zip((start, most), shares, strict=True):
             motion = size[:, None] * [1.0, 0.0, 0.0]
             drawn.append(MovingBody(name=body.name, vertices=body.vertices, faces=body.faces, edges=edges, displacement=motion))
     low, high = float(lines[0]), float(lines[-1])
