@@ -13,13 +13,14 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.inertia import Inertia
+from identification.drift import drift
 from identification.evidence import Evidence, Known, Settings, TareSpectra
 from identification.identified import Identified
 from identification.measurement_chain import chain
 from identification.self_calibration import hardware
 from identification.self_calibration.assembly import WITHOUT_TARE
 from identification.sensitivity import Sensitivity, sensitivity
-from identification.setup import Setup, setup
+from identification.setup import CHAIN_ERROR, Setup, setup
 from identification.spectra.line_spectra import Spectra
 
 _DEFAULT = Settings()
@@ -93,12 +94,15 @@ def tolerances_of(spectra: Spectra, settings: Settings) -> dict[str, float]:
 def _of_setup(spectra: Spectra, found: Setup, settings: Settings) -> Difference:
     of = chain(spectra.table, settings.tolerances, stiffness=settings.stiffness, gravity=settings.gravity)
     answer: Sensitivity = sensitivity(spectra, found, of)
-    # The floor of the fit stands for errors of the chain, which count on their own: what is left over says how large it really is.
+    # The floor of the fit stands for errors of the chain, which count on their own; the misfit says what it really is.
     elastic = found.fitted.covariance * min(found.fitted.misfit, 1.0)
+    if settings.modes == 0:
+        moved = drift(found.estimate.dynamic_mass, CHAIN_ERROR)
+        elastic = np.outer(moved, moved)
     return Difference(
         ten=found.ten,
         chain=dict(zip(answer.names, answer.chain.T, strict=True)),
-        parts={"noise": answer.noise, "elasticity": elastic if len(found.terms.frequency) else 0.0 * elastic},
+        parts={"noise": answer.noise, "elasticity": elastic},
     )
 
 
@@ -119,18 +123,21 @@ def _less(whole: Difference, fmd: Difference) -> Difference:
 
 def _identified(of: Difference, found: Setup, spectra: Spectra, settings: Settings, warnings: tuple[str, ...]) -> Identified:
     tolerances = tolerances_of(spectra, settings)
-    variance = {name: np.diag(part) for name, part in of.parts.items()}
+    parts = dict(of.parts)
     for name, row in of.chain.items():
         family = name.partition(":")[0]
-        variance[family] = variance.get(family, np.zeros(10)) + np.square(row * tolerances[name])
-    whole = np.maximum(np.sum(list(variance.values()), axis=0), np.finfo(np.float64).tiny)
+        parts[family] = parts.get(family, np.zeros((10, 10))) + np.outer(row, row) * tolerances[name] ** 2
+    covariance = covariance_of(of, tolerances)
+    whole = np.maximum(np.diag(covariance), np.finfo(np.float64).tiny)
+    kept = {name: part for name, part in parts.items() if np.any(np.diag(part) > 0)}
     return Identified(
         way="plain",
         inertia=Inertia(parameters=of.ten),
-        covariance=covariance_of(of, tolerances),
+        covariance=covariance,
         band=found.fitted.band,
         elastic=found.terms if settings.modes != 0 else None,
-        shares={name: part / whole for name, part in variance.items() if np.any(part > 0)},
+        shares={name: np.diag(part) / whole for name, part in kept.items()},
+        parts=kept,
         misfit=found.fitted.misfit,
         converged=found.fitted.converged,
         warnings=warnings,

@@ -38,6 +38,20 @@ Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Trial:
+    """One fit of the search: `vector` of `layout`, with its chi² at the lines that say something new."""
+
+    layout: Layout
+    vector: Array
+    chi2: float
+
+    @property
+    def modes(self) -> int:
+        """Number of poles."""
+        return self.layout.modes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Fitted:
     """Inertia and elastic terms that explain a dynamic mass.
 
@@ -52,7 +66,7 @@ class Fitted:
     asymmetry : the same of H_ij - H_ji, which are equal in every structure: sensors are off where it is far above 1
     modes : number of poles
     reason : why there are as many
-    history : (poles tried, chi² with them), in order
+    history : the fits of the search, one pole more each
     residual : (6, 6) what is left over, root mean square over the lines in standard deviations, by entry
     band : (low, high) [Hz] of the lines
     converged : whether the iteration ended by itself
@@ -68,7 +82,7 @@ class Fitted:
     asymmetry: float
     modes: int
     reason: str
-    history: tuple[tuple[int, float], ...]
+    history: tuple[Trial, ...]
     residual: Array
     band: tuple[float, float]
     converged: bool
@@ -123,14 +137,12 @@ def fit(
 # --- the search ------------------------------------------------------------------------------------------------------
 
 
-def _rigid_only(lines: Lines) -> tuple[Refined, list[tuple[int, float]], str]:
+def _rigid_only(lines: Lines) -> tuple[Refined, list[Refined], str]:
     rigid = refine(np.zeros(10), Layout(modes=0, residual=False), lines)
-    return rigid, [(0, rigid.chi2)], "rigid, as asked for"
+    return rigid, [rigid], "rigid, as asked for"
 
 
-def _searched(
-    lines: Lines, modes: int | None, start: Fitted | None, tell: Progress
-) -> tuple[Refined, list[tuple[int, float]], str]:
+def _searched(lines: Lines, modes: int | None, start: Fitted | None, tell: Progress) -> tuple[Refined, list[Refined], str]:
     first = Layout(modes=0) if start is None else start.layout
     at = refine(np.zeros(first.size) if start is None else start.vector, first, lines)
     tried, most = [at], MOST if modes is None else modes
@@ -147,10 +159,10 @@ def _searched(
 
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
-    """The fit with the best pole of the leftover added and everything refined; None when no pole takes anything out."""
+    """The fit with the best pole of the leftover added and everything refined; None when none is one that helps."""
     for pole in poles.next_poles(at, lines):
         longer = _extended(at, pole, lines)
-        if longer.chi2 < at.chi2:
+        if longer.chi2 < at.chi2 and np.all(_room(longer, lines) > 0):
             return longer
     return None
 
@@ -178,18 +190,38 @@ def _coupled(terms: ElasticTerms, before: Layout) -> Layout:
 # --- the choice ------------------------------------------------------------------------------------------------------
 
 
-def _criterion(fit: Refined, unit: float, lines: Lines) -> float:
-    return fit.chi2 / unit + fit.layout.size * float(np.log(lines.count))
+@dataclass(frozen=True, kw_only=True)
+class Price:
+    """What a parameter must take out of chi².
+
+    Attributes
+    ----------
+    unit : what one of chi² is worth, at least 1: misfit that remains with the best of the fits, times the lines it repeats itself
+    parameter : logarithm of the independent numbers in the data
+    """
+
+    unit: float
+    parameter: float
+
+    def criterion(self, fit: Refined) -> float:
+        """The least wins."""
+        return fit.chi2 / self.unit + fit.layout.size * self.parameter
+
+    @property
+    def pole(self) -> float:
+        """Of a pole, in chi²."""
+        return 8 * self.parameter * self.unit
+
+
+def price_of(fits: list[Refined], lines: Lines) -> Price:
+    best = min(fits, key=lambda one: _misfit(one, lines))
+    repeated = correlation_time(best)
+    unit = max(1.0, _misfit(best, lines) * repeated)
+    return Price(unit=unit, parameter=float(np.log(lines.count / repeated if unit > 1 else lines.count)))
 
 
 def _misfit(fit: Refined, lines: Lines) -> float:
     return fit.chi2 / max(lines.count - fit.layout.size, 1)
-
-
-def _unit(fits: list[Refined], lines: Lines) -> float:
-    """What one of chi² is worth, at least 1: model error beyond the floor, alike from line to line, is no reason for poles."""
-    best = min(fits, key=lambda one: _misfit(one, lines))
-    return max(1.0, _misfit(best, lines) * correlation_time(best))
 
 
 def _no_longer_pays(tried: list[Refined], lines: Lines) -> bool:
@@ -201,33 +233,30 @@ def _no_longer_pays(tried: list[Refined], lines: Lines) -> bool:
     return gain < (after.layout.size - before.layout.size) * np.log(lines.count) or gain < 0.1 * before.chi2
 
 
-def _chosen(tried: list[Refined], lines: Lines, modes: int | None) -> tuple[Refined, list[tuple[int, float]], str]:
-    history = [(one.layout.modes, one.chi2) for one in tried]
+def _chosen(tried: list[Refined], lines: Lines, modes: int | None) -> tuple[Refined, list[Refined], str]:
     if modes is not None:
-        return _converged(tried[-1], lines), history, f"{tried[-1].layout.modes} poles, as asked for"
+        return _converged(tried[-1], lines), tried, f"{tried[-1].layout.modes} poles, as asked for"
+    price = price_of(tried, lines)
     rigid = _rigid_only(lines)[0]
-    unit = _unit(tried, lines)
-    best = min([rigid, *tried], key=lambda one: _criterion(one, unit, lines))
+    best = min([rigid, *tried], key=price.criterion)
     if best is rigid:
-        return rigid, history, "rigid: neither a pole nor a residual mass pays"
-    pruned = _pruned(_converged(best, lines), lines, unit)
-    return pruned, history, _why(pruned, tried, lines)
+        return rigid, tried, "rigid: neither a pole nor a residual mass pays"
+    pruned = _pruned(_converged(best, lines), lines, price)
+    return pruned, tried, _why(pruned, tried, lines, price)
 
 
 def _converged(at: Refined, lines: Lines) -> Refined:
     return refine(at.vector, at.layout, lines)
 
 
-def _pruned(at: Refined, lines: Lines, unit: float) -> Refined:
-    """Poles that are no resonances go, then others, the weakest first, while that costs less than they are worth."""
+def _pruned(at: Refined, lines: Lines, price: Price) -> Refined:
+    """Poles go, the weakest first, while that costs less than they are worth; any that became no resonance go, too."""
     while at.layout.modes:
         room = _room(at, lines)
-        if room.min() < 1e-6:
-            at = _without(at, int(np.argmin(room)), lines)
-            continue
-        weakest = int(np.argmin([_worth(at, r) for r in range(at.layout.modes)]))
+        lost = bool(room.min() <= 0)
+        weakest = int(np.argmin(room if lost else [_worth(at, r) for r in range(at.layout.modes)]))
         shorter = _without(at, weakest, lines)
-        if _criterion(shorter, unit, lines) > _criterion(at, unit, lines):
+        if not lost and price.criterion(shorter) > price.criterion(at):
             return at
         at = shorter
     return at
@@ -238,7 +267,7 @@ def _room(at: Refined, lines: Lines) -> Array:
     blocks, m = at.layout.blocks, at.layout.modes
     x = at.vector[blocks["frequency"].start : blocks["damping"].stop]
     low, high = (limit[: 2 * m] for limit in limits(at.layout, lines))
-    return np.asarray(np.minimum(x - low, high - x).reshape(2, m).min(axis=0))
+    return np.asarray(np.minimum(x - low, high - x).reshape(2, m).min(axis=0, initial=np.inf))
 
 
 def _worth(at: Refined, r: int) -> float:
@@ -256,41 +285,37 @@ def _without(at: Refined, r: int, lines: Lines) -> Refined:
     return refine(model.pack(parameters, fewer, layout), layout, lines, iterations=20)
 
 
-def _why(best: Refined, tried: list[Refined], lines: Lines) -> str:
+def _why(best: Refined, tried: list[Refined], lines: Lines, price: Price) -> str:
     left = f"{best.layout.modes} poles leave a misfit of {_misfit(best, lines):.3g}"
     longer = [one for one in tried if one.layout.modes > best.layout.modes]
     if not longer:
-        return left
-    gain, price = max(best.chi2 - longer[0].chi2, 0.0), 8 * np.log(lines.count) * _unit(tried, lines)
-    if gain > price:
-        return f"{left}; what one more would take out of chi², {gain:.3g}, is no resonance"
-    return f"{left}; one more would take {gain:.3g} out of chi², less than its price of {price:.3g}"
+        return f"{left}; nothing else in it is a resonance"
+    gain = max(best.chi2 - longer[0].chi2, 0.0)
+    return f"{left}; one more would take {gain:.3g} out of chi², less than its price of {price.pole:.3g}"
 
 
 # --- the result ------------------------------------------------------------------------------------------------------
 
 
-def _result(
-    found: Refined, history: list[tuple[int, float]], reason: str, data: Lines, thin: Lines, reference_point: Array
-) -> Fitted:
+def _result(found: Refined, history: list[Refined], reason: str, data: Lines, thin: Lines, reference_point: Array) -> Fitted:
     ordered, layout = model.ascending(found.vector, found.layout)
     final = refine(ordered, layout, data, iterations=20)
     parameters, terms = model.unpack(final.vector, layout)
     misfit = final.chi2 / max(data.count - layout.size, 1)
     said = linearised(final.vector, layout, thin)
-    information = said.information / _unit([said], thin)
+    information = said.information / price_of([said], thin).unit
     deviations = np.abs(full(leftover(final.vector, layout, data) / data.deviation))
     asymmetry, pairs = data.asymmetry
     return Fitted(
         parameters=parameters,
-        covariance=_of_the_ten(information),
+        covariance=covariance_of_the_ten(information),
         terms=terms,
         reference_point=reference_point,
         misfit=misfit,
         asymmetry=asymmetry / pairs,
         modes=layout.modes,
         reason=reason,
-        history=tuple(history),
+        history=tuple(Trial(layout=one.layout, vector=one.vector, chi2=one.chi2) for one in history),
         residual=np.sqrt(np.mean(deviations**2, axis=0)),
         band=(float(data.frequency[0]), float(data.frequency[-1])),
         converged=found.converged and final.converged,
@@ -300,7 +325,7 @@ def _result(
     )
 
 
-def _of_the_ten(information: Array) -> Array:
+def covariance_of_the_ten(information: Array) -> Array:
     """(10, 10) in the units of Eq. 4; everything else is estimated with them."""
     d = np.sqrt(np.diag(information))
     covariance = np.linalg.pinv(information / np.outer(d, d), hermitian=True) / np.outer(d, d)

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.errors import BadInput
 from geometry.inertia import PARAMETERS
+from identification import classical
+from identification.drift import drift
 from identification.evidence import Evidence, Settings, TareSpectra
 from identification.measurement_chain import Chain, chain
+from identification.request import Fact
 from identification.self_calibration import elastic_block, hardware, lines
 from identification.self_calibration.layout import Block, Layout, block
 from identification.self_calibration.likelihood import observed
 from identification.self_calibration.problem import Part
 from identification.self_calibration.structure import Body, Structure, rooted
-from identification.setup import Setup, setup
+from identification.setup import CHAIN_ERROR, Setup, setup
 from identification.spectra.line_spectra import Spectra
 
 WITHOUT_TARE = "no tare and no known FMD: the result includes the moving part of the FMD"
@@ -52,12 +56,32 @@ class Assembly:
     ----------
     layout : of the joint vector
     campaigns : the article's first
+    facts : classical results on the article
+    drift : (10,) how far a rigid fit of the article moves over the band; zero where elastic terms are fitted
     warnings : sentences
     """
 
     layout: Layout
     campaigns: tuple[Campaign, ...]
+    facts: tuple[Fact, ...] = ()
+    drift: Array = field(default_factory=lambda: np.zeros(10))
     warnings: tuple[str, ...] = ()
+
+    def knowledge(self, x: Array) -> tuple[Array, Array]:
+        """Whitened residuals (p,) at `x` of all that is known beforehand or from elsewhere, and their derivatives (p, k)."""
+        rows, values, _ = self.layout.knowledge
+        if not self.facts:
+            return rows @ x - values, rows
+        article = self.layout.at("article")
+        left, change = classical.equations(self.facts, x[article])
+        own = np.zeros((len(left), len(x)))
+        own[:, article] = change
+        return np.concatenate([rows @ x - values, left]), np.vstack([rows, own])
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """(p,) the input that every row of `knowledge` belongs to."""
+        return (*self.layout.knowledge[2], *(classical.name(fact) for fact in self.facts))
 
     def parts(self, floor: float) -> list[Part]:
         """The campaigns with weights by a model-error `floor`."""
@@ -75,13 +99,16 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
 
     Raises
     ------
-    BadInput : tare and article of different hardware without `settings.any_hardware`.
+    BadInput : tare and article of different hardware without `settings.any_hardware`; facts that cannot be used.
     """
+    classical.require_known(evidence.facts)
     groups, warnings = hardware.groups(evidence, settings)
     tares = [setup(tare.spectra, replace(settings, modes=0)) for tare in evidence.tares]
     whole = setup(evidence.article, settings)
     bodies, blocks = _fmds(evidence, tares, groups)
     own = bodies.get(0)
+    if own is None and evidence.facts:
+        raise _facts_without_tare(evidence.facts[0])
     start = whole.ten if own is None else whole.ten - own[1]
     blocks.append(block("article", PARAMETERS, start))
     standing = (Body(block="article"),) if own is None else (own[0], Body(block="article"))
@@ -90,7 +117,18 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
         standing = (bodies[group][0], _known(k, tare, blocks))
         campaigns.append(_campaign(f"tare:{k}", tare.spectra, group, standing, found, settings, blocks))
     said = warnings if own is not None else (*warnings, WITHOUT_TARE)
-    return Assembly(layout=Layout(blocks=(*_chains(campaigns), *blocks)), campaigns=tuple(campaigns), warnings=said)
+    layout = Layout(blocks=(*_chains(campaigns), *blocks))
+    moved = drift(whole.estimate.dynamic_mass, CHAIN_ERROR) if settings.modes == 0 else np.zeros(10)
+    return Assembly(layout=layout, campaigns=tuple(campaigns), facts=evidence.facts, drift=moved, warnings=said)
+
+
+def _facts_without_tare(fact: Fact) -> BadInput:
+    return BadInput(
+        source=fact.source or "facts",
+        field=fact.quantity,
+        problem="it is about the article alone, and nothing tells the FMD from the article",
+        remedy="Give a tare, or the FMD's inertia",
+    )
 
 
 def of_fmd(tares: Sequence[TareSpectra], settings: Settings) -> Assembly:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from geometry.arrays import Array
 from identification.evidence import Evidence, Settings
 from identification.identified import Identified
 from identification.self_calibration.assembly import Assembly, assembled
+from identification.self_calibration.likelihood import Normal
 from identification.self_calibration.problem import normals, total
 from identification.self_calibration.result import identified
 from identification.self_calibration.solve import Solution, minimise
@@ -38,10 +40,12 @@ def calibrated(
 
 def fitted(problem: Assembly, settings: Settings, *, progress: Callable[[float], None] | None = None) -> Solution:
     """The joint minimum, down through the annealed floors."""
-    layout, (rows, values, _) = problem.layout, problem.layout.knowledge
-    x = layout.start
+    x = problem.layout.start
     for floor in [one for one in ANNEALED if one > settings.floor]:
-        parts = problem.parts(floor)
-        x = minimise(lambda x, parts=parts: total(normals(parts, layout, x)), x, rows, values, close=0.3, most=8).x
-    parts = problem.parts(settings.floor)
-    return minimise(lambda x: total(normals(parts, layout, x)), x, rows, values, progress=progress)
+        x = minimise(_data(problem, floor), x, problem.knowledge, close=0.3, most=8).x
+    return minimise(_data(problem, settings.floor), x, problem.knowledge, progress=progress)
+
+
+def _data(problem: Assembly, floor: float) -> Callable[[Array], Normal]:
+    parts = problem.parts(floor)
+    return lambda x: total(normals(parts, problem.layout, x))

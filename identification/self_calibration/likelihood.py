@@ -126,6 +126,16 @@ def normal(observed: Observed, rows: Rows) -> Normal:
     return Normal(cost=cost, gradient=gradient, matrix=matrix)
 
 
+def gradients(observed: Observed, rows: Rows) -> Array:
+    """(r, n, k) what every line of every run contributes to the gradient."""
+    A = rows.a0 + rows.a1 @ rows.dynamic_mass
+    found = []
+    for y, w in zip(observed.values, observed.weight, strict=True):
+        r, _, u = _eliminated(A, y, w)
+        found.append(-np.einsum("nc,nck->nk", r.conj(), _changes(rows, w, u)).real)
+    return np.stack(found)
+
+
 def _eliminated(A: ComplexArray, y: ComplexArray, w: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Residual (n, c), Q (n, c, 6) and base motion (n, 6) of one run."""
     Q, R = np.linalg.qr(w[..., None] * A)

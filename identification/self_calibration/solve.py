@@ -1,7 +1,7 @@
 """Levenberg-Marquardt on normal equations, with priors as part of them, and the verdict whether it converged.
 
-Data and priors add: cost, gradient and matrix of every campaign, and half of |rows @ x - values|². The damped equations are
-scaled by the diagonal of the matrix (Marquardt 1963), so units do not matter. The iteration ends when the Newton decrement
+Data and priors add: cost, gradient and matrix of every campaign, and half the square of whitened knowledge. The damped equations
+are scaled by the diagonal of the matrix (Marquardt 1963), so units do not matter. The iteration ends when the Newton decrement
 sqrt(g^T N^-1 g) - how many standard deviations the step still is - falls below `CLOSE`.
 """
 
@@ -20,6 +20,10 @@ CLOSE = 1e-2
 
 MOST = 60
 """Evaluations before the iteration is given up."""
+
+
+Knowledge = Callable[[Array], tuple[Array, Array]]
+"""Whitened residuals (p,) at x (k,), and their derivatives (p, k)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,17 +51,16 @@ class Solution:
 def minimise(
     data: Callable[[Array], Normal],
     start: Array,
-    rows: Array,
-    values: Array,
+    knowledge: Knowledge,
     *,
     close: float = CLOSE,
     most: int = MOST,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
-    """The minimum of the cost of `data` and of the whitened knowledge ``rows @ x = values`` from `start` (k,)."""
+    """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,)."""
     x, damping, growth = start.copy(), 1e-6, 4.0
     own = data(x)
-    total = _with_prior(own, x, rows, values)
+    total = _with_prior(own, x, knowledge)
     decrement = np.inf
     for evaluation in range(1, most + 1):
         step, free = _step(total, damping), _step(total, 0.0)
@@ -68,7 +71,7 @@ def minimise(
             return Solution(x=x, normal=total, data=own, converged=True, decrement=decrement, evaluations=evaluation)
         expected = -(total.gradient @ step) - 0.5 * step @ total.matrix @ step
         trial_own = _tried(data, x + step)
-        trial = None if trial_own is None else _with_prior(trial_own, x + step, rows, values)
+        trial = None if trial_own is None else _with_prior(trial_own, x + step, knowledge)
         ratio = -1.0 if trial is None else (total.cost - trial.cost) / expected
         if trial is not None and trial_own is not None and ratio > 1e-4:
             x, own, total = x + step, trial_own, trial
@@ -88,8 +91,8 @@ def inverse(matrix: Array) -> Array:
     return np.asarray(scale[:, None] * ((vectors / values) @ vectors.T) * scale)
 
 
-def _with_prior(data: Normal, x: Array, rows: Array, values: Array) -> Normal:
-    away = rows @ x - values
+def _with_prior(data: Normal, x: Array, knowledge: Knowledge) -> Normal:
+    away, rows = knowledge(x)
     return Normal(
         cost=data.cost + 0.5 * float(away @ away),
         gradient=data.gradient + rows.T @ away,

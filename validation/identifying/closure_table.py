@@ -15,7 +15,7 @@ from validation.article_reference import Asked, reference
 from validation.published import published
 from validation.reference_table import route_statement
 from validation.rows import NONE, rounded
-from validation.statement import MASS, QUANTITIES, Stated, Statement
+from validation.statement import QUANTITIES, Stated, Statement
 from validation.tables.grid import Grid, aligned, number
 
 CAD = "CAD"

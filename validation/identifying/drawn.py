@@ -9,7 +9,6 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
-from geometry.inertia import PARAMETERS, UNITS
 from identification.elastic.model import dynamic_mass
 from identification.elastic.terms import ElasticTerms
 from validation.article_reference import file_name
@@ -17,7 +16,6 @@ from validation.identifying.findings import Findings, Lines, Study
 from validation.identifying.reported import Reported
 from validation.pictures import identification as pages
 from validation.pictures.curves import LEFT_OUT, MEASURED, Curve, diagonal, full
-from validation.stated_inertia import NORMAL_95
 from validation.statement import QUANTITIES
 
 PRODUCT = 1e3
@@ -60,7 +58,7 @@ def draw(found: Findings, folder: Path) -> tuple[Path, ...]:
         _residuals(found, found.residuals, to("residuals"))
     if found.study is not None:
         _stability(found, found.study, to("stability"))
-    if any(one.identified.shares for one in found.results):
+    if any(one.quality.shares for one in found.results):
         _shares(found, to("shares"))
     return tuple(made)
 
@@ -107,9 +105,9 @@ def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
 
 
 def _quotient(found: Findings, H: DynamicMass, rigid: Array, modes: _Terms) -> list[Curve]:
-    if found.quotient is None:
+    if found.crossed is None:
         return []
-    mass = DynamicMass(frequency=H.frequency, matrix=found.quotient, reference_point=H.reference_point)
+    mass = DynamicMass(frequency=H.frequency, matrix=found.crossed.quotient, reference_point=H.reference_point)
     return [Curve(name="quotient of the driven axis, Eq. 8a", mass=mass, rigid=rigid, modes=modes, dots=QUOTIENT)]
 
 
@@ -138,7 +136,7 @@ def _residuals(found: Findings, residuals: pages.DrawnResiduals, path: Path) -> 
         "What a pick-up reads beyond the motion that all of them agree on, and what redundant load cells contradict each other "
         "by, as a share of the readings of their kind at the line."
     )
-    pages.draw_residuals(f"{_stack(found)}: redundant channels", residuals, path, note)
+    pages.draw_residuals(f"{_stack(found)}: what redundant channels disagree by", residuals, path, note)
 
 
 def _stability(found: Findings, study: Study, path: Path) -> None:
@@ -166,15 +164,12 @@ def _shares(found: Findings, path: Path) -> None:
     drawn = [
         pages.DrawnShares(
             way=one.identified.way,
-            parameters=PARAMETERS,
-            intervals=tuple(
-                f"{NORMAL_95 * sd:.2g} {unit}"
-                for sd, unit in zip(np.sqrt(np.diag(one.identified.covariance)), UNITS, strict=True)
-            ),
-            shares=one.identified.shares,
+            parameters=tuple(quantity.label for quantity in QUANTITIES),
+            intervals=tuple(f"{half * q.per_si:.2g} {q.unit}" for half, q in zip(one.half_width, QUANTITIES, strict=True)),
+            shares=one.quality.shares,
         )
         for one in found.results
-        if one.identified.shares
+        if one.quality.shares
     ]
-    note = "Parameters of Eq. 4 about F; what every input contributes to their variance."
+    note = "What every input contributes to the variance of mass, CoG, and moments and products about the CoG."
     pages.draw_shares(f"{found.article}: where the uncertainty comes from", drawn, path, note)

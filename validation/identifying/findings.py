@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Pose
+from identification.closed_checks import Finding
+from identification.cross_motion import CrossMotion
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
@@ -65,10 +67,9 @@ class Findings:
     request : what was asked
     results : plain, then self-calibrated when there is one; the last one is the result
     rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
-    lines, dynamic_mass, quotient, spectra, residuals, study : evidence; None where it does not exist
-    crossed : what the quotient of the driven axis would have cost, sentences
-    checks : findings of the closed checks, sentences
-    verdict : by PARAMETER, in words
+    lines, dynamic_mass, crossed, spectra, residuals, study : evidence; None where it does not exist
+    checks : findings of the closed checks
+    verdict : by PARAMETER about F and by name in `identification.classical.QUANTITIES`, in words
     warnings : sentences without their full stop
     """
 
@@ -82,11 +83,10 @@ class Findings:
     lines: Lines | None = None
     dynamic_mass: DynamicMass | None = None
     spectra: Spectra | None = None
-    quotient: ComplexArray | None = None
+    crossed: CrossMotion | None = None
     residuals: DrawnResiduals | None = None
     study: Study | None = None
-    checks: tuple[str, ...] = ()
-    crossed: tuple[str, ...] = ()
+    checks: tuple[Finding, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property

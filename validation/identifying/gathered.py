@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from identification.identify import Identification
 
 from geometry.arrays import Array
 from geometry.frames import Pose
-from geometry.inertia import PARAMETERS, Inertia, six_from_tensor
+from geometry.inertia import Inertia, six_from_tensor
+from identification import closed_checks
+from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
 from identification.identified import Identified
+from identification.identify import Identification
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.asked import Ready
 from validation.identifying.findings import Findings, Lines
@@ -40,18 +42,21 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> F
         frame=frame,
         request=request,
         results=results,
-        verdict=dict(zip(PARAMETERS, verdicts(found), strict=True)),
+        verdict=results[-1].quality.verdict,
+        checks=_checks(found),
         rigid=rigid(found, found.self_calibrated),
         lines=_lines(found),
         dynamic_mass=found.estimate.dynamic_mass,
-        quotient=None if found.crossed is None else found.crossed.quotient,
-        crossed=() if found.crossed is None else found.crossed.text,
+        crossed=found.crossed,
         spectra=found.article,
         residuals=residuals(found),
-        study=None if found.study is None else _study(found, pose),
-        checks=_checks(found),
         warnings=tuple(dict.fromkeys(text.rstrip(".") for text in said)),
     )
+
+
+def _checks(found: Identification) -> tuple[Finding, ...]:
+    request = found.request
+    return closed_checks.checks(found.estimate.dynamic_mass, found.article, request.tolerances, gravity=request.campaign.gravity)
 
 
 def rigid(found: Identification, one: Identified) -> Array:
@@ -86,7 +91,8 @@ def residuals(found: Identification) -> DrawnResiduals:
 def _level(article: Spectra, names: tuple[str, ...]) -> Array:
     """(r, n, 1) rms of the readings of the channels `names`."""
     chosen = [article.table.names.index(name) for name in names]
-    return np.maximum(np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True)), SMALLEST)
+    level = np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True))
+    return np.asarray(np.maximum(level, SMALLEST))
 
 
 def _lines(found: Identification) -> Lines:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from identification.identify import identify
 
 from geometry.atomic import write_text
 from geometry.consistency import judge
 from geometry.errors import CheckFailed
+from identification.identify import identify
 from validation.frame_text import read_frame
 from validation.identifying import as_json as written
 from validation.identifying import table
@@ -17,7 +17,7 @@ from validation.identifying.asked import Asked, ready
 from validation.identifying.findings import Findings
 from validation.identifying.gathered import gathered
 from validation.output import json_text
-from validation.progress import shown, stages
+from validation.progress import percent, shown, stages
 from validation.tables.text import page
 
 RESULT = "identify.json"
@@ -55,8 +55,8 @@ def identified(asked: Asked, frame: str | None = None, *, quiet: bool = True) ->
     pose = None if frame is None else read_frame(frame)
     with stages("reading", quiet=quiet) as told:
         made = ready(asked, told)
-    with stages(made.request.campaign.article, quiet=quiet) as told:
-        found = identify(made.request, told)
+    with percent(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
+        found = identify(made.request, share)
     return gathered(made, found, pose)
 
 

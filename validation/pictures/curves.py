@@ -43,6 +43,9 @@ ROOM_FOR_A_FIGURE = 0.075
 TITLE_ABOVE_FIGURES = 13
 """Points between a panel and its title, so that the figures of `_mark` stand below it."""
 
+FEW = 3
+"""Names that a legend inside a panel has at most."""
+
 DASHES = ("-", "--", ":")
 
 Axes = Any
@@ -104,7 +107,7 @@ def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") ->
         if i >= 3:
             lower.set_xlabel("frequency [Hz]", fontsize=9.5)
         if i == 0:
-            upper.legend(fontsize=8.5, loc="best", framealpha=0.85)
+            _legend(figure, upper, 8.5)
     finish(figure, title, note, path)
 
 
@@ -131,7 +134,7 @@ def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> Non
             if i == 5:
                 lower.set_xlabel("frequency [Hz]", fontsize=8.5)
             if (i, j) == (0, 0):
-                upper.legend(fontsize=7, loc="best", framealpha=0.85)
+                _legend(figure, upper, 7)
     finish(figure, title, note, path)
 
 
@@ -202,6 +205,17 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) ->
         upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
     _dress(upper, lower, np.concatenate([curve.mass.frequency for curve in curves]))
     _at_least_a_decade(upper)
+
+
+def _legend(figure: Figure, upper: Axes, size: float) -> None:
+    """In the panel where it is small, else beside the title: a large one hides what it explains."""
+    handles, labels = upper.get_legend_handles_labels()
+    if len(labels) <= FEW:
+        upper.legend(fontsize=size, loc="best", framealpha=0.85)
+        return
+    _, height = figure.get_size_inches()
+    place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1 - 0.25 / height), "ncols": len(labels)}
+    figure.legend(handles, labels, fontsize=10, frameon=False, markerscale=2, handlelength=1.6, **place)
 
 
 def _vanishes(H: ComplexArray, i: int, j: int) -> bool:

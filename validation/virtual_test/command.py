@@ -7,8 +7,10 @@ from pathlib import Path
 
 import click
 
+from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign
+from identification.soundness import require_alive
 from validation.progress import percent, shown
 from validation.virtual_test import folders
 from validation.virtual_test.asked import Question
@@ -54,6 +56,7 @@ def simulate(question: Question, *, as_json: bool) -> None:
 def _require_free(question: Question) -> None:
     from validation.output import require_file, require_folder
 
+    folders.require_folder(question.out)
     require_folder(question.out, "--out")
     if question.sealed is not None:
         tried = require_file if len(question.plans) == 1 else require_folder
@@ -67,10 +70,25 @@ def _written(question: Question, plan: Plan, words: str, *, quiet: bool) -> Writ
 
     with percent(f"{words}: simulating", quiet=quiet) as progress:
         test = simulated(plan, progress)
+    _require_alive(test.campaign)
     campaign, folder, truth = in_units(test.campaign, question.units), question.folder(plan), question.truth(plan)
     with shown(f"{words}: writing {folder}", quiet=quiet):
         folders.write(folder, truth, test.truth, lambda new: campaign_file.write(new, campaign, ending=question.ending))
     return Written(plan=plan, campaign=replace(campaign, source=str(folder)), test=test, folder=folder, truth=truth)
+
+
+def _require_alive(campaign: Campaign) -> None:
+    """Refuse records that no reader would take: without noise, what nothing moves stays at zero."""
+    for run, recorded in campaign.recordings.items():
+        for k, name in enumerate(recorded.names):
+            try:
+                require_alive(recorded.values[:, k], name, run)
+            except BadInput:
+                problem = (
+                    f"without noise, hum and cross motion nothing moves {name} in the run {run}, and it reads zero throughout"
+                )
+                remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
+                raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
 
 
 def in_units(campaign: Campaign, units: dict[str, str]) -> Campaign:

@@ -78,7 +78,7 @@ def _pieces(plan: Plan, lab: Laboratory, run: DrivenRun, rate: float, *, with_re
         cover = accelerations(structure.cover, "the cover plate")
         return stacked([read, load(structure), cover, cell_forces(structure)]) if with_response else read
 
-    return streamed(lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet)
+    return streamed(lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet, share=plan.ringing)
 
 
 def _read(lab: Laboratory, piece: Piece) -> Array:

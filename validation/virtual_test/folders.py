@@ -39,6 +39,18 @@ def require_free(folder: Path, truth: Path) -> None:
         )
 
 
+def require_folder(path: Path) -> None:
+    """Refuse a file where a folder is meant.
+
+    Raises
+    ------
+    BadInput : `path` is there and no folder.
+    """
+    if path.exists() and not path.is_dir():
+        problem = "it is a file, a folder is expected"
+        raise BadInput(source=str(path), field="--out", problem=problem, remedy="Name a new folder")
+
+
 def write(folder: Path, truth: Path, content: Mapping[str, object], fill: Callable[[Path], None]) -> None:
     """Let `fill` make the new `folder`, and write its truth, `content` and the digests of its files; see `require_free`.
 
@@ -72,10 +84,6 @@ def _vouched(truth: Path) -> dict[str, str] | None:
 
 
 def _require_apart(folder: Path, truth: Path) -> None:
-    if folder.exists() and not folder.is_dir():
-        raise BadInput(
-            source=str(folder), field="--out", problem="it is a file, a folder is expected", remedy="Name a new folder"
-        )
     if truth.resolve().is_relative_to(folder.resolve()):
         problem = f"{truth} lies in the campaign folder, which whoever is not to see the truth will read"
         raise BadInput(source="--sealed", problem=problem, remedy="Name a file elsewhere")

@@ -79,6 +79,7 @@ class Plan:
     rate : [Hz] of the records
     simulation_rate : [Hz] at least of the simulation
     quiet : [s] before every sweep and after its ringing
+    ringing : share of the greatest load of a run below which the load of every mode must fall before the record may end
     highest : [Hz] modes above it answer statically, but for the article's first
     gravity : [m/s²]
     dimensions : a user's own of built-in articles, as `geometry.articles.changes` names them
@@ -101,6 +102,7 @@ class Plan:
     rate: float = 564.0
     simulation_rate: float = 8192.0
     quiet: float = 1.5
+    ringing: float = 1e-5
     highest: float = 160.0
     gravity: float = 9.81
     dimensions: Mapping[str, float] = field(default_factory=dict)
@@ -113,7 +115,7 @@ class Plan:
                 _require(value, f"{name}.{quantity}", zero=True)
         keys.one_of(self.pattern, PATTERNS, source=SOURCE, where="pattern")
         keys.one_of(self.model, MODELS, source=SOURCE, where="model")
-        for name in ("octaves_per_minute", "rate", "simulation_rate", "quiet", "highest", "gravity"):
+        for name in ("octaves_per_minute", "rate", "simulation_rate", "quiet", "ringing", "highest", "gravity"):
             _require(getattr(self, name), name)
         _require(self.cross, "cross", zero=True)
         _require_levels(self.levels)

@@ -99,6 +99,7 @@ def stated(plan: Plan) -> Json:
         "rate_hz": plan.rate,
         "simulation_rate_hz": plan.simulation_rate,
         "quiet_s": plan.quiet,
+        "ringing": plan.ringing,
         "highest_hz": plan.highest,
         "gravity": plan.gravity,
         "dimensions": dict(plan.dimensions),

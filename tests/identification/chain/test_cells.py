@@ -101,6 +101,16 @@ def test_softer_cells_by_the_common_factor_are_softer_cells_one_by_one(paper: Ch
     assert_allclose(at_once[1], one_by_one[1], rtol=1e-12, atol=1e-12)
 
 
+def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: ChannelTable) -> None:
+    """Whatever is assumed: at the right factor the chain is that of the true cells."""
+    assumed, stated = chain(paper, EXACT), chain(paper, EXACT, stiffness=K * [1, 1 / 1.3, 1])
+    lateral, _, vertical = fmd.assumed_stiffness() / K
+    right = assumed.theta({"fmd-compliance:lateral": lateral, "fmd-compliance:vertical": vertical})
+    expected = stated.rows(np.zeros(len(stated.parameters)), FREQUENCY)
+    for found, true in zip(assumed.rows(right, FREQUENCY), expected, strict=True):
+        assert_allclose(found, true, rtol=1e-12, atol=1e-15)
+
+
 def test_a_rigid_fmd_has_its_table_move_with_it(paper: ChannelTable) -> None:
     made = chain(paper, stiffness=np.inf)
     assert not any(one.family == "fmd-compliance" for one in made.parameters)
