@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.inertia import PARAMETERS, UNITS
 from validation.article_reference import file_name
 from validation.flexible.drawing import moved_bodies
 from validation.flexible.model import Flexible
@@ -17,7 +16,6 @@ from validation.pictures.rigid_places import draw_rigid
 from validation.pretest.findings import Findings
 from validation.pretest.rigid_places import coarse_lines, largest_share
 from validation.pretest.table import title
-from validation.stated_inertia import NORMAL_95
 from validation.statement import QUANTITIES
 
 NOTE = "Expected before any measurement, linearised at the drawn article; see docs/pretest.md."
@@ -57,18 +55,15 @@ def _intervals(found: Findings) -> DrawnPretest:
 
 
 def _shares(found: Findings) -> list[DrawnShares]:
-    drawn = []
-    for one in (found.plain, found.best):
-        half = NORMAL_95 * np.sqrt(np.diag(one.identified.covariance))
-        drawn.append(
-            DrawnShares(
-                way=one.identified.way,
-                parameters=PARAMETERS,
-                intervals=tuple(f"{value:.2g} {unit}" for value, unit in zip(half, UNITS, strict=True)),
-                shares=one.identified.shares,
-            )
+    return [
+        DrawnShares(
+            way=one.identified.way,
+            parameters=tuple(quantity.label for quantity in QUANTITIES),
+            intervals=tuple(f"{half * q.per_si:.2g} {q.unit}" for half, q in zip(one.half_width, QUANTITIES, strict=True)),
+            shares=one.quality.shares,
         )
-    return drawn
+        for one in (found.plain, found.best)
+    ]
 
 
 def _surfaces(found: Findings, model: Flexible) -> dict[str, tuple[MovingBody, ...]]:
