@@ -8,7 +8,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from validation.flexible.model import Asked, flexible
 from validation.flexible.motion import node_displacement
-from validation.pretest.rigid_places import coarse_lines, elastic_share, judged, rigid_height
+from validation.pretest.rigid_places import coarse_lines, elastic_share, judged, largest_share, rigid_height
 
 SEAT = np.array([0.0, 0.0, 0.045])
 LINES = np.array([4.0, 6.0, 9.0])
@@ -31,6 +31,17 @@ def test_the_elastic_share_of_nodes_is_that_of_the_equations_of_motion_themselve
         expected[:, 3:] /= arm[:, None]
         # 40 modes, whose truncation leaves 1e-3 of the largest; damping at these lines 1e-4
         assert_allclose(share[:, n], expected, rtol=0, atol=3e-3 * expected.max())
+
+
+def test_the_largest_share_of_a_surface_is_the_largest_over_its_lines() -> None:
+    model = flexible("clumod-1", "beam", Asked(count=8))
+    assert model.structure is not None
+    of = (node_displacement(model.structure, model.modes.shapes), model.structure.points + SEAT, model.modes, SEAT, LINES)
+    first, most = largest_share(*of)
+    share = elastic_share(*of).max(axis=2)
+    assert_allclose(first, share[:, 0])
+    assert_allclose(most, share.max(axis=1))
+    assert most.max() > 2 * first.max()
 
 
 def test_a_place_on_the_held_flange_is_rigid_and_a_tip_is_not() -> None:
