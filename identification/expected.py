@@ -1,8 +1,8 @@
 """What a campaign that has not been run would tell: the covariance of the joint fit at its own solution, before any data.
 
-The likelihood of the joint fit needs no measured numbers to say how sharp it is, only what is planned: channels, base motions, noise,
-tolerances and about what the article will be. The covariance (J^T J + priors)^-1 is linearised at the planned truth; the spectra
-handed in are those that exact channels would read. Leaving a sensor out is the same with its weight at zero in every campaign.
+The likelihood of the joint fit needs no measured numbers to say how sharp it is, only what is planned: channels, base motions,
+noise, tolerances and about what the article will be. The covariance (J^T J + priors)^-1 is linearised at the planned truth; the
+spectra handed in are those that exact channels would read. A sensor is left out by its weight, zero in every campaign.
 """
 
 from __future__ import annotations

@@ -27,6 +27,9 @@ from validation.flexible.places import nearest_part
 NEAREST = 0.05
 """[m] Distance from F below which a rotation is not taken to move less."""
 
+STEPS = 400
+"""Points on the axis of an article."""
+
 COARSE = 0.2
 """[Hz] between the lines at which whole surfaces are judged; eigenfrequencies are added."""
 
@@ -39,14 +42,16 @@ class Rigidity:
     ----------
     name : of the place
     position : (3,) [m] from F
-    largest : the largest elastic share over the band and the six axes [1]
+    at_start : the largest elastic share of the six axes at the lowest line [1]
+    largest : the same over the band
     axis, frequency : where it is reached: of `MOTIONS`, [Hz]
-    up_to : [Hz] below which the share stays under the limit on every axis; None where it does from the start of the band nowhere
+    up_to : [Hz] below which the share stays under the limit on every axis; None where it is above from the start
     within : share of the lines at which it stays under the limit on every axis
     """
 
     name: str
     position: Array
+    at_start: float
     largest: float
     axis: str
     frequency: float
@@ -54,9 +59,7 @@ class Rigidity:
     within: float
 
 
-def judged(
-    model: Flexible, places: Mapping[str, Array], seat: Array, frequency: Array, limit: float
-) -> tuple[Rigidity, ...]:
+def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency: Array, limit: float) -> tuple[Rigidity, ...]:
     """Every one of `places` (3,) [m] in the article's own frame, the most rigid first; `seat` (3,) [m] of that frame from F."""
     if not places:
         return ()
@@ -79,6 +82,19 @@ def elastic_share(moved: Array, points: Array, modes: Modes, seat: Array, freque
         share[:, n] = np.linalg.norm(np.abs(answer), axis=1)
     share[:, :, 3:] /= arm[:, None, None]
     return share
+
+
+def rigid_height(model: Flexible, top: float, seat: Array, frequency: Array, limit: float) -> float | None:
+    """[m] above F up to which the article's axis, x = y = 0 of its frame from 0 to `top` [m], stays within `limit` over the band.
+
+    None where all of it does.
+    """
+    points = np.zeros((STEPS + 1, 3))
+    points[:, 2] = np.linspace(0.0, top, STEPS + 1)
+    lines = coarse_lines(frequency, model.modes)
+    share = elastic_share(_displacement(model, points), points + seat, model.modes, seat, lines).max(axis=(1, 2))
+    soft = np.flatnonzero(share > limit)
+    return float(seat[2] + points[max(soft[0] - 1, 0), 2]) if len(soft) else None
 
 
 def coarse_lines(frequency: Array, modes: Modes) -> Array:
@@ -105,6 +121,7 @@ def _one(name: str, position: Array, share: Array, frequency: Array, limit: floa
     return Rigidity(
         name=name,
         position=position,
+        at_start=float(share[0].max()),
         largest=float(share[line, axis]),
         axis=MOTIONS[int(axis)],
         frequency=float(frequency[line]),
