@@ -120,8 +120,8 @@ def leftover(x: Array, layout: Layout, lines: Lines) -> ComplexArray:
 
 def weighted(values: ComplexArray, lines: Lines) -> Array:
     """(..., n, 21) complex as (..., 42 n) real of unit variance: that of a complex error is shared by its two parts."""
-    scaled = np.ascontiguousarray(values * (np.sqrt(2) / lines.deviation))
-    return scaled.reshape(*values.shape[:-2], -1).view(np.float64)
+    scaled = np.multiply(values, np.sqrt(2) / lines.deviation, order="C")
+    return np.asarray(scaled.reshape(*values.shape[:-2], -1).view(np.float64))
 
 
 def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
@@ -156,7 +156,7 @@ def _residual(x: Array, layout: Layout, lines: Lines) -> Array:
 def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
     """Cost and derivatives at the vector `x` (k,), which nothing moves."""
     _, terms = model.unpack(x, layout)
-    J = weighted(model.derivatives(terms, lines.frequency, layout)[:, :, UPPER[0], UPPER[1]], lines)
+    J = weighted(model.upper_derivatives(terms, lines.frequency, layout), lines)
     r = weighted(leftover(x, layout, lines), lines)
     p, slopes = _prior(x, layout, lines)
     chi2, information = float(r @ r), J @ J.T
