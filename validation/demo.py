@@ -90,6 +90,8 @@ STEPS = (
     Step(title="How far these predictions can be trusted: closed forms, benchmarks, rates", command="massline verify"),
     Step(title="Your own article: a STEP assembly and two meshes", command="python examples/own_article.py out/own-article"),
     Step(title="... with a material for each body", command="massline reference out/own-article --view"),
+    Step(title="Before a test: what it would tell, where pick-ups belong", command="massline pretest clumod-1 --no-lost --plot"),
+    Step(title="The bias of peak-reference-hold at a lightly damped mode", command="python examples/peak_hold_bias.py"),
     Step(title="A recorded campaign, in four formats", command="python examples/own_campaign.py out/own-campaign"),
     Step(title="... what it holds, with a map of its sensors", command="massline check out/own-campaign/uff --view"),
     Step(

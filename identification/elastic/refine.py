@@ -56,6 +56,7 @@ class Refined:
     jacobian : (k, N) of the weighted data, N = 42 n: line by line, entry by entry, real and imaginary
     residual : (N,) fitted less measured, weighted
     prior : (k,) gradient of half the priors' cost
+    certainty : (k,) inverse variance of the priors, 0 where there is none
     information : (k, k) J^T J with the priors
     converged : whether it ended by itself
     """
@@ -67,6 +68,7 @@ class Refined:
     jacobian: Array
     residual: Array
     prior: Array
+    certainty: Array
     information: Array
     converged: bool
 
@@ -132,6 +134,13 @@ def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
     )
 
 
+def effective_size(at: Refined) -> float:
+    """Parameters that the data decide and not the priors: k less the share of the priors in what is known of each."""
+    d = np.sqrt(np.diag(at.information))
+    variance = np.diag(np.linalg.pinv(at.information / np.outer(d, d), hermitian=True)) / d**2
+    return len(at.vector) - float(at.certainty @ variance)
+
+
 def correlation_time(at: Refined) -> float:
     """Lines that repeat the same error, 1 and more: the sum of the autocorrelation of what is left over up to its first zero."""
     r = at.residual.reshape(-1, 42)
@@ -160,6 +169,7 @@ def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
         jacobian=J,
         residual=r,
         prior=slopes * p,
+        certainty=slopes**2,
         information=information,
         converged=False,
     )

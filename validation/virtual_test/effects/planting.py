@@ -8,12 +8,24 @@ from typing import Any
 from geometry.errors import BadInput
 from validation.effects.families import FAMILIES, PENDULUM
 from validation.effects.identifiers import Named
-from validation.virtual_test.effects import of_chain, of_signals
+from validation.virtual_test.effects import of_chain, of_signals, of_structure
 from validation.virtual_test.hooks import Effect
 
 Maker = Callable[[Named], Callable[[Any], Any]]
 
 PLANTS: Mapping[str, tuple[str, Maker]] = {
+    "point-mass": ("rig", of_structure.point_mass),
+    "rigid-inertia": ("rig", of_structure.rigid_inertia),
+    "modulus": ("parts", of_structure.modulus),
+    "joint-compliance": ("rig", of_structure.joint),
+    "structural-damping": ("parts", of_structure.damping),
+    "layer-damping": ("parts", of_structure.layer_damping),
+    "appendage": ("rig", of_structure.appendage),
+    "absorber": ("rig", of_structure.absorber),
+    "slosh": ("rig", of_structure.slosh),
+    "cable": ("rig", of_structure.cable),
+    "orientation": ("rig", of_structure.orientation),
+    "mounting-offset": ("rig", of_structure.offset),
     "gravity": ("chain", of_chain.gravity),
     "force-gain": ("chain", of_chain.gain),
     "load-path-shunt": ("chain", of_chain.shunt),
