@@ -24,6 +24,7 @@ from geometry.arrays import Array
 from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import Inertia
+from identification.classical import quantities
 from identification.evidence import Evidence, Known, Settings, TareSpectra
 from identification.identified import Identified
 from identification.plain import plain
@@ -105,23 +106,18 @@ def _identified(case: Case, made: Mapping[str, tuple[Spectra, Inertia | None]]) 
 
 
 def _held_against(found: Identified, truth: Inertia) -> Json:
-    said = quality(found)
-    true = {"mass": np.array([truth.mass]), "cog": truth.cog, "moments": truth.moments_cog, "products": truth.products_cog}
-    inside = {key: _inside(true[key], said.interval95[key]) for key in true}
+    said, true = quality(found), quantities(truth.parameters)
+    off = said.values - true
     return {
-        "mass": said.mass / truth.mass - 1,
-        "cog": (said.cog - truth.cog).tolist(),
-        "moments": (said.moments / truth.moments_cog - 1).tolist(),
-        "inside": inside,
+        "mass": off[0] / true[0],
+        "cog": off[1:4].tolist(),
+        "moments": (off[4:7] / true[4:7]).tolist(),
+        "inside": [bool(low <= value <= high) for value, (low, high) in zip(true, said.interval95, strict=True)],
         "converged": found.converged,
         "modes": 0 if found.elastic is None else len(found.elastic.frequency),
         "misfit": found.misfit,
         "surprise": found.surprise,
     }
-
-
-def _inside(true: Array, intervals: Array) -> list[bool]:
-    return [bool(low <= value <= high) for value, (low, high) in zip(true, np.reshape(intervals, (-1, 2)), strict=True)]
 
 
 def finished(seeds: Iterable[int], processes: int, console: Console) -> Iterator[Json]:
@@ -183,7 +179,7 @@ def coverage(results: list[Json]) -> Table:
     for case in CASES:
         for way in ("plain", "self-calibrated"):
             found = [result[case.name][way] for result in results]
-            shares = [100 * np.mean([f["inside"][key] for f in found], axis=0) for key in ("mass", "cog", "moments", "products")]
+            shares = np.split(100 * np.mean([f["inside"] for f in found], axis=0), (1, 4, 7))
             lost = sum(not f["converged"] for f in found)
             table.add_row(case.name, way, *(" ".join(f"{s:.1f}" for s in share) for share in shares), str(lost))
     return table

@@ -83,16 +83,17 @@ def base_motion(
     used = groups_used(spectra.table) if groups is None else tuple(groups)
     chosen = _complete(spectra.table, used)
     G = rows(spectra, chosen, gravity)
-    noise = spectra.noise[:, :, chosen]
+    noise = _shared(spectra.noise[:, :, chosen])
     T = _solver(G, _roots(noise, weights))
     y = spectra.values[:, :, chosen]
-    u = np.einsum("rnkc,rnc->rnk", T, y)
-    residual = y - np.einsum("nck,rnk->rnc", G, u)
-    expected = _expected(G, T, noise)
+    u = (T @ y[..., None])[..., 0]
+    residual = y - (G @ u[..., None])[..., 0]
+    expected = np.broadcast_to(_expected(G, T, noise), y.shape)
+    covariance = (T * noise[:, :, None, :] ** 2) @ T.swapaxes(2, 3)
     return BaseMotion(
         channels=tuple(spectra.table.names[k] for k in chosen),
         values=u,
-        covariance=np.einsum("rnkc,rnc,rnlc->rnkl", T, noise**2, T),
+        covariance=np.broadcast_to(covariance, (*u.shape, 6)),
         residual=residual,
         expected=expected,
         sigmas=in_sigmas(residual, expected),
@@ -172,6 +173,11 @@ def _roots(noise: Array, weights: npt.ArrayLike | None) -> Array:
     return np.where(known, least / np.where(known, noise, 1.0), 1.0)
 
 
+def _shared(noise: Array) -> Array:
+    """(r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once."""
+    return noise[:1] if np.all(noise == noise[:1]) else noise
+
+
 def _solver(G: Array, roots: Array) -> Array:
     """(r, n, 6, c): the matrix [T] of Eq. 6, weighted."""
     return np.asarray(np.linalg.pinv(roots[..., None] * G) * roots[:, :, None, :])
@@ -180,7 +186,7 @@ def _solver(G: Array, roots: Array) -> Array:
 def _expected(G: Array, T: Array, noise: Array) -> Array:
     """(r, n, c) standard deviation of the residual (I - G T) n; 0 where rounding is all that is left."""
     left = np.eye(G.shape[1]) - G @ T
-    sd = np.sqrt(np.einsum("rnij,rnj->rni", left**2, noise**2))
+    sd = np.sqrt((left**2 @ noise[..., None] ** 2)[..., 0])
     return np.where(sd > 1e-6 * noise, sd, 0.0)
 
 

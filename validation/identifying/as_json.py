@@ -6,11 +6,11 @@ from importlib.metadata import version
 from math import isfinite
 from typing import Any
 
-import numpy as np
-
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import PARAMETERS
+from identification.classical import QUANTITIES
+from identification.closed_checks import Finding
 from identification.elastic.terms import ElasticTerms
 from identification.request import Request
 from validation.identifying.findings import Findings, Lines, Study
@@ -34,7 +34,7 @@ def as_json(found: Findings) -> dict[str, Any]:
         "warnings": list(found.warnings),
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
-        "checks": list(found.checks),
+        "checks": [_check(one) for one in found.checks],
         "cross_motion": [] if found.crossed is None else list(found.crossed.text),
         "lines": None if found.lines is None else _lines(found.lines),
         "study": None if found.study is None else _study(found.study),
@@ -44,13 +44,21 @@ def as_json(found: Findings) -> dict[str, Any]:
 
 
 def _interval(one: Reported) -> dict[str, Any]:
-    pairs = np.column_stack([one.low, one.high])
+    pairs = one.quality.interval95
     return {
         "mass_kg": pairs[0].tolist(),
         "cog_mm": (1e3 * pairs[1:4]).tolist(),
         "moi_cog_kgm2": pairs[4:7].tolist(),
         "poi_cog_kgm2": pairs[7:].tolist(),
     }
+
+
+def _check(one: Finding) -> dict[str, Any]:
+    suspects = [
+        {"effects": [name for mistake in suspect.mistakes for name in mistake.identifiers], "text": suspect.text}
+        for suspect in one.suspects
+    ]
+    return {"name": one.name, "holds": one.holds, "tolerances": one.value, "text": one.text, "suspects": suspects}
 
 
 def _way(one: Reported) -> dict[str, Any]:
@@ -63,7 +71,10 @@ def _way(one: Reported) -> dict[str, Any]:
             "covariance": found.covariance.tolist(),
             "reference_point_m": found.inertia.reference_point.tolist(),
         },
-        "shares": {name: dict(zip(PARAMETERS, share.tolist(), strict=True)) for name, share in found.shares.items()},
+        "shares_about_f": {name: dict(zip(PARAMETERS, share.tolist(), strict=True)) for name, share in found.shares.items()},
+        "shares": {name: dict(zip(QUANTITIES, share.tolist(), strict=True)) for name, share in one.quality.shares.items()},
+        "narrowed_by": {name: dict(zip(PARAMETERS, times.tolist(), strict=True)) for name, times in found.gained.items()},
+        "bootstrap_sd_about_f": None if found.resampled is None else found.resampled.tolist(),
         "modes": 0 if found.elastic is None else len(found.elastic.frequency),
         "elastic": None if found.elastic is None else _elastic(found.elastic),
         "chi2_per_dof": found.misfit if isfinite(found.misfit) else None,
@@ -95,13 +106,17 @@ def _lines(lines: Lines) -> dict[str, Any]:
 
 def _study(study: Study) -> dict[str, Any]:
     return {
-        "way": study.way,
         "start_hz": study.start.tolist(),
         "stop_hz": study.stop.tolist(),
-        "mass_kg": _nulled(study.values[..., 0]),
-        "cog_mm": _nulled(1e3 * study.values[..., 1:4]),
-        "moi_cog_kgm2": _nulled(study.values[..., 4:7]),
-        "poi_cog_kgm2": _nulled(study.values[..., 7:]),
+        "maps": {
+            what: {
+                "mass_kg": _nulled(values[..., 0]),
+                "cog_mm": _nulled(1e3 * values[..., 1:4]),
+                "moi_cog_kgm2": _nulled(values[..., 4:7]),
+                "poi_cog_kgm2": _nulled(values[..., 7:]),
+            }
+            for what, values in study.maps.items()
+        },
     }
 
 

@@ -77,7 +77,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     BadInput : an option, a campaign, a known article or a classical result that cannot be used.
     OSError : a file cannot be read.
     """
-    modes, tolerances, stiffness = _modes(asked.modes), _tolerances(asked.tolerances), _stiffness(asked.cell_stiffness)
+    modes, tolerances, stiffness = _modes(asked.modes), tolerances_of(asked.tolerances), _stiffness(asked.cell_stiffness)
     _require_limit(asked.condition_limit)
     _require_band(asked.band)
     names = _known_names(asked)
@@ -172,7 +172,7 @@ def _stiffness(values: tuple[float, float, float] | None) -> np.ndarray | None:
     return np.array(values)
 
 
-def _tolerances(settings: Sequence[str]) -> Tolerances:
+def tolerances_of(settings: Sequence[str]) -> Tolerances:
     """The ordinary tolerances with those of `settings`, ``KEY=VALUE``, in their place."""
     known_keys = tuple(Tolerances.__dataclass_fields__)
     changed: dict[str, float] = {}

@@ -8,19 +8,21 @@ import numpy as np
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
+from identification import classical
+from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
 from identification.elastic.terms import ElasticTerms
 from validation.identifying.findings import Findings, Lines
 from validation.identifying.known import takes_fmd_off
-from validation.identifying.reported import Reported, dominating
+from validation.identifying.reported import Reported
 from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
 from validation.tables.grid import Grid, aligned
 
 ORIGINS = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}
 
-SHOWN_INPUTS = 2
-"""Inputs that are named for each parameter."""
+OTHERS = 1
+"""Inputs that are named beside the one that dominates."""
 
 
 def title(found: Findings) -> str:
@@ -35,7 +37,7 @@ def grids(found: Findings) -> list[Grid]:
     elastic = found.result.identified.elastic
     return [
         values(found),
-        rests(found),
+        verdicts(found),
         *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
         *([single_axis(found.crossed)] if found.crossed is not None else []),
     ]
@@ -61,20 +63,14 @@ def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
     return own.rstrip() if relative else f"{own}{QUANTITIES[k].unit}", f"{moved / width:+.2f}" if width else NONE
 
 
-def rests(found: Findings) -> Grid:
-    """What every parameter of Eq. 4 about F rests on, and the verdict on it."""
-    identified = found.result.identified
+def verdicts(found: Findings) -> Grid:
+    """What is to be thought of every value, and what its uncertainty comes from."""
     lines = []
-    for name in PARAMETERS:
-        inputs = ", ".join(f"{what} {100 * share:.0f} %" for what, share in dominating(identified, name)[:SHOWN_INPUTS])
-        lines.append((name, inputs or NONE, found.verdict.get(name) or NONE))
-    head = "uncertainty comes from"
-    width = max(len(head), *(len(inputs) for _, inputs, _ in lines))
-    return Grid(
-        header=("about F", f"{head:<{width}}", "verdict"),
-        lines=tuple((name, f"{inputs:<{width}}", verdict) for name, inputs, verdict in lines),
-        words=True,
-    )
+    for k, (quantity, name) in enumerate(zip(QUANTITIES, classical.QUANTITIES, strict=True)):
+        said = found.verdict.get(name, NONE)
+        others = ", ".join(f"{what} {100 * share:.0f} %" for what, share in found.result.dominating(k)[1 : 1 + OTHERS])
+        lines.append((quantity.label, f"{said}; then {others}" if others else said))
+    return Grid(header=("", "verdict"), lines=tuple(lines), words=True)
 
 
 def single_axis(crossed: CrossMotion) -> Grid:
@@ -116,7 +112,8 @@ def notes(found: Findings) -> Iterator[str]:
         yield _fit(one)
     if found.lines is not None:
         yield from _left_out(found.lines)
-    yield from (f"check: {words}." for words in found.checks)
+    yield from _checked(found.checks)
+    yield from _gained(found.result)
     yield from (f"warning: {words}." for words in found.warnings)
 
 
@@ -144,6 +141,20 @@ def _left_out(lines: Lines) -> Iterator[str]:
         f"{lines.condition[worst]:.3g}, at {lines.frequency[worst]:g} Hz; the limit is {lines.limit:g}."
     )
     yield from (f"left out: {reason}." for reason in lines.reasons)
+
+
+def _checked(checks: tuple[Finding, ...]) -> Iterator[str]:
+    """What does not hold, each in a sentence; what holds, together in one."""
+    yield from (f"check: {one.text}." for one in checks if not one.holds)
+    if sound := [one.name for one in checks if one.holds]:
+        yield f"Closed checks that hold: {', '.join(sound)}."
+
+
+def _gained(one: Reported) -> Iterator[str]:
+    """What every classical result was good for: the parameter whose interval it narrows most."""
+    for name, times in one.identified.gained.items():
+        k = int(np.argmax(times))
+        yield f"Without {name} the interval of {PARAMETERS[k]} would be {times[k]:.3g} times as wide."
 
 
 def _labels() -> tuple[str, ...]:

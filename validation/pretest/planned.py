@@ -21,9 +21,9 @@ from identification.measurement_chain import chain
 from identification.spectra import noise
 from identification.spectra.full_record import full_record
 from identification.spectra.line_spectra import Spectra
+from validation.virtual_test.laboratory import Laboratory, laboratory
 from validation.virtual_test.plan import Plan, Scatter
 from validation.virtual_test.runs import DrivenRun, cross_motion, runs
-from validation.virtual_test.simulate import Laboratory, laboratory
 
 REST = 8.0
 """[s] recorded behind the drive."""

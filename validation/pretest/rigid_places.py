@@ -11,7 +11,7 @@ here, and so is every place of an article without modes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,9 @@ from validation.flexible.places import nearest_part
 NEAREST = 0.05
 """[m] Distance from F below which a rotation is not taken to move less."""
 
+STEPS = 400
+"""Points on the axis of an article."""
+
 COARSE = 0.2
 """[Hz] between the lines at which whole surfaces are judged; eigenfrequencies are added."""
 
@@ -39,14 +42,16 @@ class Rigidity:
     ----------
     name : of the place
     position : (3,) [m] from F
-    largest : the largest elastic share over the band and the six axes [1]
+    at_start : the largest elastic share of the six axes at the lowest line [1]
+    largest : the same over the band
     axis, frequency : where it is reached: of `MOTIONS`, [Hz]
-    up_to : [Hz] below which the share stays under the limit on every axis; None where it does from the start of the band nowhere
+    up_to : [Hz] below which the share stays under the limit on every axis; None where it is above from the start
     within : share of the lines at which it stays under the limit on every axis
     """
 
     name: str
     position: Array
+    at_start: float
     largest: float
     axis: str
     frequency: float
@@ -67,16 +72,45 @@ def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency:
 
 def elastic_share(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> Array:
     """(p, n, 6) elastic shares of `points` (p, 3) [m] from F whose displacement in the modes is `moved` (p, 3, m)."""
+    return np.stack(list(_by_line(moved, points, modes, seat, frequency)), axis=1)
+
+
+def largest_share(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> tuple[Array, Array]:
+    """(p,) and (p,): the largest of the six elastic shares at the first line, and over all lines; in the memory of one line."""
+    lines = (share.max(axis=1) for share in _by_line(moved, points, modes, seat, frequency))
+    first = next(lines)
+    most = first.copy()
+    for share in lines:
+        np.maximum(most, share, out=most)
+    return first, most
+
+
+def _by_line(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> Iterator[Array]:
+    """Line by line the elastic shares (p, 6)."""
     L = modes.participation.T @ rigid_transformation_6(seat)  # (m, 6) about F
     omega, omega_r = 2 * np.pi * frequency[:, None], 2 * np.pi * modes.frequency
     factor = omega**2 / (omega_r**2 - omega**2 + 2j * modes.damping_ratio * omega_r * omega)  # (n, m)
-    arm = np.maximum(np.linalg.norm(points, axis=1), NEAREST)
-    share = np.empty((len(points), len(frequency), 6))
-    for n, row in enumerate(factor):
-        answer = moved @ (row[:, None] * L)  # (p, 3, 6)
-        share[:, n] = np.linalg.norm(np.abs(answer), axis=1)
-    share[:, :, 3:] /= arm[:, None, None]
-    return share
+    arm = np.maximum(np.linalg.norm(points, axis=1), NEAREST)[:, None]
+    flat = moved.reshape(-1, moved.shape[2])
+    for row in factor:
+        answer = row[:, None] * L
+        parts = (flat @ np.hstack([answer.real, answer.imag])).reshape(len(points), 3, 2, 6)
+        share = np.sqrt(np.sum(parts**2, axis=(1, 2)))
+        share[:, 3:] /= arm
+        yield share
+
+
+def rigid_height(model: Flexible, top: float, seat: Array, frequency: Array, limit: float) -> float | None:
+    """[m] above F up to which the article's axis, x = y = 0 of its frame from 0 to `top` [m], stays within `limit` over the band.
+
+    None where all of it does.
+    """
+    points = np.zeros((STEPS + 1, 3))
+    points[:, 2] = np.linspace(0.0, top, STEPS + 1)
+    lines = coarse_lines(frequency, model.modes)
+    _, most = largest_share(_displacement(model, points), points + seat, model.modes, seat, lines)
+    soft = np.flatnonzero(most > limit)
+    return float(seat[2] + points[max(soft[0] - 1, 0), 2]) if len(soft) else None
 
 
 def coarse_lines(frequency: Array, modes: Modes) -> Array:
@@ -103,6 +137,7 @@ def _one(name: str, position: Array, share: Array, frequency: Array, limit: floa
     return Rigidity(
         name=name,
         position=position,
+        at_start=float(share[0].max()),
         largest=float(share[line, axis]),
         axis=MOTIONS[int(axis)],
         frequency=float(frequency[line]),

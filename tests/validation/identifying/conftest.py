@@ -15,6 +15,7 @@ from geometry.frames import Pose
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place
 from identification.campaign import Campaign, Excitation, Run
+from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
 from identification.elastic.model import dynamic_mass
 from identification.elastic.terms import ElasticTerms
@@ -89,14 +90,17 @@ def covariance(inertia: Inertia, share: float) -> NDArray[np.float64]:
 
 def identified(way: str, inertia: Inertia, terms: ElasticTerms, share: float) -> Identified:
     rng = np.random.default_rng(7)
-    parts = rng.dirichlet(np.full(len(INPUTS), 0.5), size=10).T
+    weight = rng.dirichlet(np.full(len(INPUTS), 0.5))
+    C = covariance(inertia, share)
     return Identified(
         way=way,
         inertia=inertia,
-        covariance=covariance(inertia, share),
+        covariance=C,
         band=(4.0, 32.0),
         elastic=terms,
-        shares=dict(zip(INPUTS, parts, strict=True)),
+        shares={name: np.full(10, part) for name, part in zip(INPUTS, weight, strict=True)},
+        parts={name: part * C for name, part in zip(INPUTS, weight, strict=True)},
+        gained={"mass_kg of scale.toml": np.linspace(4.0, 1.0, 10)},
         misfit=1.1,
         surprise=0.0 if way == "plain" else 31.0,
     )
@@ -123,7 +127,7 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
         origin="article",
         request=Request(campaign=stack, tares=(Tare(campaign=campaign("fmd+disc+cuboid"), known=None),)),
         results=results,
-        verdict={"m": "trustworthy", "mx": "dominated by elasticity", "Ixy": "not identifiable from this data"},
+        verdict={"m": "trustworthy", "mass_kg": "trustworthy", "cog_x_mm": "dominated by elasticity"},
         rigid=(true + fmd).mass_matrix,
         crossed=CrossMotion(
             quotient=1.01 * H.matrix,
@@ -150,8 +154,13 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
             axes=MOTIONS,
         ),
         residuals=DrawnResiduals(frequency=FREQUENCY, runs=MOTIONS, channels=("a", "b", "c"), share=shared),
-        study=Study(start=start, stop=stop, values=study, chosen=(4.0, 32.0), way="plain"),
-        checks=("m_x = m_y = m_z within 0.2 %",),
+        study=Study(
+            start=start, stop=stop, maps={"3 elastic terms": study, "no elastic terms": 1.03 * study}, chosen=(4.0, 32.0)
+        ),
+        checks=(
+            Finding(name="symmetry", holds=True, value=0.4, text="the dynamic mass is symmetric"),
+            Finding(name="channels", holds=False, value=8.0, text="it looks as if fmd-z1 has the wrong sign"),
+        ),
         warnings=("the Cuboid's drawing is taken as it is",),
     )
 

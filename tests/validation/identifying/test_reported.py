@@ -12,7 +12,7 @@ from geometry.inertia import Inertia
 from identification.elastic.terms import ElasticTerms
 from identification.identified import Identified
 from validation.identifying.findings import Findings
-from validation.identifying.reported import dominating, reported
+from validation.identifying.reported import reported
 from validation.statement import about_cog
 
 
@@ -35,7 +35,8 @@ def test_the_intervals_hold_95_per_cent_of_draws(found: Findings) -> None:
     draws = rng.multivariate_normal(mean, C, size=4000)
     frame = Pose(position=np.array([0.0, 0.0, -0.045]))
     values = np.array([about_cog(Inertia(parameters=each).placed(frame)) for each in draws])
-    inside = np.mean((values >= one.low) & (values <= one.high), axis=0)
+    low, high = one.quality.interval95.T
+    inside = np.mean((values >= low) & (values <= high), axis=0)
     assert_allclose(inside, 0.95, atol=0.017)  # five standard deviations of 4000 draws
 
 
@@ -47,6 +48,6 @@ def test_a_result_without_positive_mass_has_no_cog(found: Findings) -> None:
 
 
 def test_the_largest_share_comes_first(found: Findings) -> None:
-    ordered = dominating(found.result.identified, "mz")
+    ordered = found.result.dominating(3)
     assert [share for _, share in ordered] == sorted((share for _, share in ordered), reverse=True)
     assert {name for name, _ in ordered} <= set(found.result.identified.shares)

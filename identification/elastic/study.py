@@ -1,0 +1,258 @@
+"""Band study: how far the ten parameters move with the band and with the number of poles - the quality that the paper asks for.
+
+A parameter that inertia fixes does not know where a band begins and ends, nor how many poles describe the rest. One that moves is
+made of how elasticity is modelled. Every cell is a fit of its own, begun from the fit of the whole band but free of it. Cells
+that leave their data unexplained are drawn but do not count, nor do those whose own noise hides what is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import DynamicMass
+from geometry.errors import BadInput
+from geometry.inertia import PARAMETERS, Inertia
+from identification.elastic import model
+from identification.elastic.fit import FLOOR, Fitted, Trial, covariance_of_the_ten, fit, price_of
+from identification.elastic.lines import Lines, kept, lines_of
+from identification.elastic.model import Layout
+from identification.elastic.refine import REACH, Refined, refine
+
+LIMIT = 0.01
+"""Spread, in the scale of a parameter, up to which it is trusted."""
+
+EXPLAINED = 2.0
+"""Misfit, in units of the best of the same band and of 1, up to which a cell explains its data."""
+
+FEWEST = 3
+"""Cells that a verdict takes."""
+
+NARROWEST = 1.25
+"""Ratio of the ends of a band."""
+
+QUANTITIES = ("mass_kg", "cog_x_m", "cog_y_m", "cog_z_m", "moi_xx_kgm2", "moi_yy_kgm2", "moi_zz_kgm2")
+"""What a stability map draws: CoG from the reference point, moments about the CoG."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cell:
+    """One fit.
+
+    Attributes
+    ----------
+    band : (low, high) [Hz]
+    count : number of poles that was asked for; 0 is the rigid way
+    modes : how many of them are within reach of the band
+    parameters : (10,) of Eq. 4 about the reference point
+    deviation : (10,) standard deviations from noise and model error
+    misfit : chi² per degree of freedom
+    plausible : whether it explains its data as well as the best of its band does
+    """
+
+    band: tuple[float, float]
+    count: int
+    modes: int
+    parameters: Array
+    deviation: Array
+    misfit: float
+    plausible: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BandStudy:
+    """Results over start and stop of the band and over the number of poles.
+
+    Attributes
+    ----------
+    starts, stops : (s,), (e,) [Hz]
+    counts : (c,) numbers of poles, 0 first
+    cells : those that were fitted
+    fitted : the fit of the whole band
+    """
+
+    starts: Array
+    stops: Array
+    counts: tuple[int, ...]
+    cells: tuple[Cell, ...]
+    fitted: Fitted
+
+    def map(self, of: str = "parameters") -> Array:
+        """(s, e, c, 10) `parameters` or `deviation`, (s, e, c) `misfit` or `plausible`, nan where no band was fitted."""
+        ends = {"parameters": (10,), "deviation": (10,), "misfit": (), "plausible": ()}[of]
+        out = np.full((len(self.starts), len(self.stops), len(self.counts), *ends), np.nan)
+        for cell in self.cells:
+            out[self._place(cell)] = getattr(cell, of)
+        return out
+
+    @property
+    def quantities(self) -> Array:
+        """(s, e, c, 7) in the order of `QUANTITIES`, nan where no band was fitted or a mass is not above zero."""
+        out = np.full((len(self.starts), len(self.stops), len(self.counts), 7), np.nan)
+        for cell in self.cells:
+            if cell.parameters[0] > 0:
+                out[self._place(cell)] = _quantities(cell.parameters)
+        return out
+
+    @property
+    def scale(self) -> Array:
+        """(10,) what a parameter's spread is measured by: mass, mass times the radius of gyration, moments about the CoG."""
+        return _scale(self.fitted.inertia)
+
+    def spread(self, *, rigid: bool = False, limit: float = LIMIT) -> Array:
+        """(10,) how far nine of ten cells stay within of the result, for `rigid` half the range of the rigid way.
+
+        Only cells count that explain their data and know the parameter to half of `limit`; nan where they are too few.
+        """
+        if rigid:
+            return np.asarray(np.ptp([cell.parameters for cell in self.cells if cell.count == 0], axis=0) / 2)
+        counted = [cell for cell in self.cells if cell.plausible]
+        if not counted:
+            return np.full(10, np.nan)
+        away = np.array([np.abs(cell.parameters - self.fitted.parameters) for cell in counted])
+        telling = np.array([cell.deviation <= limit / 2 * self.scale for cell in counted])
+        return np.array([_ninth_of_ten(away[telling[:, k], k]) for k in range(10)])
+
+    def verdicts(self, *, rigid: bool = False, limit: float = LIMIT) -> Mapping[str, str]:
+        """In words, by parameter; `rigid` judges the way without elastic terms.
+
+        Parameters
+        ----------
+        limit : spread in the scale of a parameter up to which it is trusted
+        """
+        shares = self.spread(rigid=rigid, limit=limit) / self.scale
+        return {name: _verdict(float(share), limit, rigid) for name, share in zip(PARAMETERS, shares, strict=True)}
+
+    def _place(self, cell: Cell) -> tuple[int, int, int]:
+        low, high = cell.band
+        return int(np.argmin(np.abs(self.starts - low))), int(np.argmin(np.abs(self.stops - high))), self.counts.index(cell.count)
+
+
+def study(
+    dynamic_mass: DynamicMass,
+    *,
+    weights: npt.ArrayLike | None = None,
+    floor: float = FLOOR,
+    starts: Sequence[float] | None = None,
+    stops: Sequence[float] | None = None,
+    counts: Sequence[int] | None = None,
+    fitted: Fitted | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> BandStudy:
+    """Fit every band from `starts` to `stops` [Hz] with every number of poles in `counts`.
+
+    Parameters
+    ----------
+    weights, floor : as for `fit`
+    starts, stops : four and five within the lines when None
+    counts : the rigid way, the number that `fitted` has, one less and one more when None; numbers that the search of `fitted` did
+        not try are left out
+    fitted : fit of the whole band, made here when None
+    progress : called with the share done
+
+    Raises
+    ------
+    BadInput : as `fit`; no band with at least a ratio of 1.25 between its ends.
+    """
+    tell = progress or (lambda share: None)
+    whole = fitted or fit(dynamic_mass, weights=weights, floor=floor, progress=lambda share: tell(0.3 * share))
+    first, last = _ends(whole.band, starts, stops)
+    trials = _trials(whole, counts)
+    bands = [(float(low), float(high)) for low in first for high in last if high >= NARROWEST * low]
+    if not bands:
+        raise BadInput(
+            source="band study",
+            field="starts",
+            problem="no band ends above 1.25 of its start",
+            remedy="Start lower or stop higher",
+        )
+    cells: list[Cell] = []
+    for k, band in enumerate(bands):
+        data = lines_of(dynamic_mass, weights, floor, band)
+        cells.extend(_judged([_cell(count, trial, data, band) for count, trial in trials.items()], whole))
+        tell(0.3 + 0.7 * (k + 1) / len(bands))
+    return BandStudy(starts=first, stops=last, counts=tuple(trials), cells=tuple(cells), fitted=whole)
+
+
+def _ends(band: tuple[float, float], starts: Sequence[float] | None, stops: Sequence[float] | None) -> tuple[Array, Array]:
+    low, high = band
+    middle = (high / low) ** 0.45
+    first = np.geomspace(low, low * middle, 4) if starts is None else np.asarray(starts, dtype=np.float64)
+    last = np.geomspace(high / middle, high, 5) if stops is None else np.asarray(stops, dtype=np.float64)
+    return first, last
+
+
+def _trials(whole: Fitted, counts: Sequence[int] | None) -> dict[int, Trial]:
+    """By the number of poles the fit to begin from; the rigid way first."""
+    known = {one.modes: one for one in whole.history if one.layout.residual}
+    if whole.layout.residual:
+        known[whole.modes] = Trial(layout=whole.layout, vector=whole.vector, chi2=np.nan)
+    wanted = range(max(whole.modes - 1, 1), whole.modes + 2) if counts is None else counts
+    rigid = Trial(layout=Layout(modes=0, residual=False), vector=np.zeros(10), chi2=np.nan)
+    return {0: rigid, **{count: known[count] for count in wanted if count in known and count > 0}}
+
+
+def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> Cell:
+    thin = data.at(kept(data))
+    layout, start = _within(trial, band) if count else (trial.layout, trial.vector)
+    found = refine(start, layout, thin, iterations=15, accuracy=1e-4)
+    return Cell(
+        band=band,
+        count=count,
+        modes=layout.modes,
+        parameters=model.unpack(found.vector, layout)[0],
+        deviation=_deviation(found, thin),
+        misfit=found.chi2 / max(thin.count - layout.size, 1),
+    )
+
+
+def _within(trial: Trial, band: tuple[float, float]) -> tuple[Layout, Array]:
+    """The poles of a trial within reach of the band; of those above, the static share goes to the residual mass."""
+    parameters, terms = model.unpack(trial.vector, trial.layout)
+    f, L = terms.frequency, terms.participation
+    near = (f > REACH[0] * band[0]) & (f < REACH[1] * band[1])
+    above = L[f >= REACH[1] * band[1]] / (2 * np.pi * f[f >= REACH[1] * band[1], None])
+    left = model.chosen(replace(terms, residual=terms.residual + above.T @ above), np.flatnonzero(near))
+    place = np.cumsum(near) - 1
+    pairs = tuple((int(place[r]), int(place[s])) for r, s in trial.layout.pairs if near[r] and near[s])
+    layout = Layout(modes=int(near.sum()), pairs=pairs)
+    return layout, model.pack(parameters, left, layout)
+
+
+def _deviation(found: Refined, lines: Lines) -> Array:
+    return np.sqrt(np.diag(covariance_of_the_ten(found.information / price_of([found], lines).unit)))
+
+
+def _judged(cells: list[Cell], whole: Fitted) -> list[Cell]:
+    best = min(cell.misfit for cell in cells)
+    return [replace(cell, plausible=cell.misfit <= EXPLAINED * max(best, min(whole.misfit, 1.0), 1.0)) for cell in cells]
+
+
+def _quantities(parameters: Array) -> Array:
+    inertia = Inertia(parameters=parameters)
+    return np.concatenate([[inertia.mass], inertia.cog, inertia.moments_cog])
+
+
+def _scale(inertia: Inertia) -> Array:
+    moments = np.abs(inertia.moments_cog)
+    radius = np.sqrt(moments.sum() / 2 / inertia.mass)
+    products = [np.sqrt(moments[i] * moments[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
+    return np.array([inertia.mass, *3 * [inertia.mass * radius], *moments, *products])
+
+
+def _ninth_of_ten(values: Array) -> float:
+    return float(np.quantile(values, 0.9)) if len(values) >= FEWEST else float("nan")
+
+
+def _verdict(share: float, limit: float, rigid: bool) -> str:
+    if np.isnan(share):
+        return "not identifiable from this data: too few bands explain it; record a wider band, or with less noise"
+    moved = f"{100 * share:.2g} % of its scale over the bands" + ("" if rigid else " and numbers of poles")
+    if share <= limit:
+        return f"trustworthy: it moves by {moved}"
+    add = "take the elastic terms" if rigid else "record lower frequencies, or take weighing and pendulum as data"
+    return f"dominated by elasticity: it moves by {moved}; {add}"
