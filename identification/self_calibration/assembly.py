@@ -189,11 +189,8 @@ def _campaign(
     if settings.modes != 0:
         of_article = name == "article"
         called = f"elastic:{name}"
-        high = float(spectra.frequency[-1])
         layout, made = (
-            elastic_block.of_article(called, found.ten, elastic_block.with_far_poles(found.terms, found.ten, high), high)
-            if of_article
-            else elastic_block.of_known(called, found.ten)
+            elastic_block.of_article(called, found.ten, found.terms) if of_article else elastic_block.of_known(called, found.ten)
         )
         blocks.append(made)
     return Campaign(

@@ -22,71 +22,30 @@ FREQUENCY = 0.05
 DAMPING = 1.0
 """Standard deviation of ln zeta about the start."""
 
-BEYOND, FAR_FREQUENCY = 1.8, 0.01
-"""From how many times the upper end of the band on a pole only stands for all that are there, and the deviation of its ln f: held,
-because participation says all that a band far below can tell of it."""
-
-FAR = (2.0, 2.3, 2.6)
-"""Where poles for what lies beyond stand, in the upper end of the band."""
-
-NOTICED = 1e-3
-"""Share of the mass matrix at 20 Hz from which a part of the residual becomes a pole beyond the band."""
-
 COUPLED = 0.5
 """Standard deviation of the damping of a pair, as a share of what its two modes have; a layer that both shear gives nearly 1."""
 
 FELT = 1e-3
 """How much of another mode's participation a resonance must be able to take over, through damping, for the pair to count."""
 
-FAR_DAMPING = 0.004
-"""Damping ratio of poles beyond the band."""
-
 STIFF = (20.0 / 150.0) ** 2
 """Standard deviation of the residual of a nearly rigid body, as a share of its mass matrix at 20 Hz: a first mode at 150 Hz."""
 
 
-def of_article(name: str, ten: Array, terms: ElasticTerms, highest: float) -> tuple[model.Layout, Block]:
-    """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size.
-
-    `highest` [Hz] is the upper end of the band.
-    """
+def of_article(name: str, ten: Array, terms: ElasticTerms) -> tuple[model.Layout, Block]:
+    """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size."""
     layout = model.Layout(modes=len(terms.frequency), pairs=_pairs(terms))
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)
     mean[10:] = start
     places = layout.blocks
-    far = terms.frequency > BEYOND * highest
-    deviation[places["frequency"]], deviation[places["damping"]] = np.where(far, FAR_FREQUENCY, FREQUENCY), DAMPING
+    deviation[places["frequency"]], deviation[places["damping"]] = FREQUENCY, DAMPING
     deviation[places["pairs"]], mean[places["pairs"]] = COUPLED, 0.0
     deviation[places["participation"]], mean[places["participation"]] = np.tile(size, layout.modes), 0.0
     deviation[places["residual"]], mean[places["residual"]] = np.outer(size, size)[model.UPPER], 0.0
     made = block(name, layout.names[10:], start, deviation=deviation[10:], mean=mean[10:], families=FAMILY)
     return layout, made
-
-
-def with_far_poles(terms: ElasticTerms, ten: Array, highest: float) -> ElasticTerms:
-    """`terms` with the leading parts of their residual as poles beyond the band, so that it may grow faster than omega².
-
-    What all modes beyond answer is omega² R only far below them; at half their frequency they answer a third more. R = L^T L / w²
-    of a pole that is far enough, so that at low frequency nothing changes.
-    """
-    size = _size(ten)
-    values, vectors = np.linalg.eigh(terms.residual / np.outer(model.SCALE, model.SCALE) * model.REFERENCE / np.outer(size, size))
-    kept = np.flatnonzero(values > NOTICED)[::-1][: len(FAR)]
-    if not len(kept):
-        return terms
-    m, far = len(terms.frequency), np.array(FAR[: len(kept)]) * highest
-    rows = (vectors[:, kept] * np.sqrt(values[kept] / model.REFERENCE)).T * size * model.SCALE
-    damping = np.zeros((m + len(kept), m + len(kept)))
-    damping[:m, :m] = terms.damping
-    damping[m:, m:] = np.diag(4 * np.pi * FAR_DAMPING * far)
-    return ElasticTerms(
-        frequency=np.append(terms.frequency, far),
-        damping=damping,
-        participation=np.vstack([terms.participation, 2 * np.pi * far[:, None] * rows]),
-        residual=terms.residual - rows.T @ rows,
-    )
 
 
 def of_known(name: str, ten: Array) -> tuple[model.Layout, Block]:

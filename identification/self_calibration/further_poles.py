@@ -61,7 +61,7 @@ def with_one_more(problem: Assembly, x: Array, line: int) -> tuple[Assembly, Arr
     pole = model.SCALE * vectors[:, -1] * np.sqrt(2 * DAMPING * values[-1])
     terms = structure.terms(layout, x)
     longer = _extended(terms, float(f[line]), pole)
-    elastic, made = elastic_block.of_article(ELASTIC, structure.ten(layout, x), longer, float(f[-1]))
+    elastic, made = elastic_block.of_article(ELASTIC, structure.ten(layout, x), longer)
     return _replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
 
 
