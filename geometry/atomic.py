@@ -1,9 +1,10 @@
-"""Files that are there whole or not at all."""
+"""Files and folders that are there whole or not at all."""
 
 from __future__ import annotations
 
 import errno
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -27,6 +28,38 @@ def write_with(path: Path, write: Callable[[Path], object]) -> None:
         _write(_target(path), write)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+
+
+def write_folder(folder: Path, fill: Callable[[Path], object]) -> None:
+    """Let `fill` fill a temporary folder beside `folder`, then rename it into place; what was in `folder` is gone then.
+
+    Raises
+    ------
+    OSError : `folder` cannot be written.
+    """
+    target = folder.resolve()
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    new, old = temporary / "new", temporary / "old"
+    try:
+        new.mkdir()
+        fill(new)
+        _exchange(target, new, old)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _exchange(target: Path, new: Path, old: Path) -> None:
+    """Put the folder `new` in the place of `target`, if that is there, and `target` in that of `old`; or leave all as it was."""
+    if not target.exists():
+        new.rename(target)
+        return
+    target.rename(old)
+    try:
+        new.rename(target)
+    except BaseException:
+        old.rename(target)
+        raise
 
 
 def probe(path: Path) -> None:

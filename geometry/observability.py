@@ -109,11 +109,12 @@ def _words(
         return f"all six are told apart, condition {condition:.3g}"
     summed = f"; a sum of cells that do not lie on one line of action hides {', '.join(lost)}" if lost else ""
     mixed = len(null) < len([name for name in missing if name not in lost])
-    combined = f" ({_combination(null[0], names)} is seen by no channel)" if mixed and len(null) == 1 else ""
+    combined = f" ({combination(null[0], names)} is seen by no channel)" if mixed and len(null) == 1 else ""
     return f"only {rank} of six are told apart: {', '.join(missing)} cannot be told{combined}{summed}"
 
 
-def _combination(vector: Array, names: Sequence[str]) -> str:
+def combination(vector: Array, names: Sequence[str]) -> str:
+    """The sum that `vector` makes of `names` in words, the largest share 1 in size and the first one positive."""
     largest = float(np.abs(vector).max())
     parts = [(value / largest, name) for value, name in zip(vector, names, strict=True) if abs(value) > 1e-3 * largest]
     sign = -1 if parts[0][0] < 0 else 1

@@ -164,16 +164,19 @@ class Summation:
     adds : (n, e) which of the elements every channel adds up
     gives : (6, e) resultants about the reference point for a unit reading of each element: forces [1], moments [m], or [1] where
         the element senses a moment
+    elements : (e,) quantity and place of each
     """
 
     adds: Array
     gives: Array
+    elements: tuple[tuple[str, Place], ...]
 
 
 def summation(channels: Sequence[Channel], point: npt.ArrayLike) -> Summation:
     """The elements behind force and moment `channels`; a cell that several channels share is one element."""
     keys: dict[tuple[object, ...], int] = {}
     gives: list[Array] = []
+    elements: list[tuple[str, Place]] = []
     adds = np.zeros((len(channels), sum(len(channel.places) for channel in channels)))
     for k, channel in enumerate(channels):
         for place in channel.places:
@@ -181,8 +184,9 @@ def summation(channels: Sequence[Channel], point: npt.ArrayLike) -> Summation:
             if key not in keys:
                 keys[key] = len(keys)
                 gives.append(_given(channel.quantity, place, point))
+                elements.append((channel.quantity, place))
             adds[k, keys[key]] += 1.0
-    return Summation(adds=adds[:, : len(keys)], gives=np.asarray(gives).reshape(-1, 6).T)
+    return Summation(adds=adds[:, : len(keys)], gives=np.asarray(gives).reshape(-1, 6).T, elements=tuple(elements))
 
 
 def resultants(channels: Sequence[Channel], point: npt.ArrayLike) -> Array:

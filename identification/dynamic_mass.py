@@ -4,11 +4,9 @@ Columns of S_f and S_u are runs, rows are loads and base motions about one refer
 
     S_f = H S_u,   so   H = S_f S_u^-1                                            (Eqs. 10, 11)
 
-With more than six runs the same is solved by least squares. The quotient of the driven axis alone (Eq. 8a) takes all that
-the table does on the other five axes for an answer of the structure to the driven one.
-
-How well six motions are told apart is the condition of S_u. It would depend on units - metres beside radians - so every motion is
-divided by its nominal level before.
+With more than six runs the same is solved by least squares, each run with its weight. How well six motions are told apart is the
+condition of S_u (`identification.excitation`); what noise does to H, and what to do about noise of the motions,
+`identification.errors_in_variables`; what the simple quotient of the driven axis costs, `identification.cross_motion`.
 """
 
 from __future__ import annotations
@@ -19,12 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
+from geometry.arrays import Array
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
-
-SINGULAR = 1e9
-"""Condition number of the scaled base motions from which runs do not tell six motions apart: what is left is rounding."""
+from identification import excitation
+from identification.excitation import Excitation, Exclusions
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,14 +31,18 @@ class Estimate:
     Attributes
     ----------
     dynamic_mass : H about the reference point of the spectra
-    condition : (n,) condition number [1] of the base motions at each line, every axis divided by its nominal level
+    excitation : how well the runs tell the six base motions apart, line by line
+    inverse : (n, r, 6) the pseudo-inverse of S_u: H = S_f inverse, and an error of loads reaches H through it
     """
 
     dynamic_mass: DynamicMass
-    condition: Array
+    excitation: Excitation
+    inverse: ComplexArray
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "condition", frozen(self.condition, self.dynamic_mass.frequency.shape, "condition"))
+    @property
+    def condition(self) -> Array:
+        """(n,) condition number [1] of the base motions at each line, every axis divided by its nominal level."""
+        return self.excitation.condition
 
 
 def from_runs(
@@ -51,6 +52,7 @@ def from_runs(
     reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
     *,
     levels: Mapping[str, float] = LEVELS,
+    weights: npt.ArrayLike | None = None,
 ) -> Estimate:
     """H from the spectra of six runs or more (Eqs. 9 to 11; least squares of all runs at each line).
 
@@ -61,20 +63,28 @@ def from_runs(
     frequency : (n,) lines [Hz]
     reference_point : (3,) [m]
     levels : nominal acceleration of each axis, by which it is scaled for condition and solution
+    weights : (r,) or (r, n) one over the standard deviation of the loads of a run, in any unit; all alike by default
 
     Raises
     ------
-    BadInput : fewer than six runs, shapes that do not fit, or motions that runs leave undriven at a line.
+    BadInput : fewer than six runs, shapes that do not fit, weights that are not positive, or base motions that are linearly
+        dependent at a line; the combination is named.
     """
     F, U, lines = _fitting(load, motion, frequency)
+    excited = excitation.of_runs(U, lines, levels)
+    excitation.require_driven(excited)
     scale = np.array([levels[axis] for axis in MOTIONS])
-    columns = (U / scale).transpose(1, 2, 0)  # (n, 6, r)
-    singular = np.linalg.svd(columns, compute_uv=False)
-    condition = singular[:, 0] / np.maximum(singular[:, -1], np.finfo(np.float64).tiny)
-    _require_driven(columns, condition, lines)
-    H = np.asarray(F.transpose(1, 2, 0) @ np.linalg.pinv(columns) / scale, dtype=np.complex128)
+    w = _weights(weights, F.shape[:2]).T  # (n, r)
+    columns = (U / scale).transpose(1, 2, 0) * w[:, None, :]
+    inverse = np.asarray(w[:, :, None] * np.linalg.pinv(columns) / scale, dtype=np.complex128)
+    H = F.transpose(1, 2, 0) @ inverse
     mass = DynamicMass(frequency=lines, matrix=H, reference_point=np.asarray(reference_point, dtype=np.float64))
-    return Estimate(dynamic_mass=mass, condition=condition)
+    return Estimate(dynamic_mass=mass, excitation=excited, inverse=inverse)
+
+
+def exclusions(estimate: Estimate, limit: float) -> Exclusions:
+    """Lines with a scaled condition number above `limit` are left out; the reasons name what moves together there."""
+    return excitation.exclusions(estimate.excitation, limit)
 
 
 def quotient(load: npt.ArrayLike, motion: npt.ArrayLike, axis: str) -> ComplexArray:
@@ -94,15 +104,14 @@ def _fitting(load: npt.ArrayLike, motion: npt.ArrayLike, frequency: npt.ArrayLik
     return F, U, lines
 
 
-def _require_driven(columns: ComplexArray, condition: Array, lines: Array) -> None:
-    worst = int(np.argmax(condition))
-    if condition[worst] < SINGULAR:
-        return
-    U, _, _ = np.linalg.svd(columns[worst])
-    axis = MOTIONS[int(np.argmax(np.abs(U[:, -1])))]
-    raise _refused(
-        "runs", f"the runs leave the base motion {axis} undriven at {lines[worst]:g} Hz (condition number {condition[worst]:.1e})"
-    )
+def _weights(weights: npt.ArrayLike | None, shape: tuple[int, ...]) -> Array:
+    if weights is None:
+        return np.ones(shape)
+    w = np.asarray(weights, dtype=np.float64)
+    w = np.broadcast_to(w[:, None] if w.shape == shape[:1] else w, shape) if w.shape in (shape, shape[:1]) else np.zeros(1)
+    if not np.all((w > 0) & np.isfinite(w)):
+        raise _refused("weights", f"one positive number for each of {shape[0]} runs, or for each run and line, is needed")
+    return w
 
 
 def _refused(field: str, problem: str) -> BadInput:
@@ -110,5 +119,5 @@ def _refused(field: str, problem: str) -> BadInput:
         source="dynamic mass from runs",
         field=field,
         problem=problem,
-        remedy="Drive every one of the six axes in a run of its own",
+        remedy="Give the spectra of every run on the same lines, each of the six axes driven in a run of its own",
     )

@@ -32,6 +32,9 @@ class Identified:
     misfit : chi² for each degree of freedom; nan where noise is not known
     surprise : sum z² of the tolerances that were estimated; 0 for the plain way
     converged : whether the iteration ended by itself
+    parts : by input its part (10, 10) of the covariance; they add up to it
+    gained : by the name of a classical result, how many times wider each interval would be without it, (10,)
+    resampled : (10,) standard deviations of the block bootstrap, which does not take lines for independent; None where not made
     warnings : sentences
     """
 
@@ -44,9 +47,14 @@ class Identified:
     misfit: float = float("nan")
     surprise: float = 0.0
     converged: bool = True
+    parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    gained: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    resampled: Array | None = None
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "covariance", frozen(self.covariance, (10, 10), "covariance"))
-        shares = {name: frozen(np.asarray(share), (10,), f"shares.{name}") for name, share in self.shares.items()}
-        object.__setattr__(self, "shares", MappingProxyType(shares))
+        for field_name, shape in {"shares": (10,), "parts": (10, 10), "gained": (10,)}.items():
+            given = getattr(self, field_name).items()
+            kept = {name: frozen(np.asarray(one), shape, f"{field_name}.{name}") for name, one in given}
+            object.__setattr__(self, field_name, MappingProxyType(kept))

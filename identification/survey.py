@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import LEVELS, MOTIONS
@@ -60,7 +61,7 @@ def levels(recorded: Recording, table: ChannelTable) -> Levels | None:
     motion = base_motion(recorded, table)
     if motion is None or recorded.sampling_rate is None:
         return None
-    rms = _block_rms(motion, recorded.sampling_rate)
+    rms = block_rms(motion, recorded.sampling_rate)
     if len(rms) < 2:
         return None
     size = np.linalg.norm(rms / NOMINAL, axis=1)
@@ -97,19 +98,29 @@ def noise_floors(campaign: Campaign) -> Array | None:
 
 def _quiet(recorded: Recording, table: ChannelTable) -> Array | None:
     """The rms (b, c) of all channels in the quiet blocks of a run; None where there is none."""
+    quiet = quiet_blocks(recorded, table)
+    return None if quiet is None or recorded.sampling_rate is None else block_rms(recorded.values, recorded.sampling_rate)[quiet]
+
+
+def quiet_blocks(recorded: Recording, table: ChannelTable) -> npt.NDArray[np.bool_] | None:
+    """Which of the consecutive blocks of `BLOCK` seconds (b,) are quiet; None for spectra and where no block is."""
     watched = table.select(group=RIGID_GROUPS, quantity="acceleration")
     if recorded.sampling_rate is None or not watched:
         return None
-    rms = _block_rms(recorded.values, recorded.sampling_rate)
+    rms = block_rms(recorded.values[:, watched], recorded.sampling_rate)
     if len(rms) < 2:
         return None
-    size = np.linalg.norm(rms[:, watched], axis=1)
-    quiet = size <= STILL * size.min()
-    return rms[quiet] if size.min() < QUIET * size.max() else None
+    size = np.linalg.norm(rms, axis=1)
+    return np.asarray(size <= STILL * size.min()) if size.min() < QUIET * size.max() else None
 
 
-def _block_rms(values: Array, rate: float) -> Array:
+def block_length(rate: float) -> int:
+    """Samples of a block at `rate` [Hz]."""
+    return max(round(BLOCK * rate), 2)
+
+
+def block_rms(values: Array, rate: float) -> Array:
     """(b, c) rms about the mean of consecutive blocks of (n, c); what does not fill a block at the end is left out."""
-    length = max(round(BLOCK * rate), 2)
+    length = block_length(rate)
     count = len(values) // length
     return np.asarray(np.std(values[: count * length].reshape(count, length, -1), axis=1))

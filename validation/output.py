@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,6 +73,21 @@ def inertia_json(inertia: Inertia) -> dict[str, Any]:
         "poi_cog_kgm2": inertia.products_cog.tolist(),
         "about": "cog",
     }
+
+
+def require_ending(path: Path, endings: Sequence[str], what: str, example: str) -> None:
+    """Refuse, before anything is computed, a file of ``--out`` whose ending chooses none of the formats of `what`.
+
+    Raises
+    ------
+    BadInput : no file is named, or its ending is not one of `endings`; `example` is one that is.
+    """
+    if not path.name:
+        raise BadInput(source="--out", problem="no file is named", remedy=f"Give one, such as {example}, or leave it out")
+    if path.suffix.lower() not in endings:
+        problem = f"{what} is written as {', '.join(endings)}, found {path.suffix or 'no ending'}"
+        remedy = "Name the file so, the ending chooses the format"
+        raise BadInput(source=str(path), field="--out", problem=problem, remedy=remedy)
 
 
 def require_file(path: Path, option: str) -> None:

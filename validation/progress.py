@@ -37,3 +37,15 @@ def percent(words: str, *, quiet: bool = False) -> Iterator[Callable[[float], No
 
     with Console(stderr=True).status(words) as status:
         yield lambda share: status.update(f"{words}: {100 * min(max(share, 0.0), 1.0):.0f} %")
+
+
+@contextmanager
+def stages(words: str, *, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
+    """The same for work of several stages: what the block is given hears the name of the stage and the share of it."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda stage, share: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(words) as status:
+        yield lambda stage, share: status.update(f"{words}: {stage} {100 * min(max(share, 0.0), 1.0):.0f} %")

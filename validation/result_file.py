@@ -23,7 +23,7 @@ from geometry.errors import BadInput
 from geometry.frames import Pose
 from validation import published, stated_inertia
 from validation.frame_text import pose_of
-from validation.statement import Stated, Statement
+from validation.statement import Stated, Statement, seen_from
 
 _PRINTED = {"mass_kg": (1.0, 1), "cog_mm": (1e-3, 3), "moi_cog_kgm2": (1.0, 3), "poi_cog_kgm2": (1.0, 3)}
 """Keys of INERTIA: factor to SI and length."""
@@ -45,8 +45,10 @@ class Result:
     warnings: tuple[str, ...] = ()
 
 
-def read(name: str, *, article: str, frame: Pose | None = None) -> Result:
+def read(name: str, *, article: str, frame: Pose | None = None, way: str = "") -> Result:
     """The result in the file `name`, or in print under that name, about `article`, seen from `frame` (its pose in the article's).
+
+    `way` picks one of the results of an identification, "plain" or "self-calibrated"; by default it is the one that counts.
 
     Raises
     ------
@@ -55,7 +57,17 @@ def read(name: str, *, article: str, frame: Pose | None = None) -> Result:
     """
     table = _table(name)
     warnings = _about_another(table.get("article", article), name, article)
-    return Result(statement=_statement(table, name, article, frame), warnings=warnings)
+    return Result(statement=_statement(_of_way(table, way, name), name, article, frame), warnings=warnings)
+
+
+def _of_way(table: dict[str, Any], way: str, name: str) -> dict[str, Any]:
+    """An identification's `table` with the result of `way` in the place of the one that counts."""
+    if not way:
+        return table
+    key = way.replace("-", "_")
+    if not isinstance(table.get(key), dict):
+        raise BadInput(source=name, field=key, problem=f"there is no {way} result", remedy="Give the JSON of `massline identify`")
+    return {**table, **{part: table[key].get(part) for part in ("inertia", "interval95")}}
 
 
 def _about_another(about: object, name: str, article: str) -> tuple[str, ...]:
@@ -117,7 +129,10 @@ def _identified(table: dict[str, Any], name: str, article: str, frame: Pose | No
         )
     inertia = keys.require_table(table["inertia"], source=name, where="inertia")
     intervals = keys.require_table(table.get("interval95") or {}, source=name, where="interval95")
-    return _from_inertia(inertia, name, intervals)
+    said = _from_inertia(inertia, name, intervals)
+    if not table.get("frame"):
+        return said
+    return seen_from(said, pose_of(table["frame"], name).inverse @ (frame or Pose()))
 
 
 def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] | None = None) -> Statement:

@@ -11,12 +11,14 @@ it takes for granted that all is at rest beyond.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil, isfinite
+from math import ceil, floor, isfinite
 from typing import Any, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
@@ -34,6 +36,12 @@ RIPPLE = 1e-6
 
 HALF = 44
 """Samples of the record on each side of a sample that the filter looks at; enough for `PASS` and `RIPPLE`."""
+
+POINTS = 12
+"""Samples through which a delay by a part of a sample is interpolated."""
+
+BLOCK = 1024
+"""Samples of the record that are filtered at a time, to spare memory."""
 
 
 def simulation_rate(output_rate: float, least: float = LEAST) -> float:
@@ -92,6 +100,18 @@ def decimated(record: BaseMotion | Response, rate: float) -> BaseMotion | Respon
     return _motion(record, factor) if isinstance(record, BaseMotion) else _response(record, factor)
 
 
+def decimated_channels(channels: Array, simulated: float, rate: float, delay: npt.ArrayLike = 0.0) -> Array:
+    """Samples (n, c) at the rate `simulated` [Hz] brought down to `rate` [Hz], each channel `delay` (c,) [s] later.
+
+    Raises
+    ------
+    BadInput : `rate` is not positive, or `simulated` is not a whole multiple of it.
+    """
+    late = np.broadcast_to(np.asarray(delay, dtype=np.float64) * simulated, (channels.shape[1],))
+    factor = _factor(simulated, rate)
+    return channels if factor == 1 and not late.any() else _apart(channels, factor, late)
+
+
 @cache
 def taps(factor: int) -> Array:
     """The anti-alias filter for every `factor`-th sample: (2 `HALF` `factor` + 1,), symmetric, of sum 1."""
@@ -142,14 +162,86 @@ def _described(simulated: float, rate: float) -> dict[str, object]:
 
 def _filtered(channels: Array, factor: int) -> Array:
     """Every `factor`-th of the filtered samples (n, ...), the first one kept in its place."""
-    from scipy.signal import upfirdn
+    width = int(np.prod(channels.shape[1:]))
+    found = _apart(channels.reshape(len(channels), width), factor, np.zeros(width))
+    return found.reshape(len(found), *channels.shape[1:])
 
-    n = len(channels)
-    flat = np.ascontiguousarray(channels.reshape(n, -1).T)
-    found = np.array([upfirdn(taps(factor), row, down=factor)[HALF : HALF + ceil(n / factor)] for row in flat])
-    return np.asarray(
-        found.T.reshape(-1, *channels.shape[1:]) if flat.size else np.zeros((ceil(n / factor), *channels.shape[1:]))
-    )
+
+def _apart(columns: Array, factor: int, late: Array) -> Array:
+    """Every `factor`-th of the filtered samples (n, c), each column `late` (c,) samples later; (ceil(n / factor), c)."""
+    step = BLOCK * factor
+    return joined((columns[start : start + step].T for start in range(0, len(columns), step)), factor, late)
+
+
+def joined(blocks: Iterable[Array], factor: int, late: npt.ArrayLike) -> Array:
+    """Every `factor`-th of the filtered samples of channels in `blocks` (c, k), each `late` (c,) samples later: (m, c)."""
+    pieces = [_cut(factor, float(samples)) for samples in np.atleast_1d(np.asarray(late, dtype=np.float64))]
+    longest, earliest = max((len(one.table) for one in pieces), default=1), min((one.before for one in pieces), default=0)
+    found: list[Array] = []
+    held, base, done, count = np.zeros((len(pieces), 0)), 0, 0, 0
+    for block in blocks:
+        held = np.hstack([held, block])
+        count = base + held.shape[1]
+        ready = max((count + earliest) // factor - longest + 1, done)
+        found.append(_several(held, base, pieces, done, ready, factor))
+        first = max(ready * factor - max((one.before for one in pieces), default=0), base)
+        held, base, done = held[:, first - base :], first, ready
+    found.append(_several(held, base, pieces, done, ceil(count / factor), factor))
+    return np.asarray(np.hstack(found).T)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Cut:
+    """A filter cut into pieces of as many coefficients as samples are left out, `table` (pieces, factor), latest sample last.
+
+    The first coefficient belongs to the sample that comes `before` so many samples before the one that is wanted.
+    """
+
+    table: Array
+    before: int
+
+
+def _cut(factor: int, late: float) -> _Cut:
+    first, coefficients = delayed_taps(factor, late)
+    size = ceil(len(coefficients) / factor) * factor
+    table = np.zeros(size)
+    table[size - len(coefficients) :] = coefficients[::-1]
+    return _Cut(table=table.reshape(-1, factor), before=first + size - 1)
+
+
+def _several(held: Array, base: int, pieces: list[_Cut], start: int, stop: int, factor: int) -> Array:
+    """Samples `start` to `stop` of the record, (c, stop - start); `held` (c, k) begins at the sample `base`."""
+    found = np.zeros((len(pieces), stop - start))
+    for row, signal, cut in zip(found, held, pieces, strict=True):
+        samples = _padded(signal, start * factor - cut.before - base, (stop - start + len(cut.table) - 1) * factor)
+        for k, products in enumerate(cut.table @ samples.reshape(-1, factor).T):
+            row += products[k : k + stop - start]
+    return found
+
+
+def delayed_taps(factor: int, samples: float) -> tuple[int, Array]:
+    """`taps` that delay by so many `samples` as well, and how many samples before the middle they begin.
+
+    A delay is a polynomial through `POINTS` samples around it (Lagrange), which for motion far below the rate of the simulation
+    is exact to rounding; a whole number of samples is exact for any.
+    """
+    if samples == 0.0:
+        return -HALF * factor, taps(factor)
+    first = floor(samples) - POINTS // 2 + 1
+    nodes = first + np.arange(POINTS)
+    weights = [np.prod([(samples - other) / (node - other) for other in nodes if other != node]) for node in nodes]
+    return first - HALF * factor, np.convolve(taps(factor), weights)
+
+
+def _padded(signal: Array, start: int, count: int) -> Array:
+    """`count` samples of `signal` from `start` on, at rest beyond both its ends."""
+    low, high = max(start, 0), min(start + count, len(signal))
+    if low == start and high == start + count:
+        return signal[low:high]
+    found = np.zeros(count)
+    if high > low:
+        found[low - start : high - start] = signal[low:high]
+    return found
 
 
 def _factor(simulated: float, rate: float) -> int:

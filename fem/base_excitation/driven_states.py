@@ -70,23 +70,29 @@ def run(structure: RigStructure, system: States, channels: Channels, motion: Bas
     CheckFailed : the answer grows beyond all numbers; with the first channel and time at which it does.
     """
     wanted, samples, last = seen(channels, system), _inputs(structure, motion), drive_end(motion)
-    found, state = np.empty((len(samples), len(wanted.of_states))), np.zeros(len(system.A))
+    found, state = np.empty((len(wanted.of_states), len(samples))).T, np.zeros(len(system.A))  # a channel lies in one piece
     straight = straightened(samples) if len(system.A) else samples
     with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
         for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
-            found[block.samples] = block.outputs + samples[block.samples] @ wanted.of_inputs.T
-            _require_bounded(found[block.samples], channels, block.samples.start / motion.sampling_rate, motion.sampling_rate)
+            np.add(block.outputs.T, wanted.of_inputs @ samples[block.samples].T, out=found[block.samples].T)
+            require_bounded(found[block.samples], channels.names, block.samples.start, motion.sampling_rate)
             if block.samples.stop == last + 1:
                 state = block.state
     return Run(samples=found, state=state)
 
 
-def _require_bounded(samples: Array, channels: Channels, start: float, sampling_rate: float) -> None:
+def require_bounded(samples: Array, names: tuple[str, ...], start: int, sampling_rate: float) -> None:
+    """Refuse `samples` (k, o) of channels `names` that have grown beyond all numbers; the first is the sample `start` of the run.
+
+    Raises
+    ------
+    CheckFailed : with channel and time.
+    """
     bounded = np.abs(samples) < BEYOND
     if bounded.all():
         return
     sample, channel = (int(i) for i in np.argwhere(~bounded)[0])
-    time, name = start + sample / sampling_rate, channels.names[channel]
+    time, name = (start + sample) / sampling_rate, names[channel]
     raise CheckFailed(
         f"The exact recursion lost the rig at {time:.6g} s: its {name} has grown beyond {BEYOND:g}. "
         "Look for a damping or stiffness that feeds energy in.",

@@ -172,13 +172,18 @@ def answer(
     sampling_rate : [Hz]
     stop : a sample at which one block ends, whose state is wanted
     """
-    uncoupled, step = poles(system), 1 / sampling_rate
-    solve = _by_stepping(system, outputs, step) if uncoupled is None else _by_poles(uncoupled, outputs, step)
+    solve = solver(system, outputs, sampling_rate)
     for start, end in pairwise(_edges(len(samples), stop)):
         found, state = solve(samples[start:end])
         yield Block(samples=slice(start, end), outputs=found, state=state)
         if progress is not None:
             progress(end / len(samples))
+
+
+def solver(system: States, outputs: Array, sampling_rate: float) -> Callable[[Array], tuple[Array, Array]]:
+    """What answers block after block of samples (k, p), at rest at the first: `outputs` (k, o), and state (2 n,) at the end."""
+    uncoupled, step = poles(system), 1 / sampling_rate
+    return _by_stepping(system, outputs, step) if uncoupled is None else _by_poles(uncoupled, outputs, step)
 
 
 def straightened(samples: Array) -> Array:
@@ -204,19 +209,21 @@ def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array]
 
     growth, now, ahead = held(uncoupled.pole * step)
     first, last = step * now, step * ahead
-    seen = outputs @ uncoupled.shape
+    modes, parted = len(uncoupled.pole), np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
+    seen = outputs @ np.hstack([uncoupled.shape.real, -uncoupled.shape.imag])  # real products: those of BLAS, half as many
     memory: ComplexArray | None = None
 
     def solve(samples: Array) -> tuple[Array, Array]:
         nonlocal memory
-        forces = uncoupled.drive @ samples.T.astype(np.complex128)
+        parts = parted @ samples.T  # real and imaginary part of the forces, then of the states
+        end = np.empty(modes, dtype=np.complex128)
         if memory is None:
-            memory = -last * forces[:, 0]  # at rest at the first sample, whatever the input is there
-        w = np.empty_like(forces)
-        for r in range(len(w)):
-            w[r], rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces[r], zi=memory[r : r + 1])
-            memory[r] = rest[0]
-        return np.asarray((seen.real @ w.real - seen.imag @ w.imag).T), np.asarray((uncoupled.shape @ w[:, -1]).real)
+            memory = -last * (parts[:modes, 0] + 1j * parts[modes:, 0])  # at rest at the first sample, whatever the input is there
+        for r in range(modes):
+            forces = parts[r] + 1j * parts[modes + r]
+            w, rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces, zi=memory[r : r + 1])
+            parts[r], parts[modes + r], end[r], memory[r] = w.real, w.imag, w[-1], rest[0]
+        return (seen @ parts).T, np.asarray((uncoupled.shape @ end).real)
 
     return solve
 

@@ -70,20 +70,26 @@ def judged(length: float, motion: BaseMotion) -> str:
 
 def lasting(structure: RigStructure, system: States, done: Run, share: float = SHARE) -> float:
     """[s] after the drive until every mode's load has fallen below `share` of the greatest; `done` begins with the load."""
+    greatest = size(structure, done.samples[:, :TABLE].T).max()
+    return lasting_from(structure, system, done.state, float(greatest), share)
+
+
+def lasting_from(structure: RigStructure, system: States, state: Array, greatest: float, share: float = SHARE) -> float:
+    """[s] of rest from `state` (2 n,) on until every mode's load has fallen below `share` of the `greatest`, a `size` [N]."""
     uncoupled, wanted = poles(system), seen(load(structure), system).of_states
     if uncoupled is None:  # modes that cannot be told apart: all together, with the slowest decay
         decay = -np.array([np.linalg.eigvals(system.A).real.max()])
-        loads = np.linalg.norm(wanted, axis=1)[:, None] * np.linalg.norm(done.state)
+        loads = np.linalg.norm(wanted, axis=1)[:, None] * np.linalg.norm(state)
     else:
-        decay, loads = -uncoupled.pole.real, np.abs((wanted @ uncoupled.shape) * (uncoupled.project @ done.state))
-    left, greatest = _size(structure, loads), _size(structure, done.samples[:, :TABLE].T).max()
+        decay, loads = -uncoupled.pole.real, np.abs((wanted @ uncoupled.shape) * (uncoupled.project @ state))
+    left = size(structure, loads)
     rings = left > share * greatest
     if np.any(decay[rings] <= UNDAMPED * np.linalg.norm(system.A, 2)):
         return float("inf")
     return float(np.max(np.log(left[rings] / (share * greatest)) / decay[rings], initial=0.0))
 
 
-def _size(structure: RigStructure, loads: Array) -> Array:
+def size(structure: RigStructure, loads: Array) -> Array:
     """(k,) [N] size of `loads` (6, k), moments over the radius of gyration about F."""
     M = np.diag(structure.mass)[:TABLE]
     return np.asarray(np.sqrt((loads[:3] ** 2).sum(axis=0) + (loads[3:] ** 2).sum(axis=0) * M[:3].sum() / M[3:].sum()))

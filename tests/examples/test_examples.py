@@ -98,3 +98,12 @@ def test_the_closure_example_finds_the_model_again_axis_by_axis(root: Path) -> N
         assert max(exudyn_off, exudyn_at) < 0.1  # the bar of exudyn against the recursion, in per cent
         assert recursion_off < 0.01
         assert recursion_at < 0.05
+
+
+def test_the_bias_of_peak_hold_is_drawn_as_it_is_measured_now(root: Path, tmp_path: Path) -> None:
+    program, printed = runpy.run_path(str(root / "examples" / "peak_hold_bias.py")), io.StringIO()
+    program["main"](Console(file=printed, width=160), (str(tmp_path / "bias.png"),))
+    assert re.search(r"peak hold +│ +4\d %", printed.getvalue())
+    now, then = (json.loads(said_about(path)) for path in (tmp_path / "bias.png", root / "docs/pictures/peak-hold-bias.png"))
+    for which, errors in now.items():
+        assert errors == pytest.approx(then[which], rel=0.01), "draw it again: python examples/peak_hold_bias.py"

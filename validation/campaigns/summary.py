@@ -60,12 +60,17 @@ def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
         return Summary(
             folder=str(folder), campaign=None, problems=found.problems, warnings=(), verdicts={}, levels={}, noise=None
         )
+    return of_campaign(folder, campaign, found.problems)
+
+
+def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput, ...] = ()) -> Summary:
+    """All about a `campaign` that lies, or will lie, in `folder`."""
     noise = noise_floors(campaign)
     known = {name: level for name, one in campaign.recordings.items() if (level := levels(one, campaign.table)) is not None}
     return Summary(
         folder=str(folder),
         campaign=campaign,
-        problems=found.problems,
+        problems=problems,
         warnings=(*campaign.warnings, *_loud(campaign, noise)),
         verdicts=observed(campaign.table),
         levels=known,

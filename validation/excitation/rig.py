@@ -88,9 +88,19 @@ def mounted(article: str, model: str, asked: Asked, attached: Attached, highest:
     above = _above(article)
     own = replace(asked, cells=False, changes=changes_of(above, asked.changes) if is_stack(article) else asked.changes)
     made = _followed(flexible(above, model, own), above, model, own, highest)
+    return assembled(article, made, asked, attached, highest)
+
+
+def assembled(article: str, made: Flexible, asked: Asked, attached: Attached, highest: float = np.inf) -> Mounted:
+    """The rig of `article` from a model `made` of what stands on its FMD, or of the whole where it has none.
+
+    Raises
+    ------
+    BadInput : modes that do not fit their structure.
+    """
     body = _body(made, places(article, made.model, asked), highest)
     common = {"flange": attached.flange, "struts": attached.struts, "frictions": attached.frictions}
-    if above == article:
+    if _above(article) == article:
         return Mounted(article=article, rig=Rig(article=body, **common), model=made)  # type: ignore[arg-type]
     seat, cover = _fmd(asked)
     mass = cover.mass + float(made.modes.rigid_mass[0, 0])

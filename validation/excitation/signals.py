@@ -17,9 +17,9 @@ from fem.base_excitation.response import Response
 from geometry.arrays import Array
 from geometry.atomic import write_with
 from geometry.dynamic_mass import MOTIONS
-from geometry.errors import BadInput
 from identification import files
 from identification.files.contents import Signals
+from validation import output
 
 LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Forces and moments of the table on what stands on it, about the reference point."""
@@ -55,21 +55,8 @@ def channels(response: Response) -> tuple[Channel, ...]:
 
 
 def require_ending(path: Path) -> None:
-    """Look at the ending of `path` before anything is computed.
-
-    Raises
-    ------
-    BadInput : no file is named, or no format has its ending.
-    """
-    if not path.name:
-        raise BadInput(source="--out", problem="no file is named", remedy="Give one, such as out/x.h5, or leave it out")
-    if path.suffix.lower() not in ENDINGS:
-        raise BadInput(
-            source=str(path),
-            field="--out",
-            problem=f"a run is written as {', '.join(ENDINGS)}, found {path.suffix or 'no ending'}",
-            remedy="Name the file so, the ending chooses the format",
-        )
+    """Refuse a `path` that names no format, as `validation.output.require_ending`."""
+    output.require_ending(path, ENDINGS, "a run", "out/x.h5")
 
 
 def write(path: Path, response: Response, label: str) -> None:

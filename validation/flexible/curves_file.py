@@ -10,27 +10,14 @@ import numpy as np
 
 from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS, DynamicMass
-from geometry.errors import BadInput
+from validation import output
 
 ENDINGS = (".csv", ".npz")
 
 
 def require_ending(path: Path) -> None:
-    """Look at the ending of `path` before anything is computed.
-
-    Raises
-    ------
-    BadInput : no file is named, or its ending is not one of `ENDINGS`.
-    """
-    if not path.name:
-        raise BadInput(source="--out", problem="no file is named", remedy="Give one, such as out/H.csv, or leave it out")
-    if path.suffix.lower() not in ENDINGS:
-        raise BadInput(
-            source=str(path),
-            field="--out",
-            problem=f"a dynamic mass is written as {' or '.join(ENDINGS)}, found {path.suffix or 'no ending'}",
-            remedy="Name the file so, the ending chooses the format",
-        )
+    """Refuse a `path` that names no format, as `validation.output.require_ending`."""
+    output.require_ending(path, ENDINGS, "a dynamic mass", "out/H.csv")
 
 
 def write(path: Path, H: DynamicMass, article: str) -> None:

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from fem.modes import Modes
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from validation.pictures.files import ABOUT, require_format, save
@@ -25,6 +24,9 @@ CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
 
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
+
+MEASURED, LEFT_OUT = "#f28a1c", "#c3c8d0"
+"""Of lines that were measured, and of those among them that are not used."""
 
 WIDTHS = (2.8, 1.9, 1.1)
 """Of these: where curves coincide, all of them are seen."""
@@ -41,11 +43,26 @@ ROOM_FOR_A_FIGURE = 0.075
 TITLE_ABOVE_FIGURES = 13
 """Points between a panel and its title, so that the figures of `_mark` stand below it."""
 
+FEW = 3
+"""Names that a legend inside a panel has at most."""
+
 DASHES = ("-", "--", ":")
 
 Axes = Any
 Figure = Any
 """Matplotlib's; the library is imported inside the functions."""
+
+
+class Resonances(Protocol):
+    """What is marked: modes of a model, or elastic terms that were identified."""
+
+    @property
+    def frequency(self) -> Array:
+        """(m,) [Hz]."""
+
+    @property
+    def effective_mass(self) -> Array:
+        """(m, 6) [kg], [kg m²] along every axis."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,12 +75,14 @@ class Curve:
     mass : on the lines to be drawn
     rigid : (6, 6) mass matrix of the rigid body about the same point
     modes : eigenfrequencies, and how much each shows on an axis
+    dots : colour of a measured dynamic mass, drawn line by line; empty for a model
     """
 
     name: str
     mass: DynamicMass
     rigid: Array
-    modes: Modes
+    modes: Resonances
+    dots: str = ""
 
 
 def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> None:
@@ -88,7 +107,7 @@ def diagonal(title: str, curves: Sequence[Curve], path: Path, note: str = "") ->
         if i >= 3:
             lower.set_xlabel("frequency [Hz]", fontsize=9.5)
         if i == 0:
-            upper.legend(fontsize=8.5, loc="best", framealpha=0.85)
+            _legend(figure, upper, 8.5)
     finish(figure, title, note, path)
 
 
@@ -115,7 +134,7 @@ def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> Non
             if i == 5:
                 lower.set_xlabel("frequency [Hz]", fontsize=8.5)
             if (i, j) == (0, 0):
-                upper.legend(fontsize=7, loc="best", framealpha=0.85)
+                _legend(figure, upper, 7)
     finish(figure, title, note, path)
 
 
@@ -175,12 +194,28 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) ->
                 side.set_color("#d9dde3")
         upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
         return
-    for curve, colour, dash in zip(curves, CURVES, DASHES, strict=False):
-        _line(upper, lower, curve, i, j, colour, dash, curve.name)
+    lines = iter(zip(CURVES, DASHES, strict=True))
+    for curve in curves:
+        if curve.dots:
+            _dots(upper, lower, curve, i, j)
+        else:
+            colour, dash = next(lines)
+            _line(upper, lower, curve, i, j, colour, dash, curve.name)
     if rigid > NOTHING * np.abs(curves[0].rigid).max():
         upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
-    _dress(upper, lower, curves[0].mass.frequency)
+    _dress(upper, lower, np.concatenate([curve.mass.frequency for curve in curves]))
     _at_least_a_decade(upper)
+
+
+def _legend(figure: Figure, upper: Axes, size: float) -> None:
+    """In the panel where it is small, else beside the title: a large one hides what it explains."""
+    handles, labels = upper.get_legend_handles_labels()
+    if len(labels) <= FEW:
+        upper.legend(fontsize=size, loc="best", framealpha=0.85)
+        return
+    _, height = figure.get_size_inches()
+    place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1 - 0.25 / height), "ncols": len(labels)}
+    figure.legend(handles, labels, fontsize=10, frameon=False, markerscale=2, handlelength=1.6, **place)
 
 
 def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
@@ -194,6 +229,13 @@ def _line(upper: Axes, lower: Axes, curve: Curve, i: int, j: int, colour: str, d
     lower.plot(f, _phase(H), color=colour, linestyle=dash, linewidth=width)
 
 
+def _dots(upper: Axes, lower: Axes, curve: Curve, i: int, j: int) -> None:
+    f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
+    look: dict[str, Any] = {"color": curve.dots, "linestyle": "none", "marker": "o", "markersize": 3.0, "markeredgewidth": 0}
+    upper.semilogy(f, np.abs(H), label=curve.name, **look)
+    lower.plot(f, np.degrees(np.angle(H)), **look)
+
+
 def _phase(H: ComplexArray) -> Array:
     """Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase."""
     phase = np.degrees(np.angle(H))
@@ -205,7 +247,7 @@ def _phase(H: ComplexArray) -> Array:
 def _dress(upper: Axes, lower: Axes, f: Array) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    upper.set_xlim(f[0], f[-1])
+    upper.set_xlim(f.min(), f.max())
     lower.set_ylim(-195, 195)
     lower.set_yticks([-180, -90, 0, 90, 180])
     lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))

@@ -77,14 +77,10 @@ def sampled(
     """
     require_positive(sampling_rate, "sampling_rate", pattern.label, "Hz")
     require_not_negative(ring_down, "ring_down", pattern.label, "s")
-    _require_below_nyquist(pattern, sampling_rate)
+    require_below_nyquist(pattern, sampling_rate)
     driven = pattern.driven + (cross.delay if cross else 0.0)
     clock = Clock(sampling_rate=sampling_rate, count=_count((driven + ring_down) * sampling_rate, pattern.label))
-    motion = np.zeros((3, clock.count, 6))
-    _add(motion, pattern.signals(clock), cross.at_once if cross else np.eye(6))
-    if cross:
-        _add(motion, pattern.signals(replace(clock, late=cross.delay)), cross.delayed)
-    displacement, velocity, acceleration = motion
+    displacement, velocity, acceleration = at(pattern, clock, cross).transpose(0, 2, 1)
     return BaseMotion(
         sampling_rate=sampling_rate,
         displacement=displacement,
@@ -96,16 +92,31 @@ def sampled(
     )
 
 
+def at(pattern: Pattern, clock: Clock, cross: CrossMotion | None = None) -> Array:
+    """Displacement, velocity and acceleration of the table at the instants of `clock`: (3, 6, n)."""
+    motion = np.zeros((3, 6, clock.count))
+    _add(motion, pattern.signals(clock), cross.at_once if cross else np.eye(6))
+    if cross:
+        _add(motion, pattern.signals(replace(clock, late=clock.late + cross.delay)), cross.delayed)
+    return motion
+
+
 def _add(motion: Array, signals: Mapping[str, Jet], transfer: Array) -> None:
-    """Add `signals`, passed on from their axes (columns of `transfer`) to all (rows), to `motion` (3, n, 6) in place."""
+    """Add `signals`, passed on from their axes (columns of `transfer`) to all (rows), to `motion` (3, 6, n) in place."""
     for axis, jet in signals.items():
         for row, share in enumerate(transfer[:, MOTIONS.index(axis)]):
             if share:
                 for total, part in zip(motion, (jet.value, jet.first, jet.second), strict=True):
-                    total[:, row] += share * part
+                    total[row] += share * part
 
 
-def _require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:
+def require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:
+    """Refuse a rate that cannot hold what is driven.
+
+    Raises
+    ------
+    BadInput : `pattern` goes beyond half of `sampling_rate` [Hz].
+    """
     if pattern.highest >= sampling_rate / 2:
         raise BadInput(
             source=pattern.label,

@@ -1,0 +1,153 @@
+"""Force and moment channels: from the load on the structure to what they read.
+
+    y = factor · S · diag(1 - lost) · R · X · H u
+
+X lets a resultant show in others (cross-talk of the measuring plane, moments that the cells miss), R shares the load between the
+sensing elements, part of what each carries may pass it by (shunt), and S, the summation box, adds elements up. A moment channel
+beside elements that carry everything reads the resultant moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from geometry.sensors import Channel, Summation
+from geometry.tolerances import Tolerances
+from identification.chain import factor
+from identification.chain.cells import Springs
+from identification.chain.parameter import Offsets, Parameter
+
+AXES = "xyz"
+CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
+"""``zx``: the x resultant shows in the z channels."""
+
+OFFSETS = {"x": (4, 0, -1.0), "y": (3, 1, 1.0)}
+"""By axis of the force at height h: row and column of X and sign: M_y -= h F_x, M_x += h F_y."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Loads:
+    """The force side of a chain.
+
+    Attributes
+    ----------
+    channels : of the FMD
+    first : column of the first of them in the chain
+    sums : their elements and sums about the reference point
+    springs : the load cells
+    """
+
+    channels: tuple[Channel, ...]
+    first: int
+    sums: Summation
+    springs: Springs
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the channels."""
+        return tuple(channel.name for channel in self.channels)
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """Of the channels in the chain."""
+        return tuple(range(self.first, self.first + len(self.channels)))
+
+
+def parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
+    """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
+    all_of_them = part.columns
+    yield from factor.parameters(part.names, part.first, "force", "force", known.gain, known)
+    for pair in CROSSTALK if part.channels else ():
+        yield Parameter(name=f"force-crosstalk:{pair}", unit="1", tolerance=known.crosstalk, channels=all_of_them)
+    for axis in AXES if part.channels else ():
+        yield Parameter(name=f"load-path-shunt:{axis}", unit="1", tolerance=0.0, channels=all_of_them)
+    for axis in OFFSETS if part.channels else ():
+        yield Parameter(name=f"force-plane-offset:{axis}", unit="m", tolerance=0.0, channels=all_of_them)
+
+
+def rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
+    """A1 of the force channels, (n, c, 6): what they read for a unit load at `frequency` (n,) [Hz]."""
+    f = factor.factors(part.names, "force", "force", x, frequency)
+    return np.asarray(f[:, :, None] * (_reading(part, x) @ _mixing(x)))
+
+
+def changes(part: Loads, x: Offsets, frequency: Array) -> Iterator[tuple[str, list[int], ComplexArray]]:
+    """By open parameter: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
+    f = factor.factors(part.names, "force", "force", x, frequency)
+    reading, X = _reading(part, x), _mixing(x)
+    A1 = f[:, :, None] * (reading @ X)
+    for key, touched, slope in factor.changes(part.names, "force", "force", x, frequency):
+        yield key, touched, slope[:, :, None] * A1[:, touched]
+    every = list(range(len(part.channels)))
+    for key, change in _reading_changes(part, x):
+        yield key, every, f[:, :, None] * (change @ X)
+    for key, change in _mixing_changes(x):
+        yield key, every, f[:, :, None] * (reading @ change)
+
+
+def _reading(part: Loads, x: Offsets) -> Array:
+    """(c, 6) reading for a unit resultant load, before the signal's way to the record."""
+    return np.asarray(part.sums.adds @ (_passing(part, x)[:, None] * _sharing(part, x)))
+
+
+def _sharing(part: Loads, x: Offsets) -> Array:
+    """(e, 6) reading of every element for a unit resultant load."""
+    if not part.springs.of_cells:
+        return np.asarray(np.linalg.pinv(part.sums.gives))
+    R = part.sums.gives.T.copy()  # of a moment: its row, that of the resultant moment itself
+    R[_of_force(part)] = part.springs.sharing(x)
+    return np.asarray(R)
+
+
+def _passing(part: Loads, x: Offsets) -> Array:
+    """(e,) share of each element's load that a shunt leaves to it."""
+    lost = np.array([x.get(f"load-path-shunt:{axis}", 0.0) for axis in AXES])
+    return np.asarray(1 - lost @ _along(part))
+
+
+def _along(part: Loads) -> Array:
+    """(3, e) how far a force element measures along each axis, adding up to 1; 0 for moments."""
+    return np.asarray(part.sums.gives[:3] ** 2)
+
+
+def _of_force(part: Loads) -> list[int]:
+    return [e for e, (quantity, _) in enumerate(part.sums.elements) if quantity == "force"]
+
+
+def _mixing(x: Offsets) -> Array:
+    X = np.eye(6)
+    for key, change in _mixing_changes(x):
+        X += x[key] * change
+    return X
+
+
+def _mixing_changes(x: Offsets) -> Iterator[tuple[str, Array]]:
+    for pair in CROSSTALK:
+        if (key := f"force-crosstalk:{pair}") in x:
+            yield key, _unit(AXES.index(pair[0]), AXES.index(pair[1]))
+    for axis, (row, column, sign) in OFFSETS.items():
+        if (key := f"force-plane-offset:{axis}") in x:
+            yield key, sign * _unit(row, column)
+
+
+def _reading_changes(part: Loads, x: Offsets) -> Iterator[tuple[str, Array]]:
+    """d `_reading` / d offset, (c, 6), of stiffnesses and shunts."""
+    passing, adds = _passing(part, x), part.sums.adds
+    if part.springs.of_cells:
+        force = _of_force(part)
+        for key, change in part.springs.sharing_changes(x):
+            yield key, adds[:, force] @ (passing[force, None] * change)
+    for axis, along in zip(AXES, _along(part), strict=True):
+        if (key := f"load-path-shunt:{axis}") in x:
+            yield key, -adds @ (along[:, None] * _sharing(part, x))
+
+
+def _unit(row: int, column: int) -> Array:
+    E = np.zeros((6, 6))
+    E[row, column] = 1.0
+    return E

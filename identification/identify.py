@@ -1,0 +1,154 @@
+"""The whole way of one identification: campaigns to spectra, spectra to a dynamic mass, and from both, two ways, ten parameters.
+
+Both ways stand side by side in the result: the paper's own, Eqs. 6 to 11, and the self-calibrated one, in which every tolerance of
+the measurement chain is estimated with them. What the data say about themselves - condition, redundancy, closed checks, the band
+study - is kept with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.errors import BadInput
+from identification import cross_motion, excitation
+from identification.base_motion import BaseMotion, base_motion
+from identification.campaign import Campaign
+from identification.cross_motion import CrossMotion
+from identification.dynamic_mass import Estimate, from_runs
+from identification.evidence import evidence_of, settings_of
+from identification.excitation import Exclusions
+from identification.identified import Identified
+from identification.plain import plain
+from identification.request import Request
+from identification.resultants import Resultants, resultants
+from identification.self_calibration.calibrated import calibrated
+from identification.spectra.line_spectra import Spectra
+from identification.spectra.of_campaign import spectra
+
+Progress = Callable[[float], None]
+"""Told the share that is done."""
+
+READ, PLAIN, CALIBRATED = 0.2, 0.4, 0.9
+"""Shares of the work that are done with the spectra, with the plain way, with the self-calibrated one."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identification:
+    """All that an identification found.
+
+    Attributes
+    ----------
+    request : what was asked
+    article, tares : spectra of the campaigns, excluded lines still in them
+    motion, load : base motions and resultants of the article's campaign about F, with what is redundant
+    estimate : dynamic mass of the whole set-up, FMD included, and the condition number at every line
+    exclusions : lines that were left out, and why
+    crossed : what the quotient of the driven axis would have cost; None where runs drive several axes
+    plain, self_calibrated : the article's ten parameters about F, both ways
+    warnings : sentences
+    """
+
+    request: Request
+    article: Spectra
+    tares: tuple[Spectra, ...]
+    motion: BaseMotion
+    load: Resultants
+    estimate: Estimate
+    exclusions: Exclusions
+    crossed: CrossMotion | None
+    plain: Identified
+    self_calibrated: Identified
+    warnings: tuple[str, ...]
+
+
+def identify(request: Request, progress: Progress | None = None) -> Identification:
+    """Everything that `request` asks for.
+
+    Raises
+    ------
+    BadInput : as `spectra`, `from_runs`, `calibrated`; tare and article of different hardware without `any_hardware`; hardly a
+        line left.
+    CheckFailed : an estimate that does not settle.
+    """
+    tell = progress or (lambda share: None)
+    settings = settings_of(request)
+    article, *tares = _spectra(request, _between(tell, 0.0, READ))
+    motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
+    estimate = from_runs(load.values, motion.values, article.frequency, article.table.origin)
+    left_out = excitation.exclusions(estimate.excitation, request.condition_limit)
+    used = _kept(article, left_out, request.campaign)
+    evidence = evidence_of(request, used, tares)
+    by_paper = plain(evidence, settings, progress=_between(tell, READ, PLAIN))
+    return Identification(
+        request=request,
+        article=article,
+        tares=tuple(tares),
+        motion=motion,
+        load=load,
+        estimate=estimate,
+        exclusions=left_out,
+        crossed=_crossed(load, motion, article, estimate),
+        plain=by_paper,
+        self_calibrated=calibrated(evidence, settings, progress=_between(tell, PLAIN, CALIBRATED)),
+        warnings=_warnings(request, article, tares),
+    )
+
+
+def _between(tell: Progress, start: float, end: float) -> Progress:
+    return lambda share: tell(start + (end - start) * share)
+
+
+def _spectra(request: Request, tell: Progress) -> list[Spectra]:
+    campaigns = [request.campaign, *(tare.campaign for tare in request.tares)]
+    ends = np.linspace(0.0, 1.0, len(campaigns) + 1)
+    return [
+        spectra(one, method=request.method, band=request.band, progress=_between(tell, *ends[k : k + 2]))
+        for k, one in enumerate(campaigns)
+    ]
+
+
+def _kept(article: Spectra, left_out: Exclusions, campaign: Campaign) -> Spectra:
+    """The lines of `article` that are not left out.
+
+    Raises
+    ------
+    BadInput : hardly any line is left.
+    """
+    if np.count_nonzero(left_out.kept) < 2:
+        raise BadInput(
+            source=campaign.source,
+            field="runs",
+            problem=f"the base motions are told apart at no line: {'; '.join(left_out.reasons)}",
+            remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
+        )
+    at = left_out.kept
+    return replace(
+        article,
+        frequency=article.frequency[at],
+        values=article.values[:, at],
+        noise=article.noise[:, at],
+        quality=article.quality[:, at],
+    )
+
+
+def _crossed(load: Resultants, motion: BaseMotion, article: Spectra, estimate: Estimate) -> CrossMotion | None:
+    try:
+        return cross_motion.cost(load.values, motion.values, article.axes, estimate)
+    except BadInput:
+        return None  # a pattern of several axes has no quotient
+
+
+def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> tuple[str, ...]:
+    said = [*request.campaign.warnings, *article.warnings]
+    for tare, read in zip(request.tares, tares, strict=True):
+        said += [f"{tare.campaign.article}: {text}" for text in (*tare.campaign.warnings, *read.warnings)]
+    if not request.tares and request.fmd is None:
+        said.append("no tare was given: mass, CoG and inertia include the moving part of the FMD")
+    processing = request.campaign.processing
+    if processing is not None and processing.method != request.method and article.method != "spectra":
+        asked = processing.method
+        said.append(f"campaign.toml asks for {asked}, {request.method} was used; --spectra {asked} follows the file")
+    return tuple(dict.fromkeys(said))

@@ -1,0 +1,147 @@
+"""The quality indicator that the paper says is missing: intervals, what dominates them, and a verdict in words.
+
+Mass, CoG and moments about the CoG are a smooth map of the ten parameters of Eq. 4; their covariance follows linearised (GUM, JCGM
+100:2008, 5.2.2), input by input. How large an interval is, is judged against the size of the body: the mass for the mass, its radius
+of gyration for the CoG, its moments of inertia for moments and products.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array, frozen
+from geometry.frames import Pose
+from geometry.inertia import PARAMETERS, Inertia
+from identification.classical import QUANTITIES, jacobian, quantities
+from identification.evidence import scale
+from identification.identified import Identified
+
+NORMAL_95 = 1.959963984540054
+"""Half the width of a 95 % interval, in standard deviations."""
+
+TRUSTED = 0.05
+"""Half a 95 % interval, as a share of the size of the body, up to which a figure is worth having."""
+
+ELASTICITY = "elasticity"
+
+TO_ADD: Mapping[str, str] = {
+    "noise": "drive at a higher level, or sweep more slowly",
+    ELASTICITY: "begin the sweeps lower, go on beyond the next mode, or allow for more modes",
+    "tare": "know the tare's article better: weigh it, measure its moments, or add a second known article",
+    "force-gain": "weigh the article, or add a tare whose mass is near the article's",
+    "force-delay": "calibrate the delays of force and acceleration channels against each other",
+    "accelerometer-gain": "calibrate the accelerometers on the cover plate against each other, or add a tare",
+    "accelerometer-delay": "calibrate the delays of force and acceleration channels against each other",
+    "accelerometer-position": "measure where the pick-ups on the cover plate sit, or set them farther apart",
+    "accelerometer-misalignment": "align the pick-ups on the cover plate, or turn one and measure again",
+    "cell-stiffness": "record the cells singly instead of in sums, or add a tare with its load off centre",
+    "fmd-compliance": "state the stiffness of the load cells, or leave the table's accelerometers out",
+    "force-crosstalk": "add a tare with its load off centre",
+}
+"""What to add where an input dominates."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Quality:
+    """A result as one reads it, in the frame that was asked for.
+
+    Attributes
+    ----------
+    inertia : about the frame's origin, in its axes
+    values : (10,) order of `QUANTITIES`: mass [kg], CoG [m], moments xx yy zz and products xy xz yz about the CoG [kg m²]
+    covariance : (10, 10) of these
+    interval95 : (10, 2) low and high
+    shares : by input its share (10,) of the variance of `values`
+    dominant : by PARAMETER about F and by name in `QUANTITIES`, the input with the largest share
+    verdict : by the same names, in words
+    """
+
+    inertia: Inertia
+    values: Array
+    covariance: Array
+    interval95: Array
+    shares: Mapping[str, Array]
+    dominant: Mapping[str, str]
+    verdict: Mapping[str, str]
+
+    def __post_init__(self) -> None:
+        for name, shape in {"values": (10,), "covariance": (10, 10), "interval95": (10, 2)}.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+
+def quality(identified: Identified, frame: Pose | None = None) -> Quality:
+    """Mass, CoG and moments of inertia about the CoG, with their 95 % intervals and verdicts.
+
+    Parameters
+    ----------
+    frame : pose of the article's own frame, seen from F, to report in; F's own by default
+    """
+    there = (frame or Pose()).inverse
+    carried = np.stack([_carried(row, there) for row in np.eye(10)], axis=1)
+    ten = carried @ identified.inertia.parameters
+    values = quantities(ten)
+    J = jacobian(ten) @ carried
+    covariance = J @ identified.covariance @ J.T
+    half = NORMAL_95 * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    shares = _shares(identified, J)
+    about_f = (identified.shares, NORMAL_95 * np.sqrt(np.diag(identified.covariance)) / scale(identified.inertia))
+    reported = (shares, half / sizes(Inertia(parameters=ten)))
+    judged = [(PARAMETERS, *about_f), (QUANTITIES, *reported)]
+    return Quality(
+        inertia=Inertia(parameters=ten),
+        values=values,
+        covariance=covariance,
+        interval95=np.stack([values - half, values + half], axis=1),
+        shares=shares,
+        dominant={name: _dominant(share, k) for names, share, _ in judged for k, name in enumerate(names)},
+        verdict={
+            name: verdict(float(width[k]), share, k, identified) for names, share, width in judged for k, name in enumerate(names)
+        },
+    )
+
+
+def sizes(body: Inertia) -> Array:
+    """(10,) against which intervals of `quantities` are judged: mass, radius of gyration, moments and their geometric means."""
+    moments = np.abs(body.moments_cog)
+    xx, yy, zz = moments
+    reach = np.sqrt(moments.max() / abs(body.mass))
+    products = np.sqrt([xx * yy, xx * zz, yy * zz])
+    return np.array([abs(body.mass), reach, reach, reach, xx, yy, zz, *products])
+
+
+def verdict(width: float, shares: Mapping[str, Array], k: int, identified: Identified) -> str:
+    """In words what to think of quantity `k`, whose half interval is `width` of the size of the body."""
+    most = _dominant(shares, k)
+    percent = f"±{100 * width:.2g} % of the size of the body"
+    from_it = f", mostly from {most} ({100 * shares[most][k]:.0f} % of the variance)" if most else ""
+    if most == ELASTICITY and (width > TRUSTED or identified.elastic is None):
+        return f"dominated by elasticity: {percent}{from_it}; {_advice(identified)}"
+    if not identified.converged:
+        return "not identifiable from this data: the fit did not converge; check channels and runs with `massline check`"
+    if width > TRUSTED:
+        return f"not identifiable from this data: {percent}{from_it}; {TO_ADD.get(most, 'add a classical measurement of it')}"
+    return f"trustworthy: {percent}{from_it}"
+
+
+def _advice(identified: Identified) -> str:
+    if identified.elastic is None:
+        return "no rigid body moves like this: fit elastic terms (--modes auto), or begin the sweeps far below the first mode"
+    return TO_ADD[ELASTICITY]
+
+
+def _carried(parameters: Array, there: Pose) -> Array:
+    """The ten parameters in another frame: linear in them."""
+    return Inertia(parameters=parameters).placed(there).parameters
+
+
+def _shares(identified: Identified, J: Array) -> dict[str, Array]:
+    variance = {name: np.maximum(np.einsum("ij,jk,ik->i", J, part, J), 0.0) for name, part in identified.parts.items()}
+    whole = np.maximum(np.sum(list(variance.values()), axis=0), np.finfo(np.float64).tiny) if variance else np.ones(10)
+    return {name: one / whole for name, one in variance.items()}
+
+
+def _dominant(shares: Mapping[str, Array], k: int) -> str:
+    return max(shares, key=lambda name: float(shares[name][k])) if shares else ""

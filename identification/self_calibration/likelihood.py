@@ -1,0 +1,158 @@
+"""The likelihood of one campaign: base motions are eliminated in closed form, line by line and run by run.
+
+At one line of one run all channels read y = A u + n with six latent base motions u. Whitened by W = diag(1 / sd) of the real and
+of the imaginary part, W A = Q R, the residual is what no base motion explains,
+
+    r = (1 - Q Q^H) W y ,      u = R^-1 Q^H W y ,
+
+and its derivative by a parameter of A is (variable projection in the form of Kaufman, BIT 15, 1975)
+
+    dr = -(1 - Q Q^H) W (dA) u .
+
+A = A0 + A1 H is affine in the dynamic mass, so that a structural parameter gives dA = A1 dH. The gradient r^T dr is exact; what
+Kaufman leaves out of dr is of second order in r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array, frozen
+from geometry.dynamic_mass import ComplexArray
+from identification.measurement_chain import Derivative
+from identification.spectra.line_spectra import Spectra
+
+SMOOTHED = 0.2
+"""[Hz] to either side over which the level of a channel is averaged."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Observed:
+    """What the channels read at the lines that are used.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    values : (r, n, c) complex
+    weight : (r, n, c) one over the standard deviation of the real, and of the imaginary, part
+    """
+
+    frequency: Array
+    values: ComplexArray
+    weight: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "weight", frozen(self.weight, self.values.shape, "weight"))
+
+    @property
+    def size(self) -> int:
+        """Real numbers that are left when six base motions are taken out of every line and run."""
+        runs, lines, channels = self.values.shape
+        return 2 * runs * lines * (channels - 6)
+
+
+def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.int64], floor: float) -> Observed:
+    """The chosen `channels` and `lines` (indices) of `spectra`, with a model-error `floor` relative to the level of each channel.
+
+    E|noise|² = sd² is shared by real and imaginary part.
+    """
+    chosen = np.ix_(np.arange(len(spectra.runs)), lines, channels)
+    variance = np.square(spectra.noise[chosen]) + np.square(floor * level(spectra)[chosen])
+    weight = np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny))
+    return Observed(frequency=spectra.frequency[lines], values=spectra.values[chosen], weight=weight)
+
+
+def level(spectra: Spectra) -> Array:
+    """(r, n, c) root mean square of every channel over the lines within `SMOOTHED` of each line."""
+    power = np.cumsum(np.square(np.abs(spectra.values)), axis=1)
+    power = np.concatenate([np.zeros_like(power[:, :1]), power], axis=1)
+    low = np.searchsorted(spectra.frequency, spectra.frequency - SMOOTHED * (1 + 1e-9))
+    high = np.searchsorted(spectra.frequency, spectra.frequency + SMOOTHED * (1 + 1e-9), side="right")
+    return np.asarray(np.sqrt((power[:, high] - power[:, low]) / (high - low)[:, None]))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rows:
+    """The linear model of one campaign at its lines, and how it changes.
+
+    Attributes
+    ----------
+    a0, a1 : (n, c, 6) of A = A0 + A1 H
+    dynamic_mass : (n, 6, 6)
+    chain : for every parameter of the chain the channels that it touches, and dA of these
+    structure : (n, 6, 6, k) dH of the structural parameters
+    """
+
+    a0: ComplexArray
+    a1: ComplexArray
+    dynamic_mass: ComplexArray
+    chain: Sequence[Derivative] = ()
+    structure: ComplexArray | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Normal:
+    """Half the sum of squares of residuals, its gradient (k,) and J^T J (k, k); chain parameters first, then structural ones."""
+
+    cost: float
+    gradient: Array
+    matrix: Array
+
+
+def residual(observed: Observed, rows: Rows) -> ComplexArray:
+    """(r, n, c) whitened residual of every run and line."""
+    A = rows.a0 + rows.a1 @ rows.dynamic_mass
+    return np.stack([_eliminated(A, y, w)[0] for y, w in zip(observed.values, observed.weight, strict=True)])
+
+
+def normal(observed: Observed, rows: Rows) -> Normal:
+    """The normal equations of the campaign, run by run."""
+    A = rows.a0 + rows.a1 @ rows.dynamic_mass
+    count = len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1])
+    cost, gradient, matrix = 0.0, np.zeros(count), np.zeros((count, count))
+    for y, w in zip(observed.values, observed.weight, strict=True):
+        r, Q, u = _eliminated(A, y, w)
+        V = _changes(rows, w, u)
+        V -= Q @ (Q.conj().transpose(0, 2, 1) @ V)
+        J = np.concatenate([V.real.reshape(-1, count), V.imag.reshape(-1, count)])
+        stacked = np.concatenate([r.real.ravel(), r.imag.ravel()])
+        cost += 0.5 * float(stacked @ stacked)
+        gradient -= J.T @ stacked
+        matrix += J.T @ J
+    return Normal(cost=cost, gradient=gradient, matrix=matrix)
+
+
+def gradients(observed: Observed, rows: Rows) -> Array:
+    """(r, n, k) what every line of every run contributes to the gradient."""
+    A = rows.a0 + rows.a1 @ rows.dynamic_mass
+    found = []
+    for y, w in zip(observed.values, observed.weight, strict=True):
+        r, _, u = _eliminated(A, y, w)
+        found.append(-np.einsum("nc,nck->nk", r.conj(), _changes(rows, w, u)).real)
+    return np.stack(found)
+
+
+def _eliminated(A: ComplexArray, y: ComplexArray, w: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Residual (n, c), Q (n, c, 6) and base motion (n, 6) of one run."""
+    Q, R = np.linalg.qr(w[..., None] * A)
+    white = (w * y)[..., None]
+    b = Q.conj().transpose(0, 2, 1) @ white
+    return (white - Q @ b)[..., 0], Q, np.linalg.solve(R, b)[..., 0]
+
+
+def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:
+    """(n, c, k) W (dA) u of one run."""
+    lines, channels = w.shape
+    structural = 0 if rows.structure is None else rows.structure.shape[-1]
+    V = np.zeros((lines, channels, len(rows.chain) + structural), dtype=np.complex128)
+    for k, change in enumerate(rows.chain):
+        V[:, change.channels, k] = (change.rows @ u[..., None])[..., 0]
+    if rows.structure is not None:
+        load = np.einsum("nijk,nj->nik", rows.structure, u, optimize=True)
+        V[:, :, len(rows.chain) :] = rows.a1 @ load
+    V *= w[..., None]
+    return V

@@ -1,0 +1,151 @@
+"""Noise of every channel at every line, from the parts of the records in which nothing moved.
+
+A broadband floor would not see mains or drift. So the spectral density of the quiet parts is taken (Hann segments of up to two
+seconds, Welch 1967, averaged over all runs), smoothed where it is smooth and left as it is where a tone stands out of it.
+
+Stationary noise of the two-sided density S(f) [unit²/Hz] gives
+
+    E|X|² = T S                                  a line of the full-record transform over T seconds [unit²/Hz²]
+    E|X|² = 4 rate S sum w² / (sum w)²           a line of a block of window w, scaled to the amplitude of a sine [unit²]
+
+A tone is not stationary noise: a full record cut between two mains periods leaks a/(2 pi |f - 50 Hz|) into a line, 0.9 % of its
+amplitude at 32 Hz - below the noise of 100 s unless the tone is some hundred times larger than the noise's density.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array
+from identification.campaign import Campaign
+from identification.recording import Recording
+from identification.survey import block_length, quiet_blocks
+
+SEGMENT = 4
+"""Blocks of `survey.BLOCK` seconds that make a segment of the spectral density, where so many in a row are quiet."""
+
+STILL = 2.0
+"""How far above that of the quietest segment the power of a segment may lie: beyond, something still rings."""
+
+SMOOTH, AROUND = 1.0, 3.0
+"""[Hz] half widths: of the mean that smooths a density, and of the median out of which a tone stands."""
+
+NOTHING = 1e-9
+"""Noise below this share of the largest line of its channel is rounding: nothing is known of it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Density:
+    """Two-sided spectral density of the noise.
+
+    Attributes
+    ----------
+    frequency : (k,) [Hz]
+    values : (k, c) [unit² / Hz]
+    segments : how many were averaged for each channel (c,)
+    """
+
+    frequency: Array
+    values: Array
+    segments: npt.NDArray[np.int_]
+
+
+def density(campaign: Campaign) -> Density | None:
+    """The spectral density of the quiet parts of all runs; None where no run has one."""
+    stretches = [part for one in campaign.recordings.values() for part in _stretches(one, campaign)]
+    if not stretches:
+        return None
+    rate = stretches[0][1]
+    parts = [values for values, at in stretches if at == rate]  # runs of another rate would need a grid of their own
+    length = min(max(len(part) for part in parts), SEGMENT * block_length(rate))
+    cut = [piece for part in parts for piece in _pieces(part, length)]
+    powers = np.stack([_periodogram(piece, rate) for piece in cut])  # (s, k, c)
+    total = powers.sum(axis=1)
+    kept = total <= STILL * total.min(axis=0)
+    mean = np.sum(powers * kept[:, None, :], axis=0) / kept.sum(axis=0)
+    frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), dtype=np.float64)
+    return Density(frequency=frequency, values=_smoothed(mean, frequency, kept.sum(axis=0)), segments=kept.sum(axis=0))
+
+
+def of_lines(campaign: Campaign, frequency: Array) -> tuple[Array, tuple[str, ...]]:
+    """Two-sided density (r, n, c) [unit²/Hz] at the lines of every run, and what is not known, in words.
+
+    Where no record has a quiet part, or a channel reads nothing in it, its `noise_rms` is spread evenly up to half the sampling
+    rate; where that is not stated either, the density is 0.
+    """
+    found = density(campaign)
+    channels = campaign.table.channels
+    measured = np.zeros((len(frequency), len(channels)))
+    if found is not None:
+        measured = np.stack([np.interp(frequency, found.frequency, column) for column in found.values.T], axis=1)
+    stated = np.array([channel.noise_rms or 0.0 for channel in channels])
+    rates = np.array([campaign.recordings[run.name].sampling_rate or 0.0 for run in campaign.runs])
+    spread = stated**2 / np.where(rates > 0, rates, np.inf)[:, None]  # (r, c)
+    silent = np.all(measured == 0, axis=0)
+    whole = np.where(silent, spread[:, None, :], measured)
+    unknown = [channel.name for k, channel in enumerate(channels) if not whole[:, :, k].any()]
+    return whole, _words(unknown, len(channels))
+
+
+def of_full_record(densities: Array, duration: Array) -> Array:
+    """Standard deviation (r, n, c) of a line of the full-record transform of `duration` (r,) [s]."""
+    return np.sqrt(densities * np.asarray(duration)[:, None, None])
+
+
+def of_block(densities: Array, rate: Array, window: Array) -> Array:
+    """Standard deviation (r, n, c) of a line of one block behind `window`, scaled to amplitudes; `rate` (r,) [Hz]."""
+    return np.sqrt(densities * np.asarray(rate)[:, None, None] * 4 * np.sum(window**2) / np.sum(window) ** 2)
+
+
+def without_rounding(noise: Array, level: Array) -> Array:
+    """`noise` (r, n, c) with 0 where a channel's is rounding beside its largest line `level` (c,)."""
+    return np.where(noise > NOTHING * level, noise, 0.0)
+
+
+def _stretches(recorded: Recording, campaign: Campaign) -> Iterator[tuple[Array, float]]:
+    """The samples (n, c) of every row of quiet blocks, and their rate."""
+    quiet = quiet_blocks(recorded, campaign.table)
+    if quiet is None or recorded.sampling_rate is None:
+        return
+    length = block_length(recorded.sampling_rate)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(np.int8)))
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        yield recorded.values[start * length : end * length], recorded.sampling_rate
+
+
+def _pieces(part: Array, length: int) -> Iterator[Array]:
+    """Segments of `length` samples, overlapping by half."""
+    for start in range(0, len(part) - length + 1, max(length // 2, 1)):
+        yield part[start : start + length]
+
+
+def _periodogram(piece: Array, rate: float) -> Array:
+    """(k, c) two-sided density of one segment about its straight line."""
+    from scipy.signal import detrend
+    from scipy.signal.windows import hann
+
+    window = hann(len(piece), sym=False)
+    lines = np.fft.rfft(detrend(piece, axis=0) * window[:, None], axis=0)
+    return np.asarray(np.abs(lines) ** 2 / (rate * np.sum(window**2)))
+
+
+def _smoothed(density: Array, frequency: Array, segments: npt.NDArray[np.int_]) -> Array:
+    """A running mean, but the density itself where it stands out of the running median."""
+    from scipy.ndimage import median_filter, uniform_filter1d
+
+    step = frequency[1] - frequency[0]
+    median = median_filter(density, size=(2 * max(round(AROUND / step), 1) + 1, 1), mode="nearest")
+    top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
+    even = uniform_filter1d(np.minimum(density, top), 2 * round(SMOOTH / step) + 1, axis=0, mode="nearest")
+    return np.where(density > top, density, even)
+
+
+def _words(unknown: list[str], count: int) -> tuple[str, ...]:
+    if not unknown:
+        return ()
+    which = "all channels" if len(unknown) == count else ", ".join(unknown)
+    return (f"the noise of {which} is not known (no quiet part that reads anything, no noise_rms); it counts as 0",)

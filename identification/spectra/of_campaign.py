@@ -1,0 +1,239 @@
+"""From a campaign to its `Spectra`: every run on one grid of lines, with noise and quality.
+
+*Time histories* become spectra of the full record (default: it is right at light damping, too) or the paper's
+peak-reference-hold. A straight line, offset and drift, is taken off every channel first: an offset D leaks up to D/(pi f) into a
+line, 0.08 s D at 4 Hz, where a sweep of 2.5 m/s² reads about 4 m/s² s. The line is fitted to the whole record, the same for all
+channels, so the sweep itself loses no more than a few parts in 1e5 of a line.
+
+*Spectra in the files* stay as they are: their lines may be chosen, but nothing is interpolated, since between two lines of a
+lightly damped resonance lies more than a straight line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.errors import BadInput
+from geometry.sensors import ChannelTable, motion_rows
+from identification.campaign import METHODS, Campaign, Processing, Run
+from identification.recording import Recording
+from identification.spectra import noise, quality, record_ends
+from identification.spectra.full_record import full_record
+from identification.spectra.line_spectra import Spectra
+from identification.spectra.peak_hold import hann, peak_reference_hold
+
+Progress = Callable[[float], None]
+
+SAME_LINE = 1e-6
+"""How far two frequencies may lie apart, relative to the distance of lines, and still be the same line."""
+
+
+def spectra(
+    campaign: Campaign,
+    *,
+    method: str = "full-record",
+    band: tuple[float, float] | None = None,
+    frequency: npt.ArrayLike | None = None,
+    reference: str | None = None,
+    progress: Progress | None = None,
+) -> Spectra:
+    """The spectra of all runs.
+
+    Parameters
+    ----------
+    campaign : with its recordings
+    method : of `METHODS`, for time histories
+    band : (low, high) [Hz] of the lines, both included
+    frequency : (n,) lines [Hz], ascending; by default those of the campaign's processing, 4 to 32 Hz by 0.05 Hz, or of its files
+    reference : channel that chooses the block of peak-reference-hold; by default the pilot that sees most of the driven axis
+    progress : called with the share done
+
+    Raises
+    ------
+    BadInput : no recordings, runs that do not fit each other, lines that the data do not have, an unknown method or channel.
+    """
+    recorded = _recordings(campaign, method)
+    if recorded[0].is_spectrum:
+        made = _as_recorded(campaign, recorded, band, frequency)
+    else:
+        lines = _restricted(_grid(campaign, frequency), band, campaign.source)
+        made = _transformed(campaign, recorded, method, lines, reference, progress or (lambda _: None))
+    return replace(made, quality=quality.of_lines(made, gravity=campaign.gravity))
+
+
+def reference_channel(table: ChannelTable, run: Run, recorded: Recording) -> str:
+    """The pilot for peak-reference-hold: among the channels marked `reference` the one that sees most of the driven axis.
+
+    Of several that see it alike, the one that sees least of the other axes. Without marked channels those of the table serve,
+    then those of the cover plate; a pattern of several axes takes the one that reads most.
+
+    Raises
+    ------
+    BadInput : no accelerometer on table or cover plate.
+    """
+    pilots = [k for k, channel in enumerate(table.channels) if channel.reference and channel.quantity == "acceleration"]
+    below, above = (table.select(group=group, quantity="acceleration") for group in ("table", "cover"))
+    chosen = pilots or below or above
+    if not chosen:
+        remedy = "Mark one with reference = true, or use full-record spectra"
+        raise BadInput(source="channel", field="reference", problem="no channel can serve as reference", remedy=remedy)
+    if not run.axis:
+        return table.names[chosen[int(np.argmax(np.std(recorded.values[:, chosen].real, axis=0)))]]
+    seen = np.abs(motion_rows([table.channels[k] for k in chosen], table.origin))
+    axis = MOTIONS.index(run.axis)
+    others = np.delete(seen, axis, axis=1).sum(axis=1)
+    return table.names[chosen[int(np.lexsort((others, -np.round(seen[:, axis], 6)))[0])]]
+
+
+def _recordings(campaign: Campaign, method: str) -> list[Recording]:
+    if method not in METHODS:
+        raise _refused(campaign, "method", f"{method!r} is not known", f"Choose one of {', '.join(METHODS)}")
+    missing = [run.name for run in campaign.runs if run.name not in campaign.recordings]
+    if missing or not campaign.runs:
+        which = f"the runs {', '.join(missing)} have" if missing else "the campaign has"
+        raise _refused(campaign, "run", f"{which} no recording", "Read the whole campaign, not its description alone")
+    recorded = [campaign.recordings[run.name] for run in campaign.runs]
+    kinds = {one.is_spectrum for one in recorded}
+    if len(kinds) > 1:
+        which = ", ".join(one.source for one in recorded if one.is_spectrum)
+        raise _refused(campaign, "run", f"{which} hold spectra, the others time histories", "Give all runs in one form")
+    return recorded
+
+
+def _grid(campaign: Campaign, frequency: npt.ArrayLike | None) -> Array:
+    if frequency is None:
+        of = campaign.processing or Processing()
+        return np.asarray(of.start + of.step * np.arange(round((of.stop - of.start) / of.step) + 1), dtype=np.float64)
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    if lines.ndim != 1 or not len(lines) or not np.all(np.isfinite(lines)) or lines[0] <= 0 or np.any(np.diff(lines) <= 0):
+        raise _refused(campaign, "frequency", "lines must ascend above 0 Hz", "Give them so")
+    return lines
+
+
+def _restricted(lines: Array, band: tuple[float, float] | None, source: str) -> Array:
+    if band is None:
+        return lines
+    low, high = band
+    slack = SAME_LINE * max(high - low, 0.0)
+    chosen = lines[(lines >= low - slack) & (lines <= high + slack)]
+    if not low < high or not len(chosen):
+        problem = f"{low:g} to {high:g} Hz holds none of the lines from {lines[0]:g} to {lines[-1]:g} Hz"
+        raise BadInput(source=source, field="band", problem=problem, remedy="Choose a band within, lowest frequency first")
+    return chosen
+
+
+def _transformed(
+    campaign: Campaign, recorded: list[Recording], method: str, lines: Array, reference: str | None, progress: Progress
+) -> Spectra:
+    values, pilots = [], []
+    for k, (run, one) in enumerate(zip(campaign.runs, recorded, strict=True)):
+        progress(k / len(recorded))
+        if method == "full-record":
+            values.append(full_record(_levelled(one), _rate(one), lines, one.source))
+        else:
+            pilots.append(reference or reference_channel(campaign.table, run, one))
+            values.append(_held(campaign, one, lines, pilots[-1]))
+    progress(1.0)
+    stacked = np.stack(values)
+    sd, unknown = _noise(campaign, recorded, method, lines, stacked)
+    held = ", ".join(f"{run.name} by {pilot}" for run, pilot in zip(campaign.runs, pilots, strict=False))
+    biased = (f"peak-reference-hold is biased near lightly damped resonances; reference of each run: {held}",) if pilots else ()
+    ends = record_ends.warnings(campaign) if method == "full-record" else ()
+    return _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *unknown))
+
+
+def _levelled(recorded: Recording) -> Array:
+    """The samples (n, c) without their straight line."""
+    from scipy.signal import detrend
+
+    return np.asarray(detrend(recorded.values, axis=0))
+
+
+def _rate(recorded: Recording) -> float:
+    return float(recorded.sampling_rate or 0.0)
+
+
+def _held(campaign: Campaign, recorded: Recording, lines: Array, pilot: str) -> ComplexArray:
+    of, samples = campaign.processing or Processing(), _levelled(recorded)
+    recorded.channel(pilot)  # refuses a name that is none
+    at = samples[:, recorded.names.index(pilot)]
+    return peak_reference_hold(
+        samples, _rate(recorded), at, lines, block_size=of.block_size, overlap=of.overlap, source=recorded.source
+    )
+
+
+def _noise(
+    campaign: Campaign, recorded: list[Recording], method: str, lines: Array, values: ComplexArray
+) -> tuple[Array, tuple[str, ...]]:
+    densities, unknown = noise.of_lines(campaign, lines)
+    if method == "full-record":
+        sd = noise.of_full_record(densities, np.array([one.duration for one in recorded]))
+    else:
+        window = hann((campaign.processing or Processing()).block_size)
+        sd = noise.of_block(densities, np.array([_rate(one) for one in recorded]), window)
+    return noise.without_rounding(sd, np.abs(values).max(axis=(0, 1))), unknown
+
+
+def _as_recorded(
+    campaign: Campaign, recorded: list[Recording], band: tuple[float, float] | None, frequency: npt.ArrayLike | None
+) -> Spectra:
+    """Spectra of the files at those of their lines that are asked for."""
+    given = recorded[0].frequency
+    for one in recorded:
+        if given is None or one.frequency is None or len(one.frequency) != len(given) or not _same(one.frequency, given):
+            problem = f"{one.source} has other lines than {recorded[0].source}"
+            raise _refused(campaign, "frequency", problem, "Export all runs on one grid of lines")
+    if given is None:
+        raise _refused(campaign, "frequency", "the files hold no spectra", "Give spectra or time histories")
+    wanted = _restricted(given[given > 0] if frequency is None else _grid(campaign, frequency), band, campaign.source)
+    at = np.clip(np.searchsorted(given, wanted - np.diff(given, append=2 * given[-1]).min() / 2), 0, len(given) - 1)
+    if not _same(given[at], wanted, given):
+        problem = f"the files do not hold the lines asked for, theirs lie from {given[0]:g} to {given[-1]:g} Hz"
+        raise _refused(campaign, "frequency", problem, "Spectra are not interpolated: ask for lines of the files, or for a band")
+    values = np.stack([one.values[at] for one in recorded])
+    unknown = "the files hold spectra, which have no quiet part: the noise is not known and counts as 0"
+    return _spectra(campaign, given[at], values, np.zeros(values.shape), "spectra", (unknown,))
+
+
+def _same(some: Array, others: Array, grid: Array | None = None) -> bool:
+    whole = some if grid is None else grid
+    step = float(np.diff(whole).min()) if len(whole) > 1 else 1.0
+    return bool(np.all(np.abs(some - others) <= SAME_LINE * step))
+
+
+def _spectra(
+    campaign: Campaign, lines: Array, values: ComplexArray, sd: Array, method: str, warnings: tuple[str, ...]
+) -> Spectra:
+    return Spectra(
+        table=campaign.table,
+        frequency=lines,
+        values=values,
+        noise=sd,
+        quality=np.ones(values.shape[:2]),
+        runs=tuple(run.name for run in campaign.runs),
+        axes=tuple(run.axis for run in campaign.runs),
+        method=method,
+        warnings=warnings,
+    )
+
+
+def _beyond_drive(campaign: Campaign, lines: Array) -> tuple[str, ...]:
+    """Sweeps that do not reach all lines."""
+    found = []
+    for run in campaign.runs:
+        ends = [run.excitation.figure(key) if run.excitation else None for key in ("start_hz", "stop_hz")]
+        low, high = min((end for end in ends if end), default=0.0), max((end for end in ends if end), default=np.inf)
+        if lines[0] < low * (1 - SAME_LINE) or lines[-1] > high * (1 + SAME_LINE):
+            found.append(f"{run.name} ({low:g} to {high:g} Hz)")
+    reach = f"lines lie from {lines[0]:g} to {lines[-1]:g} Hz"
+    return (f"{reach}, beyond what was driven in {', '.join(found)}: noise is larger there",) if found else ()
+
+
+def _refused(campaign: Campaign, field: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=campaign.source, field=field, problem=problem, remedy=remedy)

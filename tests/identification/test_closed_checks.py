@@ -1,0 +1,279 @@
+"""Checks without a model: sound campaigns pass with every tolerance in them, and a mistake is called by its name."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from geometry.dynamic_mass import LEVELS, MOTIONS
+from geometry.errors import BadInput
+from geometry.inertia import Inertia
+from geometry.sensors import ChannelTable, Place, motion_rows, summation
+from geometry.tolerances import Tolerances
+from identification.base_motion import base_motion
+from identification.campaign import Campaign
+from identification.closed_checks import Finding, checks
+from identification.dynamic_mass import from_runs
+from identification.elastic import model
+from identification.elastic.terms import ElasticTerms
+from identification.gravity import tilt
+from identification.mistakes import LIMIT, Mistake, Suspect, candidates, suspects, undone
+from identification.resultants import resultants
+from identification.self_consistency import misfit, readings
+from identification.spectra.line_spectra import Spectra
+
+LINES = np.linspace(4.0, 32.0, 29)
+LEVEL = np.array(list(LEVELS.values()))
+BODY = Inertia.from_cog(mass=41.0, cog=[0.012, -0.008, 0.1], tensor=np.diag([0.9, 0.95, 0.75]))
+ORDINARY = Tolerances()
+
+
+def _sway(frequency: float) -> ElasticTerms:
+    """A mast that bends along x and y at nearly the same frequency, with half of the mass 0.5 m above."""
+    omega = 2 * np.pi * frequency
+    L = np.array([[4.5, 0, 0, 0, 2.2, 0], [0, 4.5, 0, -2.2, 0, 0]])
+    return ElasticTerms(frequency=np.array([1.0, 1.02]) * frequency, damping=0.007 * omega * np.eye(2), participation=L)
+
+
+def made(
+    table: ChannelTable,
+    *,
+    offset: float = 1.0,
+    signs: bool = False,
+    seed: int = 0,
+    terms: ElasticTerms | None = None,
+    lines: np.ndarray = LINES,
+) -> Spectra:
+    """Spectra of six runs of a body on a stiff FMD; channels are off by `offset` tolerances, normal ones or random signs only."""
+    rng = np.random.default_rng(seed)
+    tolerances = ORDINARY
+
+    def off(size: float, *shape: int) -> np.ndarray:
+        draw = rng.standard_normal(shape)
+        return offset * size * (np.sign(draw) if signs else draw)
+
+    cross = rng.standard_normal((2, 6, len(lines), 6)) * 0.03
+    U = (np.eye(6)[:, None, :] + cross[0] + 1j * cross[1]) * LEVEL
+    H = model.dynamic_mass(BODY.mass_matrix, terms or ElasticTerms(), lines)
+    pick_ups = [channel for channel in table.channels if channel.quantity == "acceleration"]
+    rows = []
+    for channel in pick_ups:
+        gain = tolerances.table_gain if channel.group == "table" else tolerances.gain
+        (place,) = channel.places
+        wrong = place.direction + np.cross(off(tolerances.angle, 3), place.direction)
+        moved = Place(position=place.position + off(tolerances.position, 3), direction=wrong / np.linalg.norm(wrong))
+        apparent = motion_rows([replace(channel, places=(moved,))], table.origin) * (1 + off(gain, 1))
+        rows.append(apparent @ (np.eye(6) if channel.senses_gravity else np.linalg.inv(tilt(lines, 9.81))))
+    rows = [np.broadcast_to(row, (len(lines), 1, 6)) for row in rows]
+    cells = [channel for channel in table.channels if channel.quantity == "force"]
+    of = summation(cells, table.origin)
+    K = np.diag(1 + off(tolerances.cell_stiffness, of.gives.shape[1]))
+    share = of.adds @ K @ of.gives.T @ np.linalg.inv(of.gives @ K @ of.gives.T)
+    X = np.eye(6) + np.kron(np.eye(2), np.ones((3, 3)) - np.eye(3)) * off(tolerances.crosstalk, 6, 6)
+    shown = (1 + off(tolerances.gain, len(cells)))[:, None] * share @ X @ H
+    late = np.exp(-2j * np.pi * lines[:, None] * off(tolerances.delay, len(table)))
+    A = np.concatenate([*rows, shown], axis=1) * late[:, :, None]
+    values = np.einsum("nck,rnk->rnc", A, U)
+    return Spectra(
+        table=table,
+        frequency=lines,
+        values=values,
+        noise=np.full(values.shape, 1e-4),
+        quality=np.ones(values.shape[:2]),
+        runs=MOTIONS,
+        axes=MOTIONS,
+    )
+
+
+def found(spectra: Spectra) -> dict[str, Finding]:
+    estimate = from_runs(resultants(spectra).values, base_motion(spectra).values, spectra.frequency)
+    return {one.name: one for one in checks(estimate.dynamic_mass, spectra)}
+
+
+def suspected(spectra: Spectra) -> tuple[Suspect, ...]:
+    return suspects(readings(spectra, ORDINARY))
+
+
+def with_mistake(spectra: Spectra, mistake: Mistake) -> Spectra:
+    inverse = replace(mistake, factor=1 / mistake.factor)
+    return replace(spectra, values=undone(spectra.table, spectra.values, inverse))
+
+
+# --- sound campaigns -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sound_campaigns_pass_every_check_with_ordinary_tolerances(campaign: Campaign, seed: int) -> None:
+    failed = [one.text for one in found(made(campaign.table, seed=seed)).values() if not one.holds]
+    assert failed == []
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_nobody_is_suspected_when_every_tolerance_is_three_sigma_off(campaign: Campaign, seed: int) -> None:
+    assert suspected(made(campaign.table, offset=3.0, signs=True, seed=seed)) == ()
+
+
+@pytest.mark.parametrize("frequency", [5.7, 8.0, 11.6])
+def test_an_elastic_structure_is_no_mistake(campaign: Campaign, frequency: float) -> None:
+    assert suspected(made(campaign.table, terms=_sway(frequency))) == ()
+
+
+def test_mean_squares_are_about_one_at_the_tolerances(campaign: Campaign) -> None:
+    """The laws of misfit rest on it: 40 laboratories, each with its own offsets."""
+    squares = []
+    for seed in range(40):
+        of = readings(made(campaign.table, seed=seed), ORDINARY)
+        one = misfit(of, of.values[None], of.noise[None])
+        squares.append([one.redundancy[0], one.parity[0], one.structure[0]])
+    assert np.all((np.mean(squares, axis=0) > 0.3) & (np.mean(squares, axis=0) < 1.3))
+    assert np.max(squares) < LIMIT / 3
+
+
+# --- mistakes, by name ---------------------------------------------------------------------------------------------------
+
+SLIPS = {"acceleration": (1 / 9.80665, 9.80665, 1e3, 1e-3), "force": (1e3, 1e-3, 4.4482216152605, 1 / 4.4482216152605)}
+"""Units taken for another: g, mm, kN, lbf, and the other way round."""
+
+
+def _signs(table: ChannelTable) -> list[Mistake]:
+    return [one for one in candidates(table) if one.kind == "polarity" and len(one.channels) == 1]
+
+
+def _swaps(table: ChannelTable) -> list[Mistake]:
+    return [one for one in candidates(table) if one.kind == "channel-swap"]
+
+
+def _slips(table: ChannelTable, which: int) -> list[Mistake]:
+    return [
+        Mistake(kind="unit", channels=(channel.name,), factor=SLIPS[channel.quantity][(k + which) % 4])
+        for k, channel in enumerate(table.channels)
+    ]
+
+
+def _names(spectra: Spectra, mistake: Mistake) -> bool:
+    """Whether `mistake` alone is suspected, and nothing else."""
+    accused = suspected(with_mistake(spectra, mistake))
+    if len(accused) != 1 or len(accused[0].mistakes) != 1:
+        return False
+    (one,) = accused[0].mistakes
+    return (one.kind, one.channels) == (mistake.kind, mistake.channels) and bool(np.isclose(one.factor, mistake.factor))
+
+
+def test_every_inverted_channel_is_named(campaign: Campaign) -> None:
+    spectra = made(campaign.table, seed=1)
+    assert len(_signs(campaign.table)) == 22
+    assert [one.channels for one in _signs(campaign.table) if not _names(spectra, one)] == []
+
+
+def test_every_exchange_within_a_group_is_named(campaign: Campaign) -> None:
+    spectra = made(campaign.table, seed=2)
+    assert len(_swaps(campaign.table)) == 28 + 28 + 15
+    assert [one.channels for one in _swaps(campaign.table) if not _names(spectra, one)] == []
+
+
+@pytest.mark.parametrize("which", range(2))
+def test_every_slip_of_a_unit_is_named(campaign: Campaign, which: int) -> None:
+    spectra = made(campaign.table, seed=3 + which)
+    assert [one.channels for one in _slips(campaign.table, which) if not _names(spectra, one)] == []
+
+
+def test_two_mistakes_at_once_are_named_together(campaign: Campaign) -> None:
+    first, second = Mistake(kind="polarity", channels=("cover-x1",), factor=-1.0), _swaps(campaign.table)[-1]
+    (accused,) = suspected(with_mistake(with_mistake(made(campaign.table), first), second))
+    assert accused.explains
+    assert {one.identifiers for one in accused.mistakes} == {("polarity:cover-x1",), second.identifiers}
+
+
+def test_mistakes_are_named_on_an_elastic_structure_as_well(campaign: Campaign) -> None:
+    spectra = made(campaign.table, seed=5, terms=_sway(5.7))
+    assert [one.channels for one in _signs(campaign.table)[::3] if not _names(spectra, one)] == []
+
+
+def test_a_mistake_is_told_in_words_with_what_undoing_it_does(campaign: Campaign) -> None:
+    wrong = found(with_mistake(made(campaign.table), Mistake(kind="polarity", channels=("fmd-z2",), factor=-1.0)))
+    assert not wrong["channels"].holds
+    assert wrong["channels"].text.startswith("it looks as if fmd-z2 has the wrong sign (undone, the misfit falls from ")
+    assert not wrong["parity"].holds
+    assert wrong["redundancy"].holds
+    swapped = Mistake(kind="channel-swap", channels=("cover-z1", "cover-x1"))
+    assert "cover-z1 and cover-x1 are exchanged" in found(with_mistake(made(campaign.table), swapped))["channels"].text
+    slip = Mistake(kind="unit", channels=("table-y2",), factor=1 / 9.80665)
+    assert (
+        "table-y2 has the wrong unit: m/s^2 for g, a factor of 0.101972"
+        in found(with_mistake(made(campaign.table), slip))["channels"].text
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "entry", "said"),
+    [
+        ("symmetry", (0, 4), "not symmetric in f_x by beta"),
+        ("equal masses", (2, 2), "are not one, or they couple"),
+        ("coupling", (1, 4), "not skew in f_y by beta"),
+        ("diagonal", (5, 5), "the diagonal is negative for gamma"),
+    ],
+)
+def test_each_check_of_the_dynamic_mass_sees_its_own_departure(
+    campaign: Campaign, name: str, entry: tuple[int, int], said: str
+) -> None:
+    """One entry of H changed by hand: the others of Eq. 1 are as they were, and only what that entry is part of fails."""
+    spectra = made(campaign.table, offset=0.0)
+    mass = from_runs(resultants(spectra).values, base_motion(spectra).values, spectra.frequency).dynamic_mass
+    matrix = np.array(mass.matrix)
+    matrix[:, entry[0], entry[1]] *= 1.2 if entry[0] != 5 else -1
+    matrix[:, entry[0], entry[1]] += 0.5 if entry == (1, 4) else 0
+    broken = {one.name: one for one in checks(replace(mass, matrix=matrix), spectra)}
+    assert said in broken[name].text
+    assert broken["phase"].holds
+    assert broken["channels"].holds  # the spectra themselves are sound
+    turned = {one.name: one for one in checks(replace(mass, matrix=mass.matrix * np.exp(0.2j)), spectra)}
+    assert not turned["phase"].holds
+
+
+# --- what no check can see -----------------------------------------------------------------------------------------------
+
+
+def test_what_reads_the_same_may_be_exchanged_and_what_all_share_leaves_no_trace(campaign: Campaign) -> None:
+    table = campaign.table
+    twin = replace(table.channels[6], name="cover-z1-twin")
+    doubled = ChannelTable(channels=(*table.channels[:7], twin, *table.channels[7:]), origin=table.origin)
+    spectra = made(doubled)
+    assert suspected(with_mistake(spectra, Mistake(kind="channel-swap", channels=("cover-z1", "cover-z1-twin")))) == ()
+    cells = tuple(channel.name for channel in table.channels if channel.quantity == "force")
+    assert suspected(with_mistake(made(table), Mistake(kind="unit", channels=cells, factor=1e3))) == ()
+
+
+def test_a_sign_that_all_load_cells_share_is_named_beside_that_of_all_pick_ups(campaign: Campaign) -> None:
+    cells = tuple(channel.name for channel in campaign.table.channels if channel.quantity == "force")
+    pick_ups = tuple(channel.name for channel in campaign.table.channels if channel.quantity == "acceleration")
+    accused = suspected(with_mistake(made(campaign.table), Mistake(kind="polarity", channels=cells, factor=-1.0)))
+    assert {one.mistakes[0].channels for one in accused} == {cells, pick_ups}
+
+
+def test_a_unit_of_the_whole_cover_plate_is_named_beside_the_inverse_on_the_table(campaign: Campaign) -> None:
+    cover = tuple(channel.name for channel in campaign.table.channels if channel.group == "cover")
+    below = tuple(channel.name for channel in campaign.table.channels if channel.group == "table")
+    slip = Mistake(kind="unit", channels=cover, factor=1 / 9.80665)
+    accused = {one.mistakes[0].channels: one.mistakes[0].factor for one in suspected(with_mistake(made(campaign.table), slip))}
+    assert set(accused) == {cover, below}
+    np.testing.assert_allclose([accused[cover], accused[below]], [1 / 9.80665, 9.80665], rtol=1e-12)  # the same product
+
+
+# --- the door ------------------------------------------------------------------------------------------------------------
+
+
+def test_pick_ups_that_do_not_feel_a_tilt_are_no_mistake_and_those_that_wrongly_say_so_show(campaign: Campaign) -> None:
+    table = campaign.table
+    optical = tuple(replace(one, senses_gravity=one.group != "table") for one in table.channels)
+    kinematic = ChannelTable(channels=optical, origin=table.origin)
+    assert [one.text for one in found(made(kinematic)).values() if not one.holds] == []
+    wrong = replace(made(kinematic, offset=0.0), table=table)
+    assert found(wrong)["redundancy"].value > 2 * found(made(table, offset=0.0))["redundancy"].value
+
+
+def test_a_dynamic_mass_of_other_lines_is_refused(campaign: Campaign) -> None:
+    spectra = made(campaign.table)
+    mass = from_runs(resultants(spectra).values, base_motion(spectra).values, spectra.frequency).dynamic_mass
+    short = replace(mass, frequency=mass.frequency[1:], matrix=mass.matrix[1:])
+    with pytest.raises(BadInput, match="the dynamic mass has 28 lines, the spectra have 29 others"):
+        checks(short, spectra)

@@ -1,0 +1,144 @@
+"""`massline identify` from folder to result, on a rigid block whose inertia is known: short sweeps, no elastic terms."""
+
+import json
+import runpy
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.inertia import Inertia
+from identification import campaign_file
+from identification.campaign import Campaign
+from identification.identify import Identification, identify
+from validation import cli
+from validation.identifying import drawn
+from validation.identifying import run as running
+from validation.identifying.asked import Asked, ready
+
+Run = Callable[..., tuple[int, str, str]]
+QUICK = ("--modes", "0", "--no-study", "--band", "5", "25")
+
+
+@pytest.fixture(scope="module")
+def example(root: Path) -> dict[str, Any]:
+    return runpy.run_path(str(root / "examples" / "own_campaign.py"))
+
+
+@pytest.fixture(scope="module")
+def series(example: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The block of the example, the same called an FMD with nothing on it, one run twice instead of another, other hardware."""
+    made: Campaign = example["campaign"]()
+    place = tmp_path_factory.mktemp("series")
+    campaign_file.write(place / "block", made)
+    campaign_file.write(place / "bare", replace(made, article="fmd"))
+    campaign_file.write(place / "twice", replace(made, recordings={**made.recordings, "gamma": made.recordings["x"]}))
+    campaign_file.write(place / "other", replace(made, hardware="lab/2"))
+    return place
+
+
+@pytest.fixture(scope="module")
+def done(series: Path) -> Identification:
+    """The driver's own result on the block."""
+    return identify(ready(Asked(campaign=str(series / "block"), modes="0", band=(5.0, 25.0), study=False)).request)
+
+
+@pytest.fixture
+def driven(done: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The driver answers every request with what it found on the block."""
+    monkeypatch.setattr(running, "identify", lambda request, progress: replace(done, request=request))
+
+
+@pytest.fixture
+def block(example: dict[str, Any]) -> Inertia:
+    body: Inertia = example["BLOCK"]
+    return body
+
+
+def test_the_command_ends_where_the_driver_does(series: Path, run: Run, done: Identification) -> None:
+    code, out, _ = run("identify", str(series / "block"), *QUICK, "--json")
+    assert code == cli.DONE
+    assert_allclose(json.loads(out)["inertia"]["mass_kg"], done.self_calibrated.inertia.mass, rtol=1e-9)
+
+
+@pytest.mark.usefixtures("driven")
+def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(
+    series: Path, block: Inertia, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawn, "full", lambda title, curves, path, note: path.touch())  # 72 panels; test_shown draws them
+    code, out, err = run("identify", str(series / "block"), *QUICK, "--json", "--out", str(tmp_path / "kept"))
+    assert code == cli.DONE, err
+    printed = json.loads(out)
+    assert json.loads((tmp_path / "kept" / "identify.json").read_text()) == printed
+    assert (printed["article"], printed["origin"]) == ("fmd+disc+cuboid", "F")
+    assert any("FMD" in words for words in printed["warnings"])
+    low, high = printed["interval95"]["mass_kg"]
+    assert low < block.mass < high
+    for key, true in (("cog_mm", 1e3 * block.cog), ("moi_cog_kgm2", block.moments_cog)):
+        for (low, high), value in zip(printed["interval95"][key], true, strict=True):
+            assert low < value < high, key
+    pictures = sorted(path.name.removeprefix("identify-fmd+disc+cuboid-") for path in (tmp_path / "kept").glob("*.png"))
+    assert pictures == ["dynamic-mass-6x6.png", "dynamic-mass.png", "lines.png", "residuals.png", "shares.png"]
+    assert str(tmp_path / "kept" / "identify.json") in err
+
+
+@pytest.mark.usefixtures("driven")
+def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series: Path, run: Run, block: Inertia) -> None:
+    code, out, _ = run("identify", str(series / "block"), "--tare", str(series / "bare"), *QUICK, "--json")
+    assert code == cli.DONE
+    printed = json.loads(out)
+    assert (printed["article"], printed["origin"]) == ("disc+cuboid", "article")
+    assert_allclose(printed["inertia"]["cog_mm"][2], 1e3 * block.cog[2] - 45, atol=1)
+    assert printed["settings"]["tares"][0]["known"] is None
+
+
+@pytest.mark.usefixtures("driven")
+def test_the_page_names_both_ways_and_what_is_in_the_result(series: Path, run: Run) -> None:
+    code, out, _ = run("identify", str(series / "block"), *QUICK)
+    assert code == cli.DONE
+    text = " ".join(out.split())
+    for words in ("plain", "self-calibrated", "5 to 25 Hz", "the FMD's moving part is in the result", "0 elastic terms"):
+        assert words in text
+
+
+@pytest.mark.usefixtures("driven")
+def test_a_frame_of_the_users_own_moves_the_cog_and_is_kept_for_validate(series: Path, block: Inertia, run: Run) -> None:
+    code, out, _ = run("identify", str(series / "block"), *QUICK, "--json", "--frame", "0 0 100 mm; z 90 deg")
+    assert code == cli.DONE
+    printed = json.loads(out)
+    assert_allclose(printed["inertia"]["cog_mm"], [0, 0, 0], atol=2)
+    assert_allclose(printed["inertia"]["moi_cog_kgm2"][0], block.moments_cog[1], rtol=0.02)
+    assert printed["frame"]["origin"] == "0 0 0.1 m"
+
+
+def test_a_motion_that_no_run_drives_is_named(series: Path, run: Run) -> None:
+    code, out, err = run("identify", str(series / "twice"), *QUICK)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert "gamma" in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.usefixtures("driven")
+def test_other_hardware_is_refused_without_being_asked_for_and_said_with_it(series: Path, run: Run) -> None:
+    asked = ("identify", str(series / "block"), "--tare", str(series / "other"), *QUICK)
+    code, _, err = run(*asked)
+    assert code == cli.BAD_INPUT
+    assert "lab/2" in err
+    assert "--any-hardware" in err
+    code, out, _ = run(*asked, "--any-hardware")
+    assert code == cli.DONE
+    assert "the FMD's moving part is in the result" in " ".join(out.split())
+
+
+def test_ctrl_c_leaves_no_half_written_folder(series: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(running, "identify", interrupted)
+    code, out, err = run("identify", str(series / "block"), *QUICK, "--out", str(tmp_path / "kept"))
+    assert (code, out) == (cli.INTERRUPTED, "")
+    assert "interrupted" in err
+    assert not (tmp_path / "kept").exists()

@@ -1,0 +1,139 @@
+"""The page, the JSON and the pictures of an identification, and that `massline validate` reads what was printed."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.inertia import PARAMETERS
+from validation.identifying import table
+from validation.identifying.as_json import as_json
+from validation.identifying.drawn import draw
+from validation.identifying.findings import Findings
+from validation.output import json_text
+from validation.statement import QUANTITIES
+from validation.tables.text import page
+
+Write = Callable[..., Path]
+Run = Callable[..., tuple[int, str, str]]
+
+
+def _page(found: Findings, width: int = 132) -> str:
+    return page(table.title(found), table.grids(found), table.notes(found), width)
+
+
+def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Findings) -> None:
+    mass = next(line for line in _page(found).splitlines() if line.lstrip().startswith("Mass m"))
+    plain, better = (one.values[0] for one in found.results)
+    assert f"{plain:.2f}" in mass
+    assert f"{better:.2f}" in mass
+    assert "-0.99 %" in mass  # 1 / 1.01
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "beta 3.1 % 1.2 % 45 %",
+        "trustworthy",
+        "dominated by elasticity",
+        "left out: 12.1 to 12.5 Hz: condition number 180 exceeds 100.",
+        "check: it looks as if fmd-z1 has the wrong sign.",
+        "Closed checks that hold: symmetry.",
+        "Without mass_kg of scale.toml the interval of m would be 4 times as wide.",
+        "warning: the Cuboid's drawing is taken as it is.",
+        "tare fmd+disc+cuboid",
+        "sum z² of the tolerances 31",
+        "from the article's own origin",
+    ],
+)
+def test_the_page_says(words: str, found: Findings) -> None:
+    assert words in " ".join(_page(found, 200).split())
+
+
+def test_elastic_terms_are_listed_by_frequency(found: Findings) -> None:
+    grid = next(one for one in table.grids(found) if one.header[0].startswith("elastic"))
+    shown = [float(line[0]) for line in grid.lines]
+    assert shown == sorted(shown)
+    assert len(shown) == 3
+
+
+def test_a_page_of_80_columns_cuts_no_figure(found: Findings) -> None:
+    narrow = _page(found, 80)
+    for quantity, value in zip(QUANTITIES, found.result.values, strict=True):
+        assert any(quantity.label in line for line in narrow.splitlines()), quantity.label
+        assert np.isfinite(value)
+    assert max(map(len, narrow.splitlines())) <= 80
+
+
+def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: Findings) -> None:
+    bare = replace(found, request=replace(found.request, tares=()), origin="F")
+    text = " ".join(_page(bare).split())
+    assert "no tare, so the FMD's moving part is in the result" in text
+    assert "CoG from F, the centre of the force-measuring plane" in text
+
+
+def test_the_json_keeps_the_contract(found: Findings) -> None:
+    printed = json.loads(json_text(as_json(found)))
+    assert set(printed) >= {"article", "origin", "frequency_band_hz", "inertia", "interval95", "verdict", "warnings"}
+    assert set(printed["inertia"]) == {"mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2", "about"}
+    assert set(printed["verdict"]) == set(PARAMETERS)
+    assert_allclose(printed["inertia"]["cog_mm"], 1e3 * found.result.values[1:4], rtol=1e-9, atol=1e-9)
+    for key, values in printed["interval95"].items():
+        for (low, high), value in zip(np.reshape(values, (-1, 2)), np.atleast_1d(printed["inertia"][key]), strict=True):
+            assert low < value < high, key
+    assert printed["plain"]["inertia"]["mass_kg"] > printed["self_calibrated"]["inertia"]["mass_kg"]
+    assert printed["study"]["maps"]["no elastic terms"]["mass_kg"][2][0] is None
+    assert set(printed["settings"]["versions"]) >= {"massline", "numpy"}
+
+
+def test_validate_reads_the_json_and_passes_what_is_right(result_file: Write, run: Run) -> None:
+    code, out, _ = run("validate", str(result_file()), "--against", "clumod-1")
+    assert code == 0
+    assert "95 % intervals" in out
+
+
+def test_validate_takes_the_interval_for_the_tolerance(result_file: Write, run: Run, found: Findings) -> None:
+    code, out, _ = run("validate", str(result_file()), "--against", "clumod-1", "--json")
+    rows = json.loads(out)["rows"]
+    assert code == 0
+    assert_allclose([row["tolerance"] for row in rows], found.result.half_width * [q.per_si for q in QUANTITIES], rtol=1e-9)
+
+
+def test_validate_refuses_what_is_wrong(result_file: Write, run: Run, found: Findings) -> None:
+    plain = result_file(results=found.results[:1])
+    code, _, err = run("validate", str(plain), "--against", "clumod-1")
+    assert code == 1
+    assert "Mass m" in err
+
+
+def test_validate_wants_to_know_where_f_is(result_file: Write, run: Run) -> None:
+    code, _, err = run("validate", str(result_file(origin="F")), "--against", "clumod-1")
+    assert code == 2
+    assert "the CoG is stated from F" in err
+
+
+def test_validate_refuses_the_result_of_another_article(result_file: Write, run: Run) -> None:
+    code, _, err = run("validate", str(result_file()), "--against", "clumod-4")
+    assert code == 2
+    assert "clumod-1" in err
+
+
+def test_every_picture_is_drawn_and_is_no_empty_page(found: Findings, tmp_path: Path) -> None:
+    from PIL import Image
+
+    paths = draw(found, tmp_path)
+    names = [path.stem.removeprefix("identify-clumod-1-") for path in paths]
+    assert names == ["lines", "dynamic-mass", "dynamic-mass-6x6", "residuals", "stability", "stability-rigid", "shares"]
+    for path in paths:
+        with Image.open(path) as picture:
+            assert min(picture.size) > 450
+            assert len(picture.convert("RGB").getcolors(1 << 24) or ()) > 50, path.name
+
+
+def test_pictures_without_evidence_are_left_out(found: Findings, tmp_path: Path) -> None:
+    bare = replace(found, lines=None, residuals=None, study=None, spectra=None, dynamic_mass=None)
+    assert [path.name for path in draw(bare, tmp_path)] == ["identify-clumod-1-shares.png"]

@@ -1,0 +1,1 @@
+"""The catalogue of physical effects: what they are called, where they may act, and how large they may be."""
