@@ -21,7 +21,7 @@ LIGHTEST = 0.1
 """Least share that a draw leaves of a mass or of a second moment: a body stays a body whatever the tolerance."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Part:
     """Relative changes of the moduli and of the loss factor of a part of the structure, and what an effect adds to the latter."""
 
