@@ -185,8 +185,7 @@ def test_two_mistakes_at_once_are_named_together(campaign: Campaign) -> None:
 
 
 def test_two_mistakes_on_one_side_are_named_together(campaign: Campaign) -> None:
-    first = Mistake(kind="polarity", channels=("cover-x1",), factor=-1.0)
-    second = Mistake(kind="unit", channels=("cover-z2",), factor=1e-3)
+    first, second = (Mistake(kind="polarity", channels=(name,), factor=-1.0) for name in ("table-z2", "cover-z1"))
     (accused, *_) = suspected(with_mistake(with_mistake(made(campaign.table), first), second))
     assert {one.identifiers for one in accused.mistakes} == {first.identifiers, second.identifiers}
 
