@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from fem.base_excitation.rig import Body, Flange, Rig, Strut
+from fem.base_excitation.rig import Body, Flange, Friction, Rig, Strut
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about
@@ -72,6 +73,22 @@ def cable(named: Named) -> Change:
     stiffness = np.zeros(3)
     stiffness[list(ALONG[named.targets[1] if len(named.targets) > 1 else ""])] = named.value
     return lambda rig: replace(rig, struts=(*rig.struts, Strut(place=named.target, to="ground", stiffness=stiffness)))
+
+
+def friction(named: Named) -> Change:
+    """A loose part on the flange, held along x or y by nothing but the slip force; below it the part is a mass of its own."""
+    axis: Any = named.targets[1]
+    loose = Friction(axis=axis, slip_force=named.value, mass=named.values["mass"])
+    return lambda rig: replace(rig, frictions=(*rig.frictions, loose))
+
+
+def gap(named: Named) -> Change:
+    """A load cell that lifts off where its preload is used up."""
+    number = int(named.target) - 1
+    return lambda rig: replace(
+        rig,
+        cells=tuple(replace(cell, preload=named.value) if k == number else cell for k, cell in enumerate(rig.cells)),
+    )
 
 
 def orientation(named: Named) -> Change:

@@ -45,18 +45,19 @@ PLANTS: Mapping[str, tuple[str, Maker]] = {
     "polarity": ("chain", of_chain.polarity),
     "channel-swap": ("record", of_signals.swap),
     "unit": ("record", of_signals.unit),
+    "friction": ("rig", of_structure.friction),
+    "gap": ("rig", of_structure.gap),
     "saturation": ("signals", of_signals.saturation),
     "noise": ("chain", of_chain.noise),
     "mains": ("chain", of_chain.mains),
 }
 """By family: which of the places of `hooks.Effect` it changes, and how."""
 
-ELSEWHERE = {
-    "sweep-bias": (
-        "it arises where spectra are made of a record, which holds nothing of it",
-        'Plant nothing, and evaluate the campaign with [processing] method = "peak-reference-hold"',
-    ),
-}
+ELSEWHERE = (
+    "it arises where spectra are made of a record, which holds nothing of it",
+    'Plant nothing, and evaluate the campaign with [processing] method = "peak-reference-hold"',
+)
+OF_A_PENDULUM = ("it is an error of a pendulum, and a shaker has none", "Simulate a pendulum with `massline swing`")
 """Why a family is planted by no virtual test, and what to do."""
 
 
@@ -78,8 +79,5 @@ def _planted(named: Named) -> Effect:
 
 
 def _refused(named: Named) -> BadInput:
-    others = ("a virtual test cannot plant it", f"It can plant {', '.join(PLANTS)}")
-    of_pendulum = ("it is an error of a pendulum, and a shaker has none", "Simulate a pendulum with `massline swing`")
-    fallback = of_pendulum if FAMILIES[named.family].side == PENDULUM else others
-    problem, remedy = ELSEWHERE.get(named.family, fallback)
+    problem, remedy = OF_A_PENDULUM if FAMILIES[named.family].side == PENDULUM else ELSEWHERE
     return BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)

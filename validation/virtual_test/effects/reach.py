@@ -50,7 +50,7 @@ def _of_parts(named: Named) -> bool:
 
 
 def _on_article(named: Named) -> bool:
-    return FAMILIES[named.family].side == STRUCTURE and named.family != "gravity"
+    return (FAMILIES[named.family].side == STRUCTURE and named.family != "gravity") or named.family == "friction"
 
 
 def _known(named: Named, plan: Plan) -> tuple[str, ...]:
