@@ -1,8 +1,8 @@
 """The quality indicator that the paper says is missing: intervals, what dominates them, and a verdict in words.
 
 Mass, CoG and moments about the CoG are a smooth map of the ten parameters of Eq. 4; their covariance follows linearised (GUM,
-JCGM 100:2008, 5.2.2), input by input. How large an interval is, is judged against the size of the body: the mass for the mass, its
-radius of gyration for the CoG, its moments of inertia for moments and products.
+JCGM 100:2008, 5.2.2), input by input. An interval is judged against the size of the body: the mass for the mass, the radius of
+gyration for the CoG, moments of inertia for moments and products.
 """
 
 from __future__ import annotations

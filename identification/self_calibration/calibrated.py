@@ -23,7 +23,7 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-FURTHER_STEPS = 40
+FURTHER_STEPS = 30
 """Evaluations after which a further pole that has not settled is given up."""
 
 
@@ -42,11 +42,15 @@ def calibrated(
     ------
     BadInput : tare and article of different `hardware` without `settings.any_hardware`; a channel table that differs.
     """
+    tell = progress or (lambda share: None)
     problem = assembled(evidence, settings)
-    solution = fitted(problem, settings, progress=progress)
+    tell(0.3)
+    solution = fitted(problem, settings, progress=lambda share: tell(0.3 + 0.5 * share))
     if settings.modes is None:
         problem, solution = _completed(problem, solution, settings)
-    return identified(problem, solution, settings)
+    found = identified(problem, solution, settings)
+    tell(1.0)
+    return found
 
 
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:

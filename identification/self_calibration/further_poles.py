@@ -21,7 +21,7 @@ from identification.self_calibration.assembly import Assembly
 from identification.self_calibration.layout import Layout
 from identification.self_calibration.likelihood import residual
 
-MISFIT = 2.5
+MISFIT = 8.0
 """How far above the median of all lines a line may lie before a pole is looked for."""
 
 DAMPING = 0.003

@@ -126,7 +126,9 @@ def _method(found: Findings) -> str:
     facts = dict.fromkeys(fact.source for fact in found.request.facts)
     told = f"tare {tares}" if tares else "the FMD as stated" if found.request.fmd is not None else "no tare"
     taken = told if takes_fmd_off(found.request) else f"{told}, so the FMD's moving part is in the result"
-    return f"Spectra: {found.request.method}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
+    method = found.request.method if found.spectra is None else found.spectra.method
+    made = "as the files hold them" if method == "spectra" else method
+    return f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
 
 
 def _fit(one: Reported) -> str:
