@@ -240,8 +240,8 @@ def _require_lines(band: tuple[float, float] | None, campaign: Campaign) -> None
     if len(lines) < FEWEST:
         raise BadInput(
             source="--band",
-            problem=f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}, {FEWEST} are needed",
-            remedy="Choose a wider band",
+            problem=f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}",
+            remedy=f"Choose a band of {FEWEST} lines or more",
         )
 
 
