@@ -292,7 +292,7 @@ def test_a_file_or_a_full_folder_is_no_place_for_a_campaign(run: Run) -> None:
     Path("file").write_text("mine")
     Path("full").mkdir()
     Path("full", "data.csv").write_text("mine")
-    for name, says in (("file", "it is a file"), ("full", "it is there, and not empty")):
+    for name, says in (("file", "it is a file"), ("full", "it is there, and not empty"), (".", "runs in this folder")):
         code, _, err = run("simulate", "fmd+cuboid", "--out", name, *FAST)
         assert code == cli.BAD_INPUT
         assert says in err

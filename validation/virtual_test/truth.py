@@ -76,7 +76,7 @@ def article_inertia(rig: Rig) -> Inertia:
 
 
 def _without_resonators(plan: Plan, made: SetUp) -> Rig:
-    """The rig with all effects but those that swing on a spring of their own: they weigh along some axes only, as no body does."""
+    """The rig with all effects but those that swing on a spring of their own: some weigh along one axis only, as no body does."""
     return changed_rig(made.rig, [effect for effect in plan.effects if effect.id.partition(":")[0] not in SWINGING])
 
 
