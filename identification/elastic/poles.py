@@ -29,6 +29,12 @@ BEYOND = (0.6, 1.7)
 SHORT = 150
 """Poles of the grid that are looked at closely."""
 
+LEAST = 1.0
+"""Fall of chi² that is worth a try: what one number does by chance."""
+
+ROUNDING = 1e-10
+"""Added to the normal matrix, scaled to 1: parameters that the data do not see leave rounding there."""
+
 APART = 0.02
 """Relative distance of two candidates: nearer ones are the same."""
 
@@ -61,7 +67,7 @@ def next_poles(at: Refined, lines: Lines, count: int = 3) -> tuple[Candidate, ..
     L, gain = _rank_one(rhs, P)
     chosen: list[int] = []
     for k in np.argsort(-gain).tolist():
-        if len(chosen) < count and gain[k] > 0 and all(abs(f[k] / f[j] - 1) > APART for j in chosen):
+        if len(chosen) < count and gain[k] > LEAST and all(abs(f[k] / f[j] - 1) > APART for j in chosen):
             chosen.append(k)
     return tuple(Candidate(frequency=f[k], damping_ratio=zeta[k], participation=L[k], gain=gain[k]) for k in chosen)
 
@@ -84,9 +90,11 @@ def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array,
     J, r = at.jacobian.reshape(k, n, 21, 2), at.residual.reshape(n, 21, 2)
     rows = np.tensordot(g, weight[:, :, None] * J, axes=((1, 2), (1, 3)))  # (s, k, 21)
     own = np.abs(curve) ** 2 @ weight**2
-    given = np.linalg.solve(at.information, np.column_stack([at.jacobian @ at.residual + at.prior]))[:, 0]
-    rhs = -np.tensordot(g, weight[:, :, None] * r, axes=((1, 2), (0, 2))) + np.einsum("ske,k->se", rows, given)
-    half = np.linalg.solve(np.linalg.cholesky(at.information), rows)
+    d = np.sqrt(np.diag(at.information))
+    root = np.linalg.cholesky(at.information / np.outer(d, d) + ROUNDING * np.eye(k)) * d[:, None]
+    half = np.linalg.solve(root, rows)
+    slope = np.linalg.solve(root, at.jacobian @ at.residual + at.prior)
+    rhs = np.einsum("ske,k->se", half, slope) - np.tensordot(g, weight[:, :, None] * r, axes=((1, 2), (0, 2)))
     P = -half.swapaxes(1, 2) @ half
     P[:, np.arange(21), np.arange(21)] += own * (1 + RIDGE)
     return rhs, P
