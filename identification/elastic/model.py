@@ -32,6 +32,9 @@ REFERENCE = (2 * np.pi * 20.0) ** 2
 UPPER = np.triu_indices(6)
 """Rows and columns of the 21 entries of a symmetric 6x6 matrix."""
 
+_PLACE = np.array([[UPPER[0].tolist().index(min(i, j)) + abs(i - j) for j in range(6)] for i in range(6)]).ravel()
+"""(36,) where among the 21 each entry of the matrix stands."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
@@ -102,19 +105,20 @@ def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout | 
 
     They do not depend on the ten inertia parameters, in which H is linear.
     """
-    layout = layout or layout_of(terms)
-    blocks, m, w2 = layout.blocks, layout.modes, _squares(frequency)
-    X = _answers(terms, frequency)
-    out = np.zeros((layout.size, len(X), 6, 6), dtype=np.complex128)
-    out[blocks["inertia"]] = inertia_basis()[:, None]
+    upper = upper_derivatives(terms, frequency, layout or layout_of(terms))
+    return upper[:, :, _PLACE].reshape(*upper.shape[:2], 6, 6)
+
+
+def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout) -> ComplexArray:
+    """The same (k, n, 21) for the entries in `UPPER`, all that a symmetric matrix has."""
+    blocks, w2 = layout.blocks, _squares(frequency)[:, :, 0]
+    X = _answers(terms, frequency).transpose(1, 0, 2)  # (m, n, 6)
+    out = np.empty((layout.size, len(w2), 21), dtype=np.complex128)
+    out[blocks["inertia"]] = inertia_basis()[:, None, UPPER[0], UPPER[1]]
     if layout.residual:
-        out[blocks["residual"]] = w2 * residual_basis()[:, None]
-    if m:
-        stiff, lossy = _by_poles(terms, X, w2)
-        out[blocks["frequency"]] = stiff + lossy
-        out[blocks["damping"]] = lossy
-        out[blocks["pairs"]] = _by_pairs(terms, X, w2, layout)
-        _by_participation(out[blocks["participation"]].reshape(m, 6, -1, 6, 6), X, w2)
+        out[blocks["residual"]] = w2 * residual_basis()[:, None, UPPER[0], UPPER[1]]
+    _by_poles(out, terms, X, w2, layout)
+    _by_participation(out[blocks["participation"]].reshape(layout.modes, 6, len(w2), 21), X, w2)
     return out
 
 
@@ -208,30 +212,27 @@ def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     return np.asarray(np.linalg.solve(D, np.broadcast_to(L, (len(w), *L.shape)).astype(np.complex128)))
 
 
-def _by_poles(terms: ElasticTerms, X: ComplexArray, w2: Array) -> tuple[ComplexArray, ComplexArray]:
-    """(m, n, 6, 6) twice: by ln f through stiffness alone, and through the damping 2 zeta omega, which ln zeta shares."""
-    rows = X.transpose(1, 0, 2)
-    losses = (terms.damping @ X).transpose(1, 0, 2)
-    stiff = -2 * (2 * np.pi * terms.frequency)[:, None, None, None] ** 2 * w2 * _outer(rows, rows)
-    half = -0.5j * w2**1.5 * _outer(rows, losses)
-    return stiff, half + half.swapaxes(2, 3)
-
-
-def _by_pairs(terms: ElasticTerms, X: ComplexArray, w2: Array, layout: Layout) -> ComplexArray:
-    """(p, n, 6, 6) by rho."""
-    r, s = _pairs(layout)
-    d, rows = np.sqrt(np.diag(terms.damping)), X.transpose(1, 0, 2)
-    one = -1j * w2**1.5 * (d[r] * d[s])[:, None, None, None] * _outer(rows[r], rows[s])
-    return np.asarray(one + one.swapaxes(2, 3))
+def _by_poles(out: ComplexArray, terms: ElasticTerms, X: ComplexArray, w2: Array, layout: Layout) -> None:
+    """Fill ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho; X (m, n, 6)."""
+    blocks, (r, s) = layout.blocks, _pairs(layout)
+    squares, d = (2 * np.pi * terms.frequency) ** 2, np.sqrt(np.diag(terms.damping))
+    lossy = -1j * w2**1.5
+    losses = np.tensordot(terms.damping, X, axes=1)
+    out[blocks["damping"]] = lossy / 2 * _both(X, losses)
+    out[blocks["frequency"]] = out[blocks["damping"]] - squares[:, None, None] * w2 * _both(X, X)
+    out[blocks["pairs"]] = lossy * _both((d[r] * d[s])[:, None, None] * X[r], X[s])
 
 
 def _by_participation(out: ComplexArray, X: ComplexArray, w2: Array) -> None:
-    """Fill (m, 6, n, 6, 6) by L: row j and column j of H are omega² X_r."""
-    answer = (w2[:, :, 0] * X.transpose(1, 0, 2))[:, None]
-    for j in range(6):
-        out[:, j, :, j, :] += SCALE[j] * answer[:, 0]
-        out[:, j, :, :, j] += SCALE[j] * answer[:, 0]
+    """Fill (m, 6, n, 21) by L: row j and column j of H are omega² X_r."""
+    out[:] = 0
+    answer = w2 * X
+    for e, (i, j) in enumerate(zip(*UPPER, strict=True)):
+        out[:, i, :, e] += SCALE[i] * answer[:, :, j]
+        out[:, j, :, e] += SCALE[j] * answer[:, :, i]
 
 
-def _outer(left: ComplexArray, right: ComplexArray) -> ComplexArray:
-    return np.asarray(left[..., :, None] * right[..., None, :])
+def _both(left: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """(..., 21): left right^T + right left^T."""
+    i, j = UPPER
+    return np.asarray(left[..., i] * right[..., j] + right[..., i] * left[..., j])

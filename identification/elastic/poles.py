@@ -60,7 +60,7 @@ class Candidate:
     gain: float
 
 
-def next_poles(at: Refined, lines: Lines, count: int = 3) -> tuple[Candidate, ...]:
+def next_poles(at: Refined, lines: Lines, count: int = 8) -> tuple[Candidate, ...]:
     """The poles, apart from each other, that take most out of what the fit `at` leaves over, the best first."""
     f, zeta = _shortlist(at, lines)
     rhs, P = _projected(at, lines, f, zeta)

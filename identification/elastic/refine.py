@@ -56,6 +56,7 @@ class Refined:
     jacobian : (k, N) of the weighted data, N = 42 n: line by line, entry by entry, real and imaginary
     residual : (N,) fitted less measured, weighted
     prior : (k,) gradient of half the priors' cost
+    certainty : (k,) inverse variance of the priors, 0 where there is none
     information : (k, k) J^T J with the priors
     converged : whether it ended by itself
     """
@@ -67,6 +68,7 @@ class Refined:
     jacobian: Array
     residual: Array
     prior: Array
+    certainty: Array
     information: Array
     converged: bool
 
@@ -118,8 +120,8 @@ def leftover(x: Array, layout: Layout, lines: Lines) -> ComplexArray:
 
 def weighted(values: ComplexArray, lines: Lines) -> Array:
     """(..., n, 21) complex as (..., 42 n) real of unit variance: that of a complex error is shared by its two parts."""
-    scaled = np.ascontiguousarray(values * (np.sqrt(2) / lines.deviation))
-    return scaled.reshape(*values.shape[:-2], -1).view(np.float64)
+    scaled = np.multiply(values, np.sqrt(2) / lines.deviation, order="C")
+    return np.asarray(scaled.reshape(*values.shape[:-2], -1).view(np.float64))
 
 
 def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
@@ -130,6 +132,13 @@ def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
         np.concatenate([np.full(m, low), np.full(m, np.log(RATIOS[0])), np.full(p, -TIGHTEST)]),
         np.concatenate([np.full(m, high), np.full(m, np.log(RATIOS[1])), np.full(p, TIGHTEST)]),
     )
+
+
+def effective_size(at: Refined) -> float:
+    """Parameters that the data decide and not the priors: k less the share of the priors in what is known of each."""
+    d = np.sqrt(np.diag(at.information))
+    variance = np.diag(np.linalg.pinv(at.information / np.outer(d, d), hermitian=True)) / d**2
+    return len(at.vector) - float(at.certainty @ variance)
 
 
 def correlation_time(at: Refined) -> float:
@@ -147,7 +156,7 @@ def _residual(x: Array, layout: Layout, lines: Lines) -> Array:
 def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
     """Cost and derivatives at the vector `x` (k,), which nothing moves."""
     _, terms = model.unpack(x, layout)
-    J = weighted(model.derivatives(terms, lines.frequency, layout)[:, :, UPPER[0], UPPER[1]], lines)
+    J = weighted(model.upper_derivatives(terms, lines.frequency, layout), lines)
     r = weighted(leftover(x, layout, lines), lines)
     p, slopes = _prior(x, layout, lines)
     chi2, information = float(r @ r), J @ J.T
@@ -160,6 +169,7 @@ def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
         jacobian=J,
         residual=r,
         prior=slopes * p,
+        certainty=slopes**2,
         information=information,
         converged=False,
     )
