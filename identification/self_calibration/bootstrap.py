@@ -1,9 +1,9 @@
 """Two bootstraps of the joint fit, linearised at its minimum, so that a thousand draws cost next to nothing.
 
 Near the minimum a change of the data moves the estimate by -C s, s the change of the gradient. The *parametric* bootstrap draws
-noise as the likelihood takes it: independent from line to line. The *block* bootstrap draws from the residuals that are there: runs
-are cut into blocks of neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17 (1989) 1217), and what each
-contributes to the gradient comes along with whatever correlation it has. Priors are drawn anew in both.
+noise as the likelihood takes it: independent from line to line. The *block* bootstrap draws from the residuals that are there:
+runs are cut into blocks of neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17 (1989) 1217), and
+what each contributes to the gradient comes along with whatever correlation it has. Priors are drawn anew in both.
 """
 
 from __future__ import annotations

@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from geometry.arrays import Array
 from identification.evidence import Evidence, Settings
 from identification.identified import Identified
+from identification.self_calibration import further_poles
 from identification.self_calibration.assembly import Assembly, assembled
-from identification.self_calibration.likelihood import Normal
 from identification.self_calibration.problem import normals, total
 from identification.self_calibration.result import identified
-from identification.self_calibration.solve import Solution, minimise
+from identification.self_calibration.solve import CLOSE, MOST, Solution, minimise
 
 _DEFAULT = Settings()
 
 ANNEALED = (0.02, 0.005)
 """Model-error floors that come before the one asked for: a coarse likelihood is found from farther."""
+
+FURTHER = 1
+"""Poles that are added at most where the joint fit shows lines that do not fit."""
+
+FURTHER_STEPS = 40
+"""Evaluations after which a further pole that has not settled is given up."""
 
 
 def calibrated(
@@ -35,17 +43,55 @@ def calibrated(
     BadInput : tare and article of different `hardware` without `settings.any_hardware`; a channel table that differs.
     """
     problem = assembled(evidence, settings)
-    return identified(problem, fitted(problem, settings, progress=progress), settings)
+    solution = fitted(problem, settings, progress=progress)
+    if settings.modes is None:
+        problem, solution = _completed(problem, solution, settings)
+    return identified(problem, solution, settings)
+
+
+def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
+    """The fit with a few further poles where lines do not fit and poles pay."""
+    for _ in range(FURTHER):
+        line, misfit = further_poles.worst(problem, solution.x, settings.floor)
+        longer = further_poles.with_one_more(problem, solution.x, line) if misfit > further_poles.MISFIT else None
+        if longer is None:
+            break
+        more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
+        price = (len(longer[0].layout) - len(problem.layout)) * np.log(_size(problem, settings.floor)) / 2
+        if not more.converged or solution.normal.cost - more.normal.cost < price:
+            break
+        problem, solution = longer[0], more
+    return problem, solution
+
+
+def _size(problem: Assembly, floor: float) -> int:
+    return sum(part.observed.size for part in problem.parts(floor))
 
 
 def fitted(problem: Assembly, settings: Settings, *, progress: Callable[[float], None] | None = None) -> Solution:
     """The joint minimum, down through the annealed floors."""
     x = problem.layout.start
     for floor in [one for one in ANNEALED if one > settings.floor]:
-        x = minimise(_data(problem, floor), x, problem.knowledge, close=0.3, most=8).x
-    return minimise(_data(problem, settings.floor), x, problem.knowledge, progress=progress)
+        x = _minimum(problem, floor, x, close=0.3, most=8).x
+    return _minimum(problem, settings.floor, x, progress=progress)
 
 
-def _data(problem: Assembly, floor: float) -> Callable[[Array], Normal]:
+def _minimum(
+    problem: Assembly,
+    floor: float,
+    start: Array,
+    *,
+    close: float = CLOSE,
+    most: int = MOST,
+    progress: Callable[[float], None] | None = None,
+) -> Solution:
     parts = problem.parts(floor)
-    return lambda x: total(normals(parts, problem.layout, x))
+    return minimise(
+        lambda x: total(normals(parts, problem.layout, x)),
+        start,
+        problem.knowledge,
+        close=close,
+        most=most,
+        size=sum(part.observed.size for part in parts),
+        progress=progress,
+    )

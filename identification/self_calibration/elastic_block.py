@@ -22,11 +22,11 @@ FREQUENCY = 0.05
 DAMPING = 1.0
 """Standard deviation of ln zeta about the start."""
 
-COUPLED = 0.3
-"""Standard deviation of the damping of a pair, as a share of what its two modes have."""
+COUPLED = 0.5
+"""Standard deviation of the damping of a pair, as a share of what its two modes have; a layer that both shear gives nearly 1."""
 
-NEIGHBOURS = 30.0
-"""Distance of two modes, in their half-power widths, up to which their damping may be coupled."""
+FELT = 1e-3
+"""How much of another mode's participation a resonance must be able to take over, through damping, for the pair to count."""
 
 STIFF = (20.0 / 150.0) ** 2
 """Standard deviation of the residual of a nearly rigid body, as a share of its mass matrix at 20 Hz: a first mode at 150 Hz."""
@@ -34,7 +34,7 @@ STIFF = (20.0 / 150.0) ** 2
 
 def of_article(name: str, ten: Array, terms: ElasticTerms) -> tuple[model.Layout, Block]:
     """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size."""
-    layout = model.layout_of(terms, widths=NEIGHBOURS)
+    layout = model.Layout(modes=len(terms.frequency), pairs=_pairs(terms))
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)
@@ -54,6 +54,15 @@ def of_known(name: str, ten: Array) -> tuple[model.Layout, Block]:
     size = _size(ten)
     deviation = STIFF * np.outer(size, size)[model.UPPER]
     return layout, block(name, layout.names[10:], np.zeros(21), deviation=deviation, families=FAMILY)
+
+
+def _pairs(terms: ElasticTerms) -> tuple[tuple[int, int], ...]:
+    """Pairs (r, s), r < s, in which coupled damping can show: at resonance r, omega_r C_rs / (omega_s² - omega_r²) of mode s."""
+    w2, C = (2 * np.pi * terms.frequency) ** 2, np.diag(terms.damping)
+    most = np.sqrt(np.outer(C, C)) * np.sqrt(np.maximum(w2[:, None], w2))
+    apart = np.maximum(np.abs(w2[:, None] - w2), most)
+    felt = np.triu(most > FELT * np.maximum(apart, np.finfo(np.float64).tiny), 1)
+    return tuple((int(r), int(s)) for r, s in zip(*np.nonzero(felt), strict=True))
 
 
 def _size(ten: Array) -> Array:

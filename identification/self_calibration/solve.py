@@ -15,8 +15,8 @@ import numpy as np
 from geometry.arrays import Array
 from identification.self_calibration.likelihood import Normal
 
-CLOSE = 1e-2
-"""Standard deviations that the last step may still be."""
+CLOSE = 0.1
+"""Standard deviations that the step may be which is taken last, unseen: it leaves less."""
 
 MOST = 60
 """Evaluations before the iteration is given up."""
@@ -55,9 +55,13 @@ def minimise(
     *,
     close: float = CLOSE,
     most: int = MOST,
+    size: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
-    """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,)."""
+    """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,).
+
+    Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
+    """
     x, damping, growth = start.copy(), 1e-6, 4.0
     own = data(x)
     total = _with_prior(own, x, knowledge)
@@ -67,8 +71,8 @@ def minimise(
         decrement = float(np.sqrt(max(-(total.gradient @ free), 0.0)))
         if progress is not None:
             progress(min(evaluation / 15, 0.99))
-        if decrement < close:
-            return Solution(x=x, normal=total, data=own, converged=True, decrement=decrement, evaluations=evaluation)
+        if decrement < close * np.sqrt(max(2 * own.cost / max(size, 1), 1.0) if size else 1.0):
+            return Solution(x=x + free, normal=total, data=own, converged=True, decrement=decrement, evaluations=evaluation)
         expected = -(total.gradient @ step) - 0.5 * step @ total.matrix @ step
         trial_own = _tried(data, x + step)
         trial = None if trial_own is None else _with_prior(trial_own, x + step, knowledge)
