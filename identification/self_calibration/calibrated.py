@@ -9,7 +9,7 @@ import numpy as np
 from geometry.arrays import Array
 from identification.evidence import Evidence, Settings
 from identification.identified import Identified
-from identification.self_calibration import further_poles
+from identification.self_calibration import further_poles, pruning
 from identification.self_calibration.assembly import Assembly, assembled
 from identification.self_calibration.problem import normals, total
 from identification.self_calibration.result import identified
@@ -43,10 +43,36 @@ def calibrated(
     BadInput : tare and article of different `hardware` without `settings.any_hardware`; a channel table that differs.
     """
     problem = assembled(evidence, settings)
-    solution = fitted(problem, settings, progress=progress)
-    if settings.modes is None:
-        problem, solution = _completed(problem, solution, settings)
+    prune = settings.modes is None
+    problem, x = _annealed(problem, settings, prune=prune)
+    solution = _minimum(problem, settings.floor, x, progress=progress)
+    if prune:
+        problem, solution = _completed(*_plainer(problem, solution, settings), settings)
     return identified(problem, solution, settings)
+
+
+def _annealed(problem: Assembly, settings: Settings, *, prune: bool = False) -> tuple[Assembly, Array]:
+    """Down through the annealed floors: the problem, plainer where poles do not pay any longer, and where they led."""
+    x = problem.layout.start
+    for floor in [one for one in ANNEALED if one > settings.floor]:
+        coarse = _minimum(problem, floor, x, close=0.3, most=8)
+        at_last = _linearised(problem, settings.floor, coarse) if prune else coarse
+        shorter = pruning.pruned(problem, at_last, _size(problem, settings.floor), below=problem.band[1]) if prune else None
+        problem, x = shorter or (problem, coarse.x)
+    return problem, x
+
+
+def _linearised(problem: Assembly, floor: float, coarse: Solution) -> Solution:
+    """The normal equations at the place of a `coarse` solution with the weights of another `floor`."""
+    return _minimum(problem, floor, coarse.x, most=0)
+
+
+def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
+    """The fit without poles that do not pay at the floor asked for."""
+    shorter = pruning.pruned(problem, solution, _size(problem, settings.floor))
+    if shorter is None or pruning.modes(shorter[0]) == pruning.modes(problem):
+        return problem, solution
+    return shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
 
 
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
@@ -70,10 +96,7 @@ def _size(problem: Assembly, floor: float) -> int:
 
 def fitted(problem: Assembly, settings: Settings, *, progress: Callable[[float], None] | None = None) -> Solution:
     """The joint minimum, down through the annealed floors."""
-    x = problem.layout.start
-    for floor in [one for one in ANNEALED if one > settings.floor]:
-        x = _minimum(problem, floor, x, close=0.3, most=8).x
-    return _minimum(problem, settings.floor, x, progress=progress)
+    return _minimum(problem, settings.floor, _annealed(problem, settings)[1], progress=progress)
 
 
 def _minimum(

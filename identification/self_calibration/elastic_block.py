@@ -16,7 +16,7 @@ from identification.self_calibration.layout import Block, block
 
 FAMILY = "elasticity"
 
-FREQUENCY = 0.05
+FREQUENCY = 0.3
 """Standard deviation of ln f about the start."""
 
 DAMPING = 1.0
@@ -32,9 +32,14 @@ STIFF = (20.0 / 150.0) ** 2
 """Standard deviation of the residual of a nearly rigid body, as a share of its mass matrix at 20 Hz: a first mode at 150 Hz."""
 
 
-def of_article(name: str, ten: Array, terms: ElasticTerms) -> tuple[model.Layout, Block]:
-    """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size."""
-    layout = model.Layout(modes=len(terms.frequency), pairs=_pairs(terms))
+def of_article(
+    name: str, ten: Array, terms: ElasticTerms, *, pairs: tuple[tuple[int, int], ...] | None = None
+) -> tuple[model.Layout, Block]:
+    """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size.
+
+    Damping is coupled in `pairs`, by default wherever it could show.
+    """
+    layout = model.Layout(modes=len(terms.frequency), pairs=_pairs(terms) if pairs is None else pairs)
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)

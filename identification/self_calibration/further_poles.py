@@ -62,7 +62,7 @@ def with_one_more(problem: Assembly, x: Array, line: int) -> tuple[Assembly, Arr
     terms = structure.terms(layout, x)
     longer = _extended(terms, float(f[line]), pole)
     elastic, made = elastic_block.of_article(ELASTIC, structure.ten(layout, x), longer)
-    return _replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
+    return replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
 
 
 def _extended(terms: ElasticTerms, frequency: float, participation: Array) -> ElasticTerms:
@@ -77,7 +77,8 @@ def _extended(terms: ElasticTerms, frequency: float, participation: Array) -> El
     )
 
 
-def _replaced(problem: Assembly, x: Array, elastic: model.Layout, layout: Layout) -> tuple[Assembly, Array]:
+def replaced(problem: Assembly, x: Array, elastic: model.Layout, layout: Layout) -> tuple[Assembly, Array]:
+    """The problem with `elastic` terms of the article laid out anew in `layout`, and where to begin: at `x` in all else."""
     start = layout.start
     for one in layout.blocks:
         if one.name != ELASTIC:
