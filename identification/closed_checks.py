@@ -145,7 +145,7 @@ def _phase(H: ComplexArray, sd: Array) -> Finding:
 
 
 def _agreement(of: Readings) -> tuple[Finding, Finding]:
-    found = misfit(of, of.values[None], of.noise[None], structure=False)
+    found = misfit(of, of.values[None], of.noise[None])
     return (
         _agreed(
             "redundancy",

@@ -19,8 +19,9 @@ from identification.identified import Identified
 from identification.plain import plain
 from identification.self_calibration.assembly import Assembly, assembled
 from identification.self_calibration.calibrated import fitted
-from identification.self_calibration.likelihood import Normal
-from identification.self_calibration.problem import Part, normals
+from identification.self_calibration.layout import Layout
+from identification.self_calibration.likelihood import Rows, normal
+from identification.self_calibration.problem import Part
 from identification.self_calibration.result import identified
 from identification.self_calibration.solve import inverse
 
@@ -71,31 +72,44 @@ def expected(
     problem = assembled(evidence, settings)
     tell(0.4)
     solution = fitted(problem, settings, progress=lambda share: tell(0.4 + 0.2 * share))
-    parts, x = problem.parts(settings.floor), solution.x
+    planned = [_at(part, problem.layout, solution.x) for part in problem.parts(settings.floor)]
     names = problem.campaigns[0].chain.names if lost else ()
     without = {}
     for k, name in enumerate(names):
         tell(0.6 + 0.4 * k / len(names))
-        without[name] = covariance(problem, normals([_blind(part, name) for part in parts], problem.layout, x))
-    alone = normals(parts[:1], problem.layout, x)
-    untared = covariance(problem, alone, _known(problem, fmd)) if evidence.tares else None
+        without[name] = covariance(problem, [_information(one, blind=name) for one in planned])
+    untared = covariance(problem, [_information(planned[0]), _known(problem, fmd)]) if evidence.tares else None
     tell(1.0)
     return Expected(best=identified(problem, solution, settings), plain=plainly, untared=untared, without=without)
 
 
-def covariance(problem: Assembly, found: Sequence[Normal], more: Array | float = 0.0) -> Array:
-    """(10, 10) of the article's parameters from the normal equations `found`, the priors, and `more` information (k, k)."""
-    rows = problem.layout.knowledge[0]
-    article = problem.layout.at("article")
-    information = np.sum([one.matrix for one in found], axis=0) + rows.T @ rows + more
-    return inverse(information)[article, article]
+def covariance(problem: Assembly, information: Sequence[Array]) -> Array:
+    """(10, 10) of the article's parameters from `information` (k, k) about the joint vector, and the priors."""
+    rows, article = problem.layout.knowledge[0], problem.layout.at("article")
+    return inverse(np.sum(information, axis=0) + rows.T @ rows)[article, article]
 
 
-def _blind(part: Part, channel: str) -> Part:
-    """`part` to which `channel` says nothing."""
-    weight = part.observed.weight.copy()
-    weight[:, :, part.chain.names.index(channel)] = 0.0
-    return replace(part, observed=replace(part.observed, weight=weight))
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _At:
+    """A campaign at the planned truth: how its channels answer to everything, which no weight changes."""
+
+    part: Part
+    rows: Rows
+    selection: Array
+
+
+def _at(part: Part, layout: Layout, x: Array) -> _At:
+    return _At(part=part, rows=part.rows(layout, x), selection=part.selection(layout))
+
+
+def _information(one: _At, blind: str | None = None) -> Array:
+    """J^T J (k, k) of a campaign, to which the channel `blind` says nothing."""
+    observed = one.part.observed
+    if blind is not None:
+        weight = observed.weight.copy()
+        weight[:, :, one.part.chain.names.index(blind)] = 0.0
+        observed = replace(observed, weight=weight)
+    return np.asarray(one.selection.T @ normal(observed, one.rows).matrix @ one.selection)
 
 
 def _known(problem: Assembly, fmd: Known) -> Array:

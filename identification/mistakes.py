@@ -12,32 +12,36 @@ cover plate; both are named.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import combinations, permutations
+from functools import partial, reduce
+from itertools import combinations, permutations, product
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.sensors import ChannelTable
-from identification.self_consistency import Readings, misfit
+from identification.self_consistency import Readings, misfit, parity, redundancy
 from identification.units import UNITS
 
 LIMIT = 16.0
 """Mean square from which readings disagree: four tolerances. Three on every channel at once still pass."""
 
 FALL = 3.0
-"""By what factor undoing a mistake must lower the misfit to be held on to where it is not enough alone."""
+"""By what factor undoing mistakes must lower the misfit to be told although it is not enough."""
 
 ALIKE = 2.0
 """Mistakes are alike where their misfits differ by less than this factor; below it, three mean squares of 1 tell nothing."""
 
-SHORTLIST = 40
-"""How many mistakes are judged with H, which is the dearer part: those that suit the two sides alone best."""
+OPTIONS = 30
+"""How many ways of bringing one side into agreement with itself are judged with H."""
 
-TOGETHER = 3
-"""How many mistakes are looked for behind one another."""
+BEAM = 30
+"""How many mistakes of a side, the most helpful ones, are tried as one of two."""
+
+PORTION = 2000
+"""Variants of the readings that are held in memory at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,29 +137,25 @@ def _units(table: ChannelTable, quantity: str, channels: tuple[str, ...]) -> lis
 
 
 def suspects(of: Readings) -> tuple[Suspect, ...]:
-    """Mistakes whose undoing lets the readings agree, the best first; none where they agree as they are.
+    """The fewest mistakes whose undoing lets the readings agree, the best first; none where they agree as they are.
 
-    Where no mistake explains the disagreement, the best of what helps is given, and says so.
+    Either side - accelerometers, load cells - must first agree with itself; what does that is then judged with H. Where nothing
+    explains the disagreement, what helps most is given if it helps much, and says that it is not enough.
     """
-    known = candidates(of.table)
-    chain: tuple[Mistake, ...] = ()
-    values, noise = of.values[None], of.noise[None]
-    now = misfit(of, values, noise)
-    before, total = float(now.total[0]), float(now.total[0])
-    if now.worst[0] <= LIMIT:
+    start = misfit(of, of.values[None], of.noise[None])
+    if start.worst[0] <= LIMIT:
         return ()
-    for _ in range(TOGETHER):
-        tried = _tried(of, values[0], noise[0], known)
-        found = tuple(
-            Suspect(mistakes=(*chain, mistake), before=before, after=after, explains=True)
-            for mistake, after in _explaining(tried)
-        )
-        best = min(tried, key=lambda one: one.total)
-        if found or best.total * FALL > total:
-            return found or _helpful(chain, before, total)
-        chain, total = (*chain, best.mistake), best.total
-        values, noise = _undone_all(of.table, values[0], noise[0], [best.mistake])
-    return _helpful(chain, before, total)
+    before = float(start.total[0])
+    pairs = [(*one, *other) for one, other in product(*(_options(of, side) for side in _sides(of.table)))]
+    tried: list[_Tried] = []
+    for count in sorted({len(chain) for chain in pairs} - {0}):
+        tried += _tried(of, [chain for chain in pairs if len(chain) == count])
+        if explaining := _explaining(tried):
+            return tuple(Suspect(mistakes=one.chain, before=before, after=one.total, explains=True) for one in explaining)
+    best = min(tried, key=lambda one: one.total, default=None)
+    if best is None or best.total * FALL > before:
+        return ()
+    return (Suspect(mistakes=best.chain, before=before, after=best.total, explains=False),)
 
 
 def undone(table: ChannelTable, values: ComplexArray, mistake: Mistake) -> ComplexArray:
@@ -166,41 +166,77 @@ def undone(table: ChannelTable, values: ComplexArray, mistake: Mistake) -> Compl
     return out
 
 
+Chain = tuple[Mistake, ...]
+"""Mistakes that are undone one after the other."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Tried:
-    """A mistake, and the misfit once it is undone."""
+    """Mistakes, and the misfit once they are undone."""
 
-    mistake: Mistake
+    chain: Chain
     total: float
     worst: float
 
 
-def _tried(of: Readings, values: ComplexArray, noise: Array, known: Sequence[Mistake]) -> list[_Tried]:
-    """The mistakes that look best on each side alone, judged with H."""
-    sides = misfit(of, *_undone_all(of.table, values, noise, known), structure=False)
-    shortlist = [known[k] for k in np.argsort(sides.total, kind="stable")[:SHORTLIST]]
-    full = misfit(of, *_undone_all(of.table, values, noise, shortlist))
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Side:
+    """The mistakes of one side, and how well that side agrees with itself."""
+
+    known: tuple[Mistake, ...]
+    square: Callable[[Readings, ComplexArray, Array], Array]
+
+
+def _sides(table: ChannelTable) -> tuple[_Side, _Side]:
+    known = candidates(table)
+    pick_ups = {table.names[k] for k in table.select(quantity="acceleration")}
+    moved = tuple(one for one in known if one.channels[0] in pick_ups)
+    felt = tuple(one for one in known if one.channels[0] not in pick_ups)
+    return _Side(known=moved, square=redundancy), _Side(known=felt, square=parity)
+
+
+def _options(of: Readings, side: _Side) -> list[Chain]:
+    """What may have happened on a side so that it agrees with itself once that is undone: nothing, one mistake, or else two."""
+    sound = _squares(of, side, [()])[0] <= LIMIT
+    singles: list[Chain] = [(one,) for one in side.known]
+    squares = _squares(of, side, singles)
+    order = np.argsort(squares, kind="stable")
+    good = [singles[k] for k in order[:OPTIONS].tolist() if squares[k] <= LIMIT]
+    if sound or good:
+        return [(), *good] if sound else good
+    doubles = [(*singles[k], second) for k in order[:BEAM].tolist() for second in side.known if (second,) != singles[k]]
+    squares = _squares(of, side, doubles)
+    order = np.argsort(squares, kind="stable")[:OPTIONS]
+    return _unordered([doubles[k] for k in order.tolist() if squares[k] <= LIMIT]) or [()]
+
+
+def _unordered(chains: Sequence[Chain]) -> list[Chain]:
+    """The same two in either order count once."""
+    return list({frozenset(chain): chain for chain in reversed(chains)}.values())[::-1]
+
+
+def _squares(of: Readings, side: _Side, chains: Sequence[Chain]) -> Array:
+    """(v,) how a side agrees with itself without the mistakes of each chain."""
+    parts = [chains[k : k + PORTION] for k in range(0, len(chains), PORTION)]
+    return np.concatenate([side.square(of, *_undone_all(of, part)) for part in parts])
+
+
+def _tried(of: Readings, chains: Sequence[Chain]) -> list[_Tried]:
+    full = misfit(of, *_undone_all(of, chains))
     return [
-        _Tried(mistake=mistake, total=float(total), worst=float(worst))
-        for mistake, total, worst in zip(shortlist, full.total, full.worst, strict=True)
+        _Tried(chain=chain, total=float(total), worst=float(worst))
+        for chain, total, worst in zip(chains, full.total, full.worst, strict=True)
     ]
 
 
-def _undone_all(
-    table: ChannelTable, values: ComplexArray, noise: Array, mistakes: Sequence[Mistake]
-) -> tuple[ComplexArray, Array]:
-    """Values and noise (v, r, n, c) without each of the mistakes."""
-    return (
-        np.stack([undone(table, values, mistake) for mistake in mistakes]),
-        np.stack([np.abs(undone(table, noise.astype(np.complex128), mistake)) for mistake in mistakes]),
-    )
+def _undone_all(of: Readings, chains: Sequence[Chain]) -> tuple[ComplexArray, Array]:
+    """Values and noise (v, r, n, c) without the mistakes of each chain."""
+    both = np.stack([of.values, of.noise.astype(np.complex128)])
+    without = np.stack([reduce(partial(undone, of.table), chain, both) for chain in chains])
+    return without[:, 0], np.abs(without[:, 1])
 
 
-def _explaining(tried: Sequence[_Tried]) -> list[tuple[Mistake, float]]:
+def _explaining(tried: Sequence[_Tried]) -> list[_Tried]:
     """Those that bring agreement and are about as good as the best, the best first."""
     good = sorted((one for one in tried if one.worst <= LIMIT), key=lambda one: one.total)
-    return [(one.mistake, one.total) for one in good if one.total <= ALIKE * max(good[0].total, ALIKE)]
-
-
-def _helpful(chain: tuple[Mistake, ...], before: float, after: float) -> tuple[Suspect, ...]:
-    return (Suspect(mistakes=chain, before=before, after=after, explains=False),) if chain else ()
+    return [one for one in good if one.total <= ALIKE * max(good[0].total, ALIKE)]

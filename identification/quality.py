@@ -1,8 +1,8 @@
 """The quality indicator that the paper says is missing: intervals, what dominates them, and a verdict in words.
 
-Mass, CoG and moments about the CoG are a smooth map of the ten parameters of Eq. 4; their covariance follows linearised (GUM, JCGM
-100:2008, 5.2.2), input by input. How large an interval is, is judged against the size of the body: the mass for the mass, its radius
-of gyration for the CoG, its moments of inertia for moments and products.
+Mass, CoG and moments about the CoG are a smooth map of the ten parameters of Eq. 4; their covariance follows linearised (GUM,
+JCGM 100:2008, 5.2.2), input by input. An interval is judged against the size of the body: the mass for the mass, the radius of
+gyration for the CoG, moments of inertia for moments and products.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ TRUSTED = 0.05
 """Half a 95 % interval, as a share of the size of the body, up to which a figure is worth having."""
 
 ELASTICITY = "elasticity"
+
+GROUPS = {"mass": slice(0, 1), "cog": slice(1, 4), "moments": slice(4, 7), "products": slice(7, 10)}
+"""Where the quantities of one kind stand."""
 
 TO_ADD: Mapping[str, str] = {
     "noise": "drive at a higher level, or sweep more slowly",
@@ -53,7 +56,7 @@ class Quality:
     inertia : about the frame's origin, in its axes
     values : (10,) order of `QUANTITIES`: mass [kg], CoG [m], moments xx yy zz and products xy xz yz about the CoG [kg m²]
     covariance : (10, 10) of these
-    interval95 : (10, 2) low and high
+    intervals : (10, 2) low and high end of the 95 % interval of each
     shares : by input its share (10,) of the variance of `values`
     dominant : by PARAMETER about F and by name in `QUANTITIES`, the input with the largest share
     verdict : by the same names, in words
@@ -62,14 +65,39 @@ class Quality:
     inertia: Inertia
     values: Array
     covariance: Array
-    interval95: Array
+    intervals: Array
     shares: Mapping[str, Array]
     dominant: Mapping[str, str]
     verdict: Mapping[str, str]
 
     def __post_init__(self) -> None:
-        for name, shape in {"values": (10,), "covariance": (10, 10), "interval95": (10, 2)}.items():
+        for name, shape in {"values": (10,), "covariance": (10, 10), "intervals": (10, 2)}.items():
             object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+    @property
+    def mass(self) -> float:
+        """[kg]."""
+        return float(self.values[0])
+
+    @property
+    def cog(self) -> Array:
+        """(3,) [m], from the frame's origin."""
+        return self.values[1:4]
+
+    @property
+    def moments(self) -> Array:
+        """(3,) [kg m²] xx, yy, zz about the CoG."""
+        return self.values[4:7]
+
+    @property
+    def products(self) -> Array:
+        """(3,) [kg m²] xy, xz, yz about the CoG, as matrix entries."""
+        return self.values[7:]
+
+    @property
+    def interval95(self) -> dict[str, Array]:
+        """Low and high ends by "mass" (1, 2), "cog", "moments" and "products" (3, 2)."""
+        return {name: self.intervals[place] for name, place in GROUPS.items()}
 
 
 def quality(identified: Identified, frame: Pose | None = None) -> Quality:
@@ -94,7 +122,7 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
         inertia=Inertia(parameters=ten),
         values=values,
         covariance=covariance,
-        interval95=np.stack([values - half, values + half], axis=1),
+        intervals=np.stack([values - half, values + half], axis=1),
         shares=shares,
         dominant={name: _dominant(share, k) for names, share, _ in judged for k, name in enumerate(names)},
         verdict={

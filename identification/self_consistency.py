@@ -5,6 +5,7 @@ Three agreements need no model of the structure, only that the plates below it a
 - redundancy: more than six accelerometers on table and cover plate tell one and the same base motion,
 - parity: more than six force channels hold self-equilibrated readings, which cells of one stiffness do not have,
 - structure: H is the mass matrix of a body (Eq. 1): symmetric, m_x = m_y = m_z, skew coupling, no phase, positive diagonal.
+  Elastic structures are symmetric, too, and positive at the lowest line.
 
 Each is a mean square of 1 where channels are off by their tolerances, and grows to hundreds with a wrong sign. The lowest lines
 are used, where the structure answers most rigidly; what elasticity adds there is allowed for by the way H grows over them, with
@@ -35,6 +36,9 @@ REACH = 1.5
 LINES = 3
 """How many of them: faults that do not depend on frequency show at every line alike."""
 
+
+CLIP = 2.0
+"""How far the largest reading of a channel may lie beyond that of most others, and still tell how much moved."""
 
 NEGATIVE = 1e6
 """Mean square of a mass or a moment of inertia below zero: no tolerance makes one."""
@@ -105,10 +109,20 @@ def readings(spectra: Spectra, tolerances: Tolerances, gravity: float = STANDARD
     )
 
 
-def misfit(of: Readings, values: ComplexArray, noise: Array, *, structure: bool = True) -> Misfit:
-    """The misfit of variants (v, r, n, c) of the readings and of their noise; without `structure` that of each side alone."""
+def redundancy(of: Readings, values: ComplexArray, noise: Array) -> Array:
+    """(v,) that of the accelerometers alone."""
+    return _motion(of, values, noise).left_over
+
+
+def parity(of: Readings, values: ComplexArray, noise: Array) -> Array:
+    """(v,) that of the force channels alone."""
+    return _load(of, values, noise).left_over
+
+
+def misfit(of: Readings, values: ComplexArray, noise: Array) -> Misfit:
+    """The misfit of variants (v, r, n, c) of the readings and of their noise; structure takes six runs."""
     motion, load = _motion(of, values, noise), _load(of, values, noise)
-    third = _structure(of, _entries(motion, load)) if structure and values.shape[1] >= 6 else np.zeros(len(values))
+    third = _structure(of, _entries(motion, load)) if values.shape[1] >= 6 else np.zeros(len(values))
     return Misfit(redundancy=motion.left_over, parity=load.left_over, structure=third)
 
 
@@ -151,7 +165,7 @@ def _tolerance(of: Readings, values: ComplexArray, noise: Array) -> Array:
     """(v, r, n, a) standard deviation of the accelerometers: own gain and delay, place and angle in what is around."""
     channels, t = _pick_ups(of), of.tolerances
     a, floor = values[..., : len(channels)], noise[..., : len(channels)]
-    rough = (np.linalg.pinv(of.rows) @ a[..., None])[..., 0]
+    rough = (np.linalg.pinv(of.rows) @ _clipped(a)[..., None])[..., 0]
     local = np.stack([rough @ rigid_transformation(_place(channel) - of.table.origin).T for channel in channels], axis=-2)
     across, turning = np.linalg.norm(local, axis=-1), np.linalg.norm(rough[..., 3:], axis=-1, keepdims=True)
     gain = np.array([t.table_gain if channel.group == "table" else t.gain for channel in channels])
@@ -159,6 +173,13 @@ def _tolerance(of: Readings, values: ComplexArray, noise: Array) -> Array:
     sd = np.sqrt(own + (t.angle * across) ** 2 + (t.position * turning) ** 2 + floor**2)
     rounding = np.finfo(np.float64).eps * np.abs(a).max(axis=-1, keepdims=True) + np.finfo(np.float64).tiny
     return np.asarray(np.maximum(sd, rounding))
+
+
+def _clipped(a: ComplexArray) -> ComplexArray:
+    """Readings (v, r, n, a) cut off far beyond the largest of most channels: one in a wrong unit shall not excuse the others."""
+    size = np.abs(a)
+    usual = np.median(size.max(axis=(1, 2)), axis=-1)[:, None, None, None]
+    return np.asarray(a * np.minimum(1.0, CLIP * usual / np.maximum(size, np.finfo(np.float64).tiny)))
 
 
 def _motion(of: Readings, values: ComplexArray, noise: Array) -> _Side:
@@ -220,14 +241,27 @@ def _entries(motion: _Side, load: _Side) -> _Entries:
 
 
 def _structure(of: Readings, found: _Entries) -> Array:
-    """Mean square (v,) of what H has that no body has."""
-    variants = len(found.matrix)
-    sd = np.hypot(found.deviation, elasticity(of, found.matrix)).reshape(variants, -1)
-    lines = np.tile(BASIS.reshape(10, 36).T, (found.matrix.shape[1], 1))
-    rows, b = lines / sd[..., None], found.matrix.reshape(variants, -1) / sd
+    """Mean squares (v,) of what H has that no body has and that no structure has, and the price of a negative mass."""
+    H, sd = found.matrix, found.deviation
+    lowest = np.diagonal(H[:, 0], axis1=1, axis2=2).real
+    negative = np.any(lowest <= 0, axis=1)
+    square = np.maximum(_unlike_a_body(H, np.hypot(sd, elasticity(of, H))), _unsymmetric(H, sd))
+    return np.asarray(square + NEGATIVE * negative)
+
+
+def _unlike_a_body(H: ComplexArray, sd: Array) -> Array:
+    """Mean square (v,) of what the best mass matrix of Eq. 1 leaves of H (v, n, 6, 6)."""
+    weight = 1 / sd.reshape(len(H), -1)
+    rows = np.tile(BASIS.reshape(10, 36).T, (H.shape[1], 1)) * weight[..., None]
+    b = H.reshape(len(H), -1) * weight
     p = np.linalg.pinv(rows) @ b.real[..., None]
-    negative = np.any(p[:, [0, 4, 5, 6], 0] <= 0, axis=1)
-    return np.asarray(_mean_square(b - (rows @ p)[..., 0]) + NEGATIVE * negative)
+    return _mean_square(b - (rows @ p)[..., 0])
+
+
+def _unsymmetric(H: ComplexArray, sd: Array) -> Array:
+    """Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone."""
+    j, k = np.triu_indices(6, 1)
+    return _mean_square((H[..., j, k] - H[..., k, j]) / np.hypot(sd[..., j, k], sd[..., k, j]))
 
 
 def _mean_square(values: ComplexArray) -> Array:

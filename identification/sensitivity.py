@@ -51,7 +51,7 @@ def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
     gain = _gain(found, data.at(chosen).frequency, data.at(chosen).deviation)
     thin = _at(spectra, chosen)
     H = model.dynamic_mass(Inertia(parameters=found.ten).mass_matrix, found.terms, thin.frequency)
-    inverse_motion = np.linalg.pinv(found.motion[:, chosen].transpose(1, 2, 0))  # (n, r, 6)
+    inverse_motion = np.asarray(np.linalg.pinv(found.motion[:, chosen].transpose(1, 2, 0)), dtype=np.complex128)  # (n, r, 6)
     offsets = np.zeros(len(chain.parameters))
     changed = []
     for change in chain.derivatives(offsets, thin.frequency, H):

@@ -32,10 +32,9 @@ def fmd(
         raise BadInput(source="tare", field="tares", problem="the FMD needs a campaign on a known article", remedy="Add one")
     _require_one_hardware(tares)
     if not self_calibrated:
-        found = of_tares(list(tares), settings)
-        return Known(
-            inertia=Inertia(parameters=found.ten), covariance=covariance_of(found, tolerances_of(tares[0].spectra, settings))
-        )
+        by_paper = of_tares(list(tares), settings)
+        covariance = covariance_of(by_paper, tolerances_of(tares[0].spectra, settings))
+        return Known(inertia=Inertia(parameters=by_paper.ten), covariance=covariance)
     problem = of_fmd(tares, settings)
     found = identified(problem, fitted(problem, settings, progress=progress), settings)
     return Known(inertia=found.inertia, covariance=found.covariance)

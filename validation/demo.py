@@ -42,6 +42,11 @@ class Step:
 GAP = '--cells --preload "1 kN" --band 10 20 --octaves-per-minute 30 --ring-down "2 s"'
 """A quick sweep past the mast's resonance on preloaded cells."""
 
+EXAMPLE = shlex.quote(str(DATA / "example_series"))
+
+SERIES, IDENTIFIED = "out/series", "out/identified"
+"""Of the virtual test."""
+
 STEPS = (
     Step(
         title="The four articles, Clumod in both configurations: three routes beside published and measured values, and pictures",
@@ -85,11 +90,32 @@ STEPS = (
     Step(title="How far these predictions can be trusted: closed forms, benchmarks, rates", command="massline verify"),
     Step(title="Your own article: a STEP assembly and two meshes", command="python examples/own_article.py out/own-article"),
     Step(title="... with a material for each body", command="massline reference out/own-article --view"),
+    Step(title="Before a test: what it would tell, where pick-ups belong", command="massline pretest clumod-1 --no-lost --plot"),
+    Step(title="The bias of peak-reference-hold at a lightly damped mode", command="python examples/peak_hold_bias.py"),
     Step(title="A recorded campaign, in four formats", command="python examples/own_campaign.py out/own-campaign"),
     Step(title="... what it holds, with a map of its sensors", command="massline check out/own-campaign/uff --view"),
     Step(
+        title="A virtual test, eight times as fast as the paper's: Clumod with one blade, and disc and Cuboid for a tare",
+        command=f"massline simulate fmd+disc+cuboid fmd+clumod-1 --seed 3 --octaves-per-minute 16 --out {SERIES}",
+    ),
+    Step(
+        title="... its inertia, plain and self-calibrated, with verdicts; condition, dynamic mass, stability over the band",
+        command=f"massline identify {SERIES}/fmd+clumod-1 --tare {SERIES}/fmd+disc+cuboid --out {IDENTIFIED}",
+    ),
+    Step(title="... beside the drawing", command=f"massline validate {IDENTIFIED}/identify.json --against clumod-1"),
+    Step(
+        title="... and beside CAD, exudyn, a pendulum and what is in print, Table 2 among it, in one row each",
+        command=f"python examples/closure_table.py {IDENTIFIED}/identify.json",
+    ),
+    Step(
         title="A campaign that another program wrote",
         command=f"massline check {shlex.quote(str(DATA / 'example_series' / 'fmd+clumod-1'))}",
+        needs=DATA / "example_series",
+    ),
+    Step(
+        title="... identified, with what its maker knew of the load cells",
+        command=f"massline identify {EXAMPLE}/fmd+clumod-1 --tare {EXAMPLE}/fmd+disc+cuboid "
+        "--cell-stiffness 1e8 1e8 4e8 --no-study",
         needs=DATA / "example_series",
     ),
 )

@@ -209,21 +209,21 @@ def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array]
 
     growth, now, ahead = held(uncoupled.pole * step)
     first, last = step * now, step * ahead
-    seen, modes = outputs @ uncoupled.shape, len(uncoupled.pole)
-    parted = np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
+    modes, parted = len(uncoupled.pole), np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
+    seen = outputs @ np.hstack([uncoupled.shape.real, -uncoupled.shape.imag])  # real products: those of BLAS, half as many
     memory: ComplexArray | None = None
 
     def solve(samples: Array) -> tuple[Array, Array]:
         nonlocal memory
-        forces = parted @ samples.T
-        forces = forces[:modes] + 1j * forces[modes:]
+        parts = parted @ samples.T  # real and imaginary part of the forces, then of the states
+        end = np.empty(modes, dtype=np.complex128)
         if memory is None:
-            memory = -last * forces[:, 0]  # at rest at the first sample, whatever the input is there
-        w = np.empty_like(forces)
-        for r in range(len(w)):
-            w[r], rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces[r], zi=memory[r : r + 1])
-            memory[r] = rest[0]
-        return np.asarray((seen.real @ w.real - seen.imag @ w.imag).T), np.asarray((uncoupled.shape @ w[:, -1]).real)
+            memory = -last * (parts[:modes, 0] + 1j * parts[modes:, 0])  # at rest at the first sample, whatever the input is there
+        for r in range(modes):
+            forces = parts[r] + 1j * parts[modes + r]
+            w, rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces, zi=memory[r : r + 1])
+            parts[r], parts[modes + r], end[r], memory[r] = w.real, w.imag, w[-1], rest[0]
+        return (seen @ parts).T, np.asarray((uncoupled.shape @ end).real)
 
     return solve
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from geometry.arrays import Array
 from identification.evidence import Evidence, Settings
 from identification.identified import Identified
@@ -23,7 +21,10 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-FURTHER_STEPS = 40
+BEYOND = 2
+"""Poles that are added at most beyond the band: the residual mass leaves of those there what rises with omega⁴."""
+
+FURTHER_STEPS = 30
 """Evaluations after which a further pole that has not settled is given up."""
 
 
@@ -42,13 +43,17 @@ def calibrated(
     ------
     BadInput : tare and article of different `hardware` without `settings.any_hardware`; a channel table that differs.
     """
+    tell = progress or (lambda share: None)
     problem = assembled(evidence, settings)
-    prune = settings.modes is None
-    problem, x = _annealed(problem, settings, prune=prune)
-    solution = _minimum(problem, settings.floor, x, progress=progress)
-    if prune:
-        problem, solution = _completed(*_plainer(problem, solution, settings), settings)
-    return identified(problem, solution, settings)
+    tell(0.3)
+    searched = settings.modes is None
+    problem, x = _annealed(problem, settings, prune=searched)
+    solution = _minimum(problem, settings.floor, x, progress=lambda share: tell(0.3 + 0.5 * share))
+    if searched:
+        problem, solution = _plainer(*_completed(problem, solution, settings), settings)
+    found = identified(problem, solution, settings)
+    tell(1.0)
+    return found
 
 
 def _annealed(problem: Assembly, settings: Settings, *, prune: bool = False) -> tuple[Assembly, Array]:
@@ -76,18 +81,28 @@ def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple
 
 
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
-    """The fit with a few further poles where lines do not fit and poles pay."""
+    """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
+    for _ in range(BEYOND if pruning.modes(problem) else 0):
+        more = _paid(further_poles.with_one_beyond(problem, solution.x), problem, solution, settings)
+        if more is None:
+            break
+        problem, solution = more
     for _ in range(FURTHER):
         line, misfit = further_poles.worst(problem, solution.x, settings.floor)
         longer = further_poles.with_one_more(problem, solution.x, line) if misfit > further_poles.MISFIT else None
-        if longer is None:
-            break
-        more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
-        price = (len(longer[0].layout) - len(problem.layout)) * np.log(_size(problem, settings.floor)) / 2
-        if not more.converged or solution.normal.cost - more.normal.cost < price:
-            break
-        problem, solution = longer[0], more
+        problem, solution = _paid(longer, problem, solution, settings) or (problem, solution)
     return problem, solution
+
+
+def _paid(
+    longer: tuple[Assembly, Array] | None, problem: Assembly, solution: Solution, settings: Settings
+) -> tuple[Assembly, Solution] | None:
+    """The minimum with one pole more; None where it takes less out of chi² than its price."""
+    if longer is None:
+        return None
+    more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
+    price = pruning.price(_size(problem, settings.floor))
+    return (longer[0], more) if more.converged and 2 * (solution.normal.cost - more.normal.cost) > price else None
 
 
 def _size(problem: Assembly, floor: float) -> int:

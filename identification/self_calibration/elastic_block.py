@@ -39,7 +39,7 @@ def of_article(
 
     Damping is coupled in `pairs`, by default wherever it could show.
     """
-    layout = model.Layout(modes=len(terms.frequency), pairs=_pairs(terms) if pairs is None else pairs)
+    layout = model.Layout(modes=len(terms.frequency), pairs=felt(terms) if pairs is None else pairs)
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)
@@ -61,7 +61,7 @@ def of_known(name: str, ten: Array) -> tuple[model.Layout, Block]:
     return layout, block(name, layout.names[10:], np.zeros(21), deviation=deviation, families=FAMILY)
 
 
-def _pairs(terms: ElasticTerms) -> tuple[tuple[int, int], ...]:
+def felt(terms: ElasticTerms) -> tuple[tuple[int, int], ...]:
     """Pairs (r, s), r < s, in which coupled damping can show: at resonance r, omega_r C_rs / (omega_s² - omega_r²) of mode s."""
     w2, C = (2 * np.pi * terms.frequency) ** 2, np.diag(terms.damping)
     most = np.sqrt(np.outer(C, C)) * np.sqrt(np.maximum(w2[:, None], w2))

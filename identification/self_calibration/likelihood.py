@@ -52,7 +52,7 @@ class Observed:
     def size(self) -> int:
         """Real numbers that are left when six base motions are taken out of every line and run."""
         runs, lines, channels = self.values.shape
-        return 2 * runs * lines * (channels - 6)
+        return int(2 * runs * lines * (channels - 6))
 
 
 def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.int64], floor: float) -> Observed:
@@ -60,7 +60,7 @@ def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.in
 
     E|noise|² = sd² is shared by real and imaginary part.
     """
-    chosen = np.ix_(np.arange(len(spectra.runs)), lines, channels)
+    chosen = np.ix_(np.arange(len(spectra.runs)), lines, np.asarray(channels))
     variance = np.square(spectra.noise[chosen]) + np.square(floor * level(spectra)[chosen])
     weight = np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny))
     return Observed(frequency=spectra.frequency[lines], values=spectra.values[chosen], weight=weight)
@@ -141,7 +141,7 @@ def _eliminated(A: ComplexArray, y: ComplexArray, w: Array) -> tuple[ComplexArra
     Q, R = np.linalg.qr(w[..., None] * A)
     white = (w * y)[..., None]
     b = Q.conj().transpose(0, 2, 1) @ white
-    return (white - Q @ b)[..., 0], Q, np.linalg.solve(R, b)[..., 0]
+    return np.asarray(white - Q @ b)[..., 0], np.asarray(Q), np.asarray(np.linalg.solve(R, b))[..., 0]
 
 
 def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:

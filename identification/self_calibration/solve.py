@@ -21,6 +21,12 @@ CLOSE = 0.1
 MOST = 60
 """Evaluations before the iteration is given up."""
 
+LEAST, HOPELESS = 1e-6, 1e12
+"""Damping with which the iteration begins, and with which it is given up."""
+
+WORTH_IT = 1e-4
+"""Share of the expected gain from which a step is taken."""
+
 
 Knowledge = Callable[[Array], tuple[Array, Array]]
 """Whitened residuals (p,) at x (k,), and their derivatives (p, k)."""
@@ -62,40 +68,78 @@ def minimise(
 
     Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
     """
-    x, damping, growth = start.copy(), 1e-6, 4.0
-    own = data(x)
-    total = _with_prior(own, x, knowledge)
-    decrement = np.inf
-    for evaluation in range(1, most + 1):
-        step, free = _step(total, damping), _step(total, 0.0)
-        decrement = float(np.sqrt(max(-(total.gradient @ free), 0.0)))
+    here = _place(data(start), start, knowledge)
+    damping, growth, evaluation = LEAST, 4.0, 1
+    while evaluation < most and damping < HOPELESS:
         if progress is not None:
             progress(min(evaluation / 15, 0.99))
-        if decrement < close * np.sqrt(max(2 * own.cost / max(size, 1), 1.0) if size else 1.0):
-            return Solution(x=x + free, normal=total, data=own, converged=True, decrement=decrement, evaluations=evaluation)
-        expected = -(total.gradient @ step) - 0.5 * step @ total.matrix @ step
-        trial_own = _tried(data, x + step)
-        trial = None if trial_own is None else _with_prior(trial_own, x + step, knowledge)
-        ratio = -1.0 if trial is None else (total.cost - trial.cost) / expected
-        if trial is not None and trial_own is not None and ratio > 1e-4:
-            x, own, total = x + step, trial_own, trial
-            damping, growth = damping * max(0.02, 1 - (2 * ratio - 1) ** 3), 4.0
+        if here.decrement < close * _excess(here.data, size):
+            return _solution(here, here.x + here.step(0.0), True, evaluation)
+        step = here.step(damping)
+        there, evaluation = _tried(data, here.x + step, knowledge), evaluation + 1
+        ratio = -1.0 if there is None else (here.total.cost - there.total.cost) / here.expected(step)
+        if there is not None and ratio > WORTH_IT:
+            here, damping, growth = there, damping * max(0.02, 1 - (2 * ratio - 1) ** 3), 4.0
         else:
-            damping, growth = max(damping, 1e-6) * growth, growth * 2
-            if damping > 1e12:
-                break
-    return Solution(x=x, normal=total, data=own, converged=False, decrement=decrement, evaluations=most)
+            damping, growth = max(damping, LEAST) * growth, 2 * growth
+    return _solution(here, here.x, False, evaluation)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Place:
+    """The cost to second order at x, factorised once for whatever damping: total matrix = S^-1 V diag(values) V^T S^-1."""
+
+    x: Array
+    data: Normal
+    total: Normal
+    scale: Array
+    values: Array
+    vectors: Array
+
+    def step(self, damping: float) -> Array:
+        """The damped step (k,)."""
+        turned = self.vectors.T @ (self.scale * self.total.gradient)
+        return np.asarray(-self.scale * (self.vectors @ (turned / (self.values + damping))))
+
+    def expected(self, step: Array) -> float:
+        """What the quadratic model says that `step` gains."""
+        return -float(self.total.gradient @ step) - 0.5 * float(step @ self.total.matrix @ step)
+
+    @property
+    def decrement(self) -> float:
+        """Length of the undamped step [standard deviations]."""
+        return float(np.sqrt(max(-float(self.total.gradient @ self.step(0.0)), 0.0)))
+
+
+def _place(data: Normal, x: Array, knowledge: Knowledge) -> _Place:
+    total = _with_knowledge(data, x, knowledge)
+    scale, values, vectors = _factorised(total.matrix)
+    return _Place(x=x, data=data, total=total, scale=scale, values=values, vectors=vectors)
+
+
+def _solution(at: _Place, x: Array, converged: bool, evaluations: int) -> Solution:
+    return Solution(x=x, normal=at.total, data=at.data, converged=converged, decrement=at.decrement, evaluations=evaluations)
 
 
 def inverse(matrix: Array) -> Array:
     """The inverse of a symmetric positive matrix whose units differ; directions that nothing determines get a huge variance."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
-    values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
-    values = np.maximum(values, values[-1] * len(matrix) * np.finfo(np.float64).eps)
+    scale, values, vectors = _factorised(matrix)
     return np.asarray(scale[:, None] * ((vectors / values) @ vectors.T) * scale)
 
 
-def _with_prior(data: Normal, x: Array, knowledge: Knowledge) -> Normal:
+def _factorised(matrix: Array) -> tuple[Array, Array, Array]:
+    """Scale (k,) that brings the diagonal to 1, eigenvalues (k,) and -vectors (k, k) of what is scaled; none below rounding."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
+    values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
+    return scale, np.maximum(values, values[-1] * len(matrix) * np.finfo(np.float64).eps), vectors
+
+
+def _excess(data: Normal, size: int) -> float:
+    """How many times the residuals of so many numbers exceed what they should be, at least 1."""
+    return max(1.0, float(np.sqrt(2 * data.cost / size))) if size else 1.0
+
+
+def _with_knowledge(data: Normal, x: Array, knowledge: Knowledge) -> Normal:
     away, rows = knowledge(x)
     return Normal(
         cost=data.cost + 0.5 * float(away @ away),
@@ -104,18 +148,10 @@ def _with_prior(data: Normal, x: Array, knowledge: Knowledge) -> Normal:
     )
 
 
-def _step(normal: Normal, damping: float) -> Array:
-    scale = 1 / np.sqrt(np.maximum(np.diag(normal.matrix), np.finfo(np.float64).tiny))
-    scaled = scale[:, None] * normal.matrix * scale
-    values, vectors = np.linalg.eigh(scaled)
-    values = np.maximum(values, values[-1] * len(values) * np.finfo(np.float64).eps) + damping
-    return np.asarray(-scale * (vectors @ ((vectors.T @ (scale * normal.gradient)) / values)))
-
-
-def _tried(data: Callable[[Array], Normal], x: Array) -> Normal | None:
-    """The data at `x`; None where the model breaks down there."""
+def _tried(data: Callable[[Array], Normal], x: Array, knowledge: Knowledge) -> _Place | None:
+    """The cost at `x`; None where the model breaks down there."""
     try:
         found = data(x)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None
-    return found if np.isfinite(found.cost) else None
+    return _place(found, x, knowledge) if np.isfinite(found.cost) else None

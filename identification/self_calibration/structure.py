@@ -39,7 +39,7 @@ class Body:
 
     def ten(self, layout: Layout, x: Array) -> Array:
         """(10,) at the joint vector `x`."""
-        return self.mean + (self.root @ x[layout.at(self.block)] if self.block else 0.0)
+        return np.asarray(self.mean + (self.root @ x[layout.at(self.block)] if self.block else 0.0))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,7 +59,7 @@ class Structure:
 
     def ten(self, layout: Layout, x: Array) -> Array:
         """(10,) of all bodies together."""
-        return np.sum([body.ten(layout, x) for body in self.bodies], axis=0)
+        return np.asarray(np.sum([body.ten(layout, x) for body in self.bodies], axis=0))
 
     def terms(self, layout: Layout, x: Array) -> ElasticTerms:
         """The elastic terms at `x`; none for a rigid structure."""

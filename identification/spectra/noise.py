@@ -148,4 +148,4 @@ def _words(unknown: list[str], count: int) -> tuple[str, ...]:
     if not unknown:
         return ()
     which = "all channels" if len(unknown) == count else ", ".join(unknown)
-    return (f"the noise of {which} is not known (no quiet part in the records, no noise_rms); it counts as 0",)
+    return (f"the noise of {which} is not known (no quiet part that reads anything, no noise_rms); it counts as 0",)

@@ -127,14 +127,14 @@ FAMILIES: Mapping[str, Family] = {
         side=STRUCTURE,
         what="loss factor added to a part",
         targets=("part",),
-        sizes=_relative(-0.5, 1.0),
+        sizes=_relative(0.0, 1.0),
         example="structural-damping:mast=0.01",
     ),
     "layer-damping": Family(
         side=STRUCTURE,
         what="loss factor added to the layer in a blade",
         targets=("part with a layer",),
-        sizes=_relative(-0.5, 1.0),
+        sizes=_relative(0.0, 1.0),
         example="layer-damping:upper-short=0.03",
     ),
     "appendage": Family(

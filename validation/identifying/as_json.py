@@ -106,13 +106,17 @@ def _lines(lines: Lines) -> dict[str, Any]:
 
 def _study(study: Study) -> dict[str, Any]:
     return {
-        "way": study.way,
         "start_hz": study.start.tolist(),
         "stop_hz": study.stop.tolist(),
-        "mass_kg": _nulled(study.values[..., 0]),
-        "cog_mm": _nulled(1e3 * study.values[..., 1:4]),
-        "moi_cog_kgm2": _nulled(study.values[..., 4:7]),
-        "poi_cog_kgm2": _nulled(study.values[..., 7:]),
+        "maps": {
+            what: {
+                "mass_kg": _nulled(values[..., 0]),
+                "cog_mm": _nulled(1e3 * values[..., 1:4]),
+                "moi_cog_kgm2": _nulled(values[..., 4:7]),
+                "poi_cog_kgm2": _nulled(values[..., 7:]),
+            }
+            for what, values in study.maps.items()
+        },
     }
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from geometry.arrays import Array
 from geometry.inertia import Inertia
 from validation.article_reference import Asked, reference
 from validation.published import published
@@ -71,8 +72,8 @@ def exudyn(article: str) -> Statement:
     return route_statement("exudyn", body.about(np.zeros(3)))
 
 
-def _symmetric(matrix: np.ndarray) -> np.ndarray:
-    return (matrix + matrix.T) / 2
+def _symmetric(matrix: Array) -> Array:
+    return np.asarray((matrix + matrix.T) / 2)
 
 
 def swung(article: str) -> Statement:

@@ -57,7 +57,8 @@ def draw(found: Findings, folder: Path) -> tuple[Path, ...]:
     if found.residuals is not None:
         _residuals(found, found.residuals, to("residuals"))
     if found.study is not None:
-        _stability(found, found.study, to("stability"))
+        for number, what in enumerate(found.study.maps):
+            _stability(found, found.study, what, to(f"stability{'-rigid' if number else ''}"))
     if any(one.quality.shares for one in found.results):
         _shares(found, to("shares"))
     return tuple(made)
@@ -123,7 +124,7 @@ def _marks(terms: ElasticTerms) -> _Terms:
 
 def _diagonal(found: Findings, H: DynamicMass, path: Path) -> None:
     note = f"Blocked dynamic mass {POINT}. Dashed: the rigid body that was identified. Ticks above: elastic terms [Hz]."
-    diagonal(f"{_stack(found)}: dynamic mass measured and identified", curves(found, H), path, note)
+    diagonal(f"{_stack(found)}: dynamic mass", curves(found, H), path, note)
 
 
 def _full(found: Findings, H: DynamicMass, path: Path) -> None:
@@ -139,25 +140,25 @@ def _residuals(found: Findings, residuals: pages.DrawnResiduals, path: Path) -> 
     pages.draw_residuals(f"{_stack(found)}: what redundant channels disagree by", residuals, path, note)
 
 
-def _stability(found: Findings, study: Study, path: Path) -> None:
-    maps = [_map(study, found.result, k) for k in range(len(QUANTITIES))]
+def _stability(found: Findings, study: Study, what: str, path: Path) -> None:
+    maps = [_map(study, what, found.result, k) for k in range(len(QUANTITIES))]
+    counts, *_ = study.maps
     note = (
-        f"How the {study.way} result moves with the band that it is taken from, relative to the chosen band (square). "
-        "Cross: by more than the 95 % interval of the result. Grey: too few lines."
+        f"Eqs. 9 to 11 with {what} over each band, less those with {counts} over the chosen one (square). "
+        "Cross: apart by more than the 95 % interval of the result. Grey: too few lines."
     )
-    pages.draw_stability(f"{found.article}: stability over the band", maps, study.start, study.stop, study.chosen, path, note)
+    title = f"{found.article}: stability over the band, {what}"
+    pages.draw_stability(title, maps, study.start, study.stop, study.chosen, path, note)
 
 
-def _map(study: Study, chosen: Reported, k: int) -> pages.DrawnMap:
+def _map(study: Study, what: str, chosen: Reported, k: int) -> pages.DrawnMap:
     quantity, value = QUANTITIES[k], chosen.values[k]
     kind = "mm" if 1 <= k <= 3 else "g m²" if k >= 7 else "%"
     scale = {"mm": 1e3, "g m²": PRODUCT, "%": 100 / abs(value)}[kind]
-    own = study.values[..., k] - study.values[_nearest(study.start, study.chosen[0]), _nearest(study.stop, study.chosen[1]), k]
-    return pages.DrawnMap(label=quantity.label, unit=kind, deviation=scale * own, half_width=float(scale * chosen.half_width[k]))
-
-
-def _nearest(grid: Array, value: float) -> int:
-    return int(np.argmin(np.abs(grid - value)))
+    apart = study.maps[what][..., k] - study.reference[k]
+    return pages.DrawnMap(
+        label=quantity.label, unit=kind, deviation=scale * apart, half_width=float(scale * chosen.half_width[k])
+    )
 
 
 def _shares(found: Findings, path: Path) -> None:

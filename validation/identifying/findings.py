@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Pose
@@ -38,21 +40,26 @@ class Lines:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Study:
-    """The band study: the chosen way's result over start and stop frequency.
+    """The band study: results of Eqs. 9 to 11 over start and stop frequency.
 
     Attributes
     ----------
     start, stop : (a,), (b,) [Hz]
-    values : (a, b, 10) as a statement has them, in the frame of the result; NaN where a band is too short
+    maps : by what was fitted ("5 elastic terms", "rigid"), the one that counts first: (a, b, 10) as a statement has them, in the
+        frame of the result; NaN where a band is too short
     chosen : (start, stop) [Hz]
-    way : that was studied
     """
 
     start: Array
     stop: Array
-    values: Array
+    maps: Mapping[str, Array]
     chosen: tuple[float, float]
-    way: str
+
+    @property
+    def reference(self) -> Array:
+        """(10,) of the map that counts in the chosen band."""
+        at = (np.argmin(np.abs(self.start - self.chosen[0])), np.argmin(np.abs(self.stop - self.chosen[1])))
+        return np.asarray(next(iter(self.maps.values()))[at])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

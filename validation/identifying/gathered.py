@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from geometry.arrays import Array
@@ -10,19 +12,21 @@ from geometry.inertia import Inertia, six_from_tensor
 from identification import closed_checks
 from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
+from identification.elastic.study import BandStudy
 from identification.identified import Identified
 from identification.identify import Identification
 from identification.spectra.line_spectra import Spectra
+from validation.identifying import band
 from validation.identifying.asked import Ready
 from validation.identifying.findings import Findings, Lines
 from validation.identifying.known import above_fmd, stated, takes_fmd_off
-from validation.identifying.reported import reported
+from validation.identifying.reported import Reported, reported
 from validation.pictures.identification import DrawnResiduals
 
 SMALLEST = np.finfo(np.float64).tiny
 
 
-def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> Findings:
+def gathered(made: Ready, found: Identification, frame: Pose | None = None, study: BandStudy | None = None) -> Findings:
     """What `found` shows, in the user's own `frame`, seen from the article's.
 
     Raises
@@ -42,7 +46,8 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> F
         frame=frame,
         request=request,
         results=results,
-        verdict=results[-1].quality.verdict,
+        verdict=_verdict(results[-1], study, rigid=request.modes == 0),
+        study=None if study is None else band.maps(found, study, pose),
         checks=_checks(found),
         rigid=rigid(found, found.self_calibrated),
         lines=_lines(found),
@@ -52,6 +57,11 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None) -> F
         residuals=residuals(found),
         warnings=tuple(dict.fromkeys(text.rstrip(".") for text in said)),
     )
+
+
+def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[str, str]:
+    told = one.quality.verdict
+    return told if study is None else band.verdicts(told, study, rigid=rigid)
 
 
 def _checks(found: Identification) -> tuple[Finding, ...]:

@@ -14,6 +14,7 @@ from validation.frame_text import read_frame
 from validation.identifying import as_json as written
 from validation.identifying import table
 from validation.identifying.asked import Asked, ready
+from validation.identifying.band import studied
 from validation.identifying.findings import Findings
 from validation.identifying.gathered import gathered
 from validation.output import json_text
@@ -57,7 +58,11 @@ def identified(asked: Asked, frame: str | None = None, *, quiet: bool = True) ->
         made = ready(asked, told)
     with percent(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
         found = identify(made.request, share)
-    return gathered(made, found, pose)
+    if not made.request.study:
+        return gathered(made, found, pose)
+    with percent("band study", quiet=quiet) as share:
+        of = studied(found, share)
+    return gathered(made, found, pose, of)
 
 
 def _write(found: Findings, folder: Path, *, keep: bool, quiet: bool) -> None:

@@ -301,8 +301,8 @@ def _map(axes: Axes, one: DrawnMap, start: Array, stop: Array) -> None:
     size = np.nan_to_num(np.abs(one.deviation))
     for i, j in np.argwhere(size > one.half_width):
         axes.plot(i, j, marker="x", markersize=3.2, color=PAPER if size[i, j] > 0.7 * reach else INK, markeredgewidth=0.7)
-    axes.set_xticks(np.arange(len(start)), [f"{f:g}" for f in start], rotation=90 if len(start) > 7 else 0)
-    axes.set_yticks(np.arange(len(stop)), [f"{f:g}" for f in stop])
+    axes.set_xticks(np.arange(len(start)), [f"{f:.3g}" for f in start], rotation=90 if len(start) > 7 else 0)
+    axes.set_yticks(np.arange(len(stop)), [f"{f:.3g}" for f in stop])
     axes.tick_params(labelsize=8, colors=INK, length=2)
     bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.05, pad=0.03, extend="both")
     bar.ax.tick_params(labelsize=8, colors=INK, length=2)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.inertia import PARAMETERS
+from identification.classical import QUANTITIES
 from validation.identifying.reported import Reported
 from validation.output import inertia_json
 from validation.pretest.findings import Findings
@@ -52,10 +52,11 @@ def as_json(found: Findings) -> dict[str, Any]:
 
 
 def _way(one: Reported) -> dict[str, Any]:
-    shares = one.identified.shares
+    shares = one.quality.shares
     return {
         "half_width95": _half(one.half_width),
-        "shares": {name: dict(zip(PARAMETERS, share.tolist(), strict=True)) for name, share in shares.items()},
+        "shares": {name: dict(zip(QUANTITIES, share.tolist(), strict=True)) for name, share in shares.items()},
+        "verdict": {name: one.quality.verdict[name] for name in QUANTITIES},
     }
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.inertia import PARAMETERS, UNITS
 from validation.article_reference import file_name
 from validation.flexible.drawing import moved_bodies
 from validation.flexible.model import Flexible
@@ -15,9 +14,8 @@ from validation.pictures.moving import MovingBody
 from validation.pictures.pretest import DrawnPretest, draw_pretest
 from validation.pictures.rigid_places import draw_rigid
 from validation.pretest.findings import Findings
-from validation.pretest.rigid_places import coarse_lines, elastic_share
+from validation.pretest.rigid_places import coarse_lines, largest_share
 from validation.pretest.table import title
-from validation.stated_inertia import NORMAL_95
 from validation.statement import QUANTITIES
 
 NOTE = "Expected before any measurement, linearised at the drawn article; see docs/pretest.md."
@@ -57,18 +55,15 @@ def _intervals(found: Findings) -> DrawnPretest:
 
 
 def _shares(found: Findings) -> list[DrawnShares]:
-    drawn = []
-    for one in (found.plain, found.best):
-        half = NORMAL_95 * np.sqrt(np.diag(one.identified.covariance))
-        drawn.append(
-            DrawnShares(
-                way=one.identified.way,
-                parameters=PARAMETERS,
-                intervals=tuple(f"{value:.2g} {unit}" for value, unit in zip(half, UNITS, strict=True)),
-                shares=one.identified.shares,
-            )
+    return [
+        DrawnShares(
+            way=one.identified.way,
+            parameters=tuple(quantity.label for quantity in QUANTITIES),
+            intervals=tuple(f"{half * q.per_si:.2g} {q.unit}" for half, q in zip(one.half_width, QUANTITIES, strict=True)),
+            shares=one.quality.shares,
         )
-    return drawn
+        for one in (found.plain, found.best)
+    ]
 
 
 def _surfaces(found: Findings, model: Flexible) -> dict[str, tuple[MovingBody, ...]]:
@@ -77,8 +72,8 @@ def _surfaces(found: Findings, model: Flexible) -> dict[str, tuple[MovingBody, .
     start: list[MovingBody] = []
     most: list[MovingBody] = []
     for body, edges, moved in moved_bodies(model, model.modes.shapes):
-        share = elastic_share(moved, body.vertices + found.seat, model.modes, found.seat, lines).max(axis=2)
-        for drawn, size in ((start, share[:, 0]), (most, share.max(axis=1))):
+        shares = largest_share(moved, body.vertices + found.seat, model.modes, found.seat, lines)
+        for drawn, size in zip((start, most), shares, strict=True):
             motion = size[:, None] * [1.0, 0.0, 0.0]
             drawn.append(MovingBody(name=body.name, vertices=body.vertices, faces=body.faces, edges=edges, displacement=motion))
     low, high = float(lines[0]), float(lines[-1])

@@ -11,7 +11,7 @@ here, and so is every place of an article without modes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,16 +72,32 @@ def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency:
 
 def elastic_share(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> Array:
     """(p, n, 6) elastic shares of `points` (p, 3) [m] from F whose displacement in the modes is `moved` (p, 3, m)."""
+    return np.stack(list(_by_line(moved, points, modes, seat, frequency)), axis=1)
+
+
+def largest_share(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> tuple[Array, Array]:
+    """(p,) and (p,): the largest of the six elastic shares at the first line, and over all lines; in the memory of one line."""
+    lines = (share.max(axis=1) for share in _by_line(moved, points, modes, seat, frequency))
+    first = next(lines)
+    most = first.copy()
+    for share in lines:
+        np.maximum(most, share, out=most)
+    return first, most
+
+
+def _by_line(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> Iterator[Array]:
+    """Line by line the elastic shares (p, 6)."""
     L = modes.participation.T @ rigid_transformation_6(seat)  # (m, 6) about F
     omega, omega_r = 2 * np.pi * frequency[:, None], 2 * np.pi * modes.frequency
     factor = omega**2 / (omega_r**2 - omega**2 + 2j * modes.damping_ratio * omega_r * omega)  # (n, m)
-    arm = np.maximum(np.linalg.norm(points, axis=1), NEAREST)
-    share = np.empty((len(points), len(frequency), 6))
-    for n, row in enumerate(factor):
-        answer = moved @ (row[:, None] * L)  # (p, 3, 6)
-        share[:, n] = np.linalg.norm(np.abs(answer), axis=1)
-    share[:, :, 3:] /= arm[:, None, None]
-    return share
+    arm = np.maximum(np.linalg.norm(points, axis=1), NEAREST)[:, None]
+    flat = moved.reshape(-1, moved.shape[2])
+    for row in factor:
+        answer = row[:, None] * L
+        parts = (flat @ np.hstack([answer.real, answer.imag])).reshape(len(points), 3, 2, 6)
+        share = np.sqrt(np.sum(parts**2, axis=(1, 2)))
+        share[:, 3:] /= arm
+        yield share
 
 
 def rigid_height(model: Flexible, top: float, seat: Array, frequency: Array, limit: float) -> float | None:
@@ -92,8 +108,8 @@ def rigid_height(model: Flexible, top: float, seat: Array, frequency: Array, lim
     points = np.zeros((STEPS + 1, 3))
     points[:, 2] = np.linspace(0.0, top, STEPS + 1)
     lines = coarse_lines(frequency, model.modes)
-    share = elastic_share(_displacement(model, points), points + seat, model.modes, seat, lines).max(axis=(1, 2))
-    soft = np.flatnonzero(share > limit)
+    _, most = largest_share(_displacement(model, points), points + seat, model.modes, seat, lines)
+    soft = np.flatnonzero(most > limit)
     return float(seat[2] + points[max(soft[0] - 1, 0), 2]) if len(soft) else None
 
 

@@ -7,14 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.inertia import PARAMETERS
-from validation.identifying.reported import dominating
+from validation.identifying.reported import Reported
 from validation.pretest.findings import Findings
 from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
 from validation.tables.grid import Grid, aligned
 
-SHOWN_INPUTS = 3
+SHOWN_INPUTS = 2
 
 ALL = slice(0, 7)
 """Mass, CoG, moments: products are left to the JSON."""
@@ -71,18 +70,18 @@ def _half(found: Findings, half: Array, k: int) -> str:
 
 
 def rests(found: Findings) -> Grid:
-    """What dominates the uncertainty of every parameter of Eq. 4 about F, by both ways."""
+    """What dominates the uncertainty of every value, by both ways."""
     lines = []
-    for name in PARAMETERS:
-        said = [", ".join(_inputs(one.identified, name)) or NONE for one in (found.plain, found.best)]
-        lines.append((name, *said))
+    for k, quantity in enumerate(QUANTITIES):
+        said = [", ".join(_inputs(one, k)) or NONE for one in (found.plain, found.best)]
+        lines.append((quantity.label, *said))
     width = max(len(line[1]) for line in lines)
-    header = ("about F", f"{'plain: dominated by':<{width}}", "self-calibrated: dominated by")
+    header = ("dominated by", f"{'plain':<{width}}", "self-calibrated")
     return Grid(header=header, lines=tuple((n, f"{a:<{width}}", b) for n, a, b in lines), words=True)
 
 
-def _inputs(identified: object, name: str) -> list[str]:
-    return [f"{what} {100 * share:.0f} %" for what, share in dominating(identified, name)[:SHOWN_INPUTS]]  # type: ignore[arg-type]
+def _inputs(one: Reported, k: int) -> list[str]:
+    return [f"{what} {100 * share:.0f} %" for what, share in one.dominating(k)[:SHOWN_INPUTS]]
 
 
 def losses(found: Findings) -> Grid:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, nan
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from validation import changed
 from validation.effects.identifiers import Named, parse_all
 from validation.excitation.asked import LARGEST_LEVEL, drive, require_rate
 from validation.virtual_test.effects.planting import planted
+from validation.virtual_test.effects.reach import reaching, require_reaching
 from validation.virtual_test.plan import DIAGONAL, MAINS, MODELS, MULTI, NOISE, SINGLE, TWICE, Plan, Scatter
 from validation.virtual_test.set_up import require_stack
 
@@ -98,6 +99,7 @@ def question(
     _word("--model", model, MODELS)
     _word("--format", form, FORMATS)
     named = parse_all(effects)
+    planted(named)  # whatever the articles: what no virtual test can plant is refused first
     factors = _levels(levels)
     _require_drive(band, octaves_per_minute, cross, seed, factors)
     _require_rate(rate, band)
@@ -112,7 +114,6 @@ def question(
             tolerances=Tolerances().scaled(share),
             scatter=Scatter().scaled(share),
             damping=_damping(damping_ratio),
-            effects=planted(named),
             pattern=_pattern(pattern, runs),
             levels=factors,
             band=band,
@@ -125,6 +126,8 @@ def question(
         )
         for article in articles
     )
+    require_reaching(named, plans)
+    plans = tuple(replace(plan, effects=planted(reaching(named, plan))) for plan in plans)
     return Question(plans=plans, effects=named, out=out, sealed=sealed, ending=f".{form}", units=_units(units))
 
 

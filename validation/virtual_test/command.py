@@ -69,12 +69,22 @@ def _written(question: Question, plan: Plan, words: str, *, quiet: bool) -> Writ
     from validation.virtual_test.simulate import simulate as simulated
 
     with percent(f"{words}: simulating", quiet=quiet) as progress:
-        test = simulated(plan, progress)
+        try:
+            test = simulated(plan, progress)
+        except BadInput as error:
+            raise _of_rig(error) from None
     _require_alive(test.campaign)
     campaign, folder, truth = in_units(test.campaign, question.units), question.folder(plan), question.truth(plan)
     with shown(f"{words}: writing {folder}", quiet=quiet):
         folders.write(folder, truth, test.truth, lambda new: campaign_file.write(new, campaign, ending=question.ending))
     return Written(plan=plan, campaign=replace(campaign, source=str(folder)), test=test, folder=folder, truth=truth)
+
+
+def _of_rig(error: BadInput) -> BadInput:
+    """`error` of a rig that cannot be built, which only an effect can have done; others pass unchanged."""
+    if error.source != "rig":
+        return error
+    return BadInput(source="--effect", field=error.field, problem=error.problem, remedy=error.remedy)
 
 
 def _require_alive(campaign: Campaign) -> None:

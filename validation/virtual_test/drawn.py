@@ -21,12 +21,13 @@ LIGHTEST = 0.1
 """Least share that a draw leaves of a mass or of a second moment: a body stays a body whatever the tolerance."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Part:
-    """What is drawn for a part of the structure: relative changes of its moduli and of its loss factor."""
+    """Relative changes of the moduli and of the loss factor of a part of the structure, and what an effect adds to the latter."""
 
     modulus: float
     loss: float
+    added_loss: float = 0.0
 
 
 def chain(plan: Plan, layout: Layout) -> ChainTruth:

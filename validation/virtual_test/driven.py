@@ -16,6 +16,7 @@ from fem.base_excitation.response import Response
 from fem.base_excitation.rig_structure import RigStructure
 from fem.base_excitation.streamed import Piece, streamed
 from geometry.arrays import Array
+from validation.virtual_test import nonlinear
 from validation.virtual_test.chain_truth import CELLS
 from validation.virtual_test.hooks import Sensed, changed_signals, same
 from validation.virtual_test.laboratory import Laboratory
@@ -35,7 +36,7 @@ def record(plan: Plan, lab: Laboratory, run: DrivenRun) -> Array:
     ------
     BadInput, CheckFailed : as `fem.base_excitation.streamed.streamed`.
     """
-    if any(effect.signals is not same for effect in plan.effects):
+    if not lab.rig.linear or any(effect.signals is not same for effect in plan.effects):
         sensed = changed_signals(whole(plan, lab, run), plan.effects)
         return decimated_channels(sensed.values, sensed.sampling_rate, plan.rate, lab.sensors.delay)
     rate = _rate(plan)
@@ -46,6 +47,9 @@ def record(plan: Plan, lab: Laboratory, run: DrivenRun) -> Array:
 def whole(plan: Plan, lab: Laboratory, run: DrivenRun) -> Sensed:
     """What all sensors read in `run` at the rate of the simulation, and what there was to read."""
     rate, pieces = _rate(plan), []
+    if not lab.rig.linear:
+        response, values = nonlinear.respond(plan, lab, run, rate)
+        return sensed(plan, lab, run, values, rate, response)
     for piece in _pieces(plan, lab, run, rate, with_response=True):
         pieces.append((_read(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :]))
     values, table, rest = (np.hstack(one).T for one in zip(*pieces, strict=True))

@@ -1,6 +1,7 @@
-"""`Effect`: what is different from an ordinary laboratory, as changes at four places of a virtual test.
+"""`Effect`: what is different from an ordinary laboratory, as changes at five places of a virtual test.
 
     chain     the drawn measurement chain, before anything is computed
+    parts     what was drawn for the parts of the structure
     rig       what stands on the table, before it is driven
     signals   what the sensors read, at the rate of the simulation: before delays, anti-alias filter and noise
     record    what the recorder got, at its own rate: noise and mains are in, and units are what the file will say
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from fem.base_excitation.rig import Rig
 from geometry.arrays import Array
 from geometry.sensors import ChannelTable
 from validation.virtual_test.chain_truth import ChainTruth
+
+if TYPE_CHECKING:
+    from validation.virtual_test.drawn import Part
 
 T = TypeVar("T")
 
@@ -66,12 +70,13 @@ class Effect:
     ----------
     id : as in the catalogue
     value : its size in SI by key; `""` is the key of an effect that takes one number
-    chain, rig, signals, record : the changes
+    chain, parts, rig, signals, record : the changes
     """
 
     id: str
     value: Mapping[str, float] = field(default_factory=dict)
     chain: Callable[[ChainTruth], ChainTruth] = same
+    parts: Callable[[Mapping[str, Part]], Mapping[str, Part]] = same
     rig: Callable[[Rig], Rig] = same
     signals: Callable[[Sensed], Sensed] = same
     record: Callable[[Sensed], Sensed] = same
@@ -82,6 +87,13 @@ def changed_chain(chain: ChainTruth, effects: Sequence[Effect]) -> ChainTruth:
     for effect in effects:
         chain = effect.chain(chain)
     return chain
+
+
+def changed_parts(parts: Mapping[str, Part], effects: Sequence[Effect]) -> dict[str, Part]:
+    """`parts` of the structure after all `effects`."""
+    for effect in effects:
+        parts = effect.parts(parts)
+    return dict(parts)
 
 
 def changed_rig(rig: Rig, effects: Sequence[Effect]) -> Rig:

@@ -16,6 +16,7 @@ from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from validation.virtual_test import drawn
 from validation.virtual_test.chain_truth import ChainTruth
+from validation.virtual_test.hooks import changed_parts
 from validation.virtual_test.plan import RIGID, Plan
 
 if TYPE_CHECKING:
@@ -81,6 +82,14 @@ def require_stack(article: str) -> None:
     built_in(article)
 
 
+def parts_of(plan: Plan) -> tuple[str, ...]:
+    """Parts of the structure that stands on the FMD; none of a rigid one, and none of the FMD alone."""
+    if not plan.on_fmd or plan.model == RIGID:
+        return ()
+    structure = _nominal(plan.on_fmd, tuple(sorted(changes_of(plan.on_fmd, plan.dimensions).items()))).structure
+    return () if structure is None else tuple(dict.fromkeys(_sheet(name) for name in structure.part_stiffness))
+
+
 def middles_of_cells(plan: Plan) -> Array:
     """(4, 3) [m] middles of the FMD's load cells."""
     from geometry.articles.dimensions import load
@@ -127,7 +136,7 @@ def _scattered(plan: Plan, nominal: Flexible) -> tuple[Flexible, dict[str, drawn
 
     if nominal.structure is None:
         return nominal, {}
-    parts = {name: drawn.part(plan, _sheet(name)) for name in nominal.structure.part_stiffness}
+    parts = changed_parts({name: drawn.part(plan, _sheet(name)) for name in nominal.structure.part_stiffness}, plan.effects)
     structure = _stiffened(nominal.structure, parts)
     kept = int(np.sum(nominal.modes.frequency <= _highest(plan, nominal.modes)))
     modes = fixed_base(structure, kept, damping=_damping(plan, kept))
@@ -136,11 +145,11 @@ def _scattered(plan: Plan, nominal: Flexible) -> tuple[Flexible, dict[str, drawn
 
 def _stiffened(structure: Structure, parts: Mapping[str, drawn.Part]) -> Structure:
     """`structure` with every part's stiffness and loss factor changed; itself where nothing was drawn."""
-    if not any(part.modulus or part.loss for part in parts.values()):
+    if not any(part.modulus or part.loss or part.added_loss for part in parts.values()):
         return structure
     stiffness = {name: (1 + parts[name].modulus) * matrix for name, matrix in structure.part_stiffness.items()}
     first, *others = stiffness.values()
-    losses = {name: (1 + parts[name].loss) * eta for name, eta in structure.loss_factors.items()}
+    losses = {name: (1 + parts[name].loss) * eta + parts[name].added_loss for name, eta in structure.loss_factors.items()}
     return replace(structure, stiffness=sum(others, start=first), part_stiffness=stiffness, loss_factors=losses)
 
 

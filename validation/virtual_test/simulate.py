@@ -72,7 +72,7 @@ def _campaign(plan: Plan, lab: Laboratory, driven: tuple[DrivenRun, ...], record
         table=lab.layout.table,
         runs=tuple(Run(name=run.name, file=f"{run.name}.h5", axis=run.axis, excitation=run.excitation) for run in driven),
         recordings=recordings,
-        mounting=Pose(position=lab.rig.seat) if plan.on_fmd else None,
+        mounting=Pose(position=lab.made.rig.seat) if plan.on_fmd else None,
         gravity=plan.gravity,
         source=SOURCE,
     )

@@ -23,7 +23,7 @@ def page_of(one: Written, question: Question) -> str:
     from validation.tables.text import page
 
     found = of_campaign(one.folder, one.campaign)
-    shown = () if question.sealed else tuple(_behind(one, question.effects))
+    shown = () if question.sealed else tuple(_behind(one, _planted(one, question)))
     notes = summary_table.notes(found)[:-1]
     return page(summary_table.title(found), (*summary_table.grids(found), *shown), (*notes, *_notes(one, question)))
 
@@ -35,9 +35,13 @@ def as_json(done: Sequence[Written], question: Question) -> dict[str, Any]:
 
 def _campaign(one: Written, question: Question) -> dict[str, Any]:
     found = {**summary_json.as_json(of_campaign(one.folder, one.campaign)), "truth": str(one.truth)}
-    return (
-        found if question.sealed else found | {"seed": one.plan.seed, "effects": [_effect(named) for named in question.effects]}
-    )
+    return found if question.sealed else found | {"seed": one.plan.seed, "effects": [_effect(n) for n in _planted(one, question)]}
+
+
+def _planted(one: Written, question: Question) -> tuple[Named, ...]:
+    """The effects that act in this campaign; in a series, others may act elsewhere."""
+    acting = {effect.id for effect in one.plan.effects}
+    return tuple(named for named in question.effects if named.id in acting)
 
 
 def _effect(named: Named) -> dict[str, Any]:

@@ -140,10 +140,10 @@ def _modes(made: SetUp) -> Json:
 
 
 def _dynamic_mass(rig: Rig) -> Json:
-    """Of all that the cells carry, about F: on a rigid table in their place."""
+    """Of all that the cells carry, about F: on a rigid table in their place, and without what is loose."""
     from fem.base_excitation.rig_structure import dynamic_mass
 
-    H = dynamic_mass(replace(rig, cells=()), LINES).matrix
+    H = dynamic_mass(replace(rig, cells=(), frictions=()), LINES).matrix
     return {"frequency_hz": list(LINES), "re": H.real.tolist(), "im": H.imag.tolist(), "about": "F", "order": list(MOTIONS)}
 
 

@@ -62,7 +62,7 @@ class Laboratory:
     rng: np.random.Generator
     tolerances: Tolerances
     noise: float = 1.0
-    frequency: np.ndarray = field(default_factory=lambda: np.arange(4.0, 32.01, 0.5))
+    frequency: np.ndarray = field(default_factory=lambda: np.arange(4.0, 32.01, 1.0))
     theta: np.ndarray | None = None
 
     @property

@@ -48,9 +48,7 @@ def many(lab):
     """Both ways on six laboratories that differ in everything that is drawn."""
     found = []
     for seed in range(6):
-        made = lab.Laboratory(
-            rng=np.random.default_rng(100 + seed), tolerances=Tolerances(), frequency=np.arange(4.0, 32.01, 1.0)
-        ).drawn()
+        made = lab.Laboratory(rng=np.random.default_rng(100 + seed), tolerances=Tolerances()).drawn()
         evidence, settings = made.evidence(), made.settings(modes=0)
         found.append((plain(evidence, settings), calibrated(evidence, settings)))
     return found

@@ -86,7 +86,7 @@ def test_the_json_keeps_the_contract(found: Findings) -> None:
         for (low, high), value in zip(np.reshape(values, (-1, 2)), np.atleast_1d(printed["inertia"][key]), strict=True):
             assert low < value < high, key
     assert printed["plain"]["inertia"]["mass_kg"] > printed["self_calibrated"]["inertia"]["mass_kg"]
-    assert printed["study"]["mass_kg"][2][0] is None
+    assert printed["study"]["maps"]["no elastic terms"]["mass_kg"][2][0] is None
     assert set(printed["settings"]["versions"]) >= {"massline", "numpy"}
 
 
@@ -127,7 +127,7 @@ def test_every_picture_is_drawn_and_is_no_empty_page(found: Findings, tmp_path: 
 
     paths = draw(found, tmp_path)
     names = [path.stem.removeprefix("identify-clumod-1-") for path in paths]
-    assert names == ["lines", "dynamic-mass", "dynamic-mass-6x6", "residuals", "stability", "shares"]
+    assert names == ["lines", "dynamic-mass", "dynamic-mass-6x6", "residuals", "stability", "stability-rigid", "shares"]
     for path in paths:
         with Image.open(path) as picture:
             assert min(picture.size) > 450

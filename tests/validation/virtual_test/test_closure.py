@@ -42,11 +42,11 @@ def test_an_elastic_article_measures_its_dynamic_mass_and_the_error_falls_with_t
     elastic_plan: Callable[..., Plan], measured: Measured
 ) -> None:
     worst = []
-    for ringing in (1e-3, 1e-5):
+    for ringing in (1e-2, 1e-4):
         plan = exact(elastic_plan(ringing=ringing))
         expected = dynamic_mass(replace(laboratory(plan).rig, cells=()), LINES).matrix
         worst.append(difference(measured(simulate(plan).campaign, LINES).matrix, expected).max())
-    assert worst[1] < 2e-5
+    assert worst[1] < 1e-5
     assert 20 < worst[0] / worst[1] < 500  # in proportion: a hundredth of the ringing, a hundredth of the error
 
 
@@ -84,6 +84,6 @@ def test_sweeps_of_several_axes_at_once_measure_the_same(
 ) -> None:
     expected = measured(exact_test.campaign, LINES).matrix
     for pattern, runs in (("multi", 6), ("diagonal", 12), ("twice", 12)):
-        campaign = simulate(exact(rigid_plan(pattern=pattern))).campaign
+        campaign = simulate(exact(rigid_plan(pattern=pattern, octaves_per_minute=120.0))).campaign
         assert len(campaign.runs) == runs
         assert_allclose(difference(measured(campaign, LINES).matrix, expected), 0, atol=1e-12)

@@ -8,12 +8,24 @@ from typing import Any
 from geometry.errors import BadInput
 from validation.effects.families import FAMILIES, PENDULUM
 from validation.effects.identifiers import Named
-from validation.virtual_test.effects import of_chain, of_signals
+from validation.virtual_test.effects import of_chain, of_signals, of_structure
 from validation.virtual_test.hooks import Effect
 
 Maker = Callable[[Named], Callable[[Any], Any]]
 
 PLANTS: Mapping[str, tuple[str, Maker]] = {
+    "point-mass": ("rig", of_structure.point_mass),
+    "rigid-inertia": ("rig", of_structure.rigid_inertia),
+    "modulus": ("parts", of_structure.modulus),
+    "joint-compliance": ("rig", of_structure.joint),
+    "structural-damping": ("parts", of_structure.damping),
+    "layer-damping": ("parts", of_structure.layer_damping),
+    "appendage": ("rig", of_structure.appendage),
+    "absorber": ("rig", of_structure.absorber),
+    "slosh": ("rig", of_structure.slosh),
+    "cable": ("rig", of_structure.cable),
+    "orientation": ("rig", of_structure.orientation),
+    "mounting-offset": ("rig", of_structure.offset),
     "gravity": ("chain", of_chain.gravity),
     "force-gain": ("chain", of_chain.gain),
     "load-path-shunt": ("chain", of_chain.shunt),
@@ -33,18 +45,19 @@ PLANTS: Mapping[str, tuple[str, Maker]] = {
     "polarity": ("chain", of_chain.polarity),
     "channel-swap": ("record", of_signals.swap),
     "unit": ("record", of_signals.unit),
+    "friction": ("rig", of_structure.friction),
+    "gap": ("rig", of_structure.gap),
     "saturation": ("signals", of_signals.saturation),
     "noise": ("chain", of_chain.noise),
     "mains": ("chain", of_chain.mains),
 }
 """By family: which of the places of `hooks.Effect` it changes, and how."""
 
-ELSEWHERE = {
-    "sweep-bias": (
-        "it arises where spectra are made of a record, which holds nothing of it",
-        'Plant nothing, and evaluate the campaign with [processing] method = "peak-reference-hold"',
-    ),
-}
+ELSEWHERE = (
+    "it arises where spectra are made of a record, which holds nothing of it",
+    'Plant nothing, and evaluate the campaign with [processing] method = "peak-reference-hold"',
+)
+OF_A_PENDULUM = ("it is an error of a pendulum, and a shaker has none", "Simulate a pendulum with `massline swing`")
 """Why a family is planted by no virtual test, and what to do."""
 
 
@@ -66,8 +79,5 @@ def _planted(named: Named) -> Effect:
 
 
 def _refused(named: Named) -> BadInput:
-    others = ("a virtual test cannot plant it", f"It can plant {', '.join(PLANTS)}")
-    of_pendulum = ("it is an error of a pendulum, and a shaker has none", "Simulate a pendulum with `massline swing`")
-    fallback = of_pendulum if FAMILIES[named.family].side == PENDULUM else others
-    problem, remedy = ELSEWHERE.get(named.family, fallback)
+    problem, remedy = OF_A_PENDULUM if FAMILIES[named.family].side == PENDULUM else ELSEWHERE
     return BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)

@@ -1,0 +1,85 @@
+"""Intervals, shares and verdicts: the same in every frame, and in plain words where elasticity spoils a rigid fit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from geometry.frames import Pose, rotation_about
+from identification import classical
+from identification.identified import PARAMETERS, Identified
+from identification.plain import plain
+from identification.quality import quality
+from identification.request import Fact
+from identification.self_calibration import calibrated
+
+
+def some(lab, spread: float) -> Identified:
+    rng = np.random.default_rng(0)
+    root = spread * rng.standard_normal((10, 10)) * np.array([1, *3 * [0.3], *6 * [0.1]])[:, None]
+    covariance = root @ root.T
+    noise = 0.25 * covariance
+    return Identified(
+        way="plain",
+        inertia=lab.ARTICLE,
+        covariance=covariance,
+        band=(4.0, 32.0),
+        shares={"noise": np.full(10, 0.25), "force-gain": np.full(10, 0.75)},
+        parts={"noise": noise, "force-gain": covariance - noise},
+    )
+
+
+def test_the_covariance_of_mass_cog_and_moments_is_that_of_draws(lab):
+    found = some(lab, 1e-3)
+    rng = np.random.default_rng(1)
+    draws = rng.multivariate_normal(found.inertia.parameters, found.covariance, size=20_000)
+    sampled = np.cov(np.array([classical.quantities(row) for row in draws]).T)
+    deviation = np.sqrt(np.diag(quality(found).covariance))
+    assert_allclose(np.sqrt(np.diag(sampled)), deviation, rtol=0.03)  # 0.5 % is one standard error
+
+
+def test_moments_about_the_cog_and_their_intervals_do_not_depend_on_the_origin(lab):
+    found = some(lab, 1e-3)
+    here, there = quality(found), quality(found, Pose(position=[0.1, -0.2, 0.3]))
+    assert_allclose(there.values[4:], here.values[4:], atol=1e-12)
+    assert_allclose(there.intervals[4:], here.intervals[4:], atol=1e-9)
+    assert_allclose(there.values[1:4], here.values[1:4] - [0.1, -0.2, 0.3], atol=1e-12)
+
+
+def test_a_quarter_turn_swaps_the_intervals_of_x_and_y(lab):
+    found = some(lab, 1e-3)
+    here, turned = quality(found), quality(found, Pose(rotation=rotation_about("z", np.pi / 2)))
+    width = np.diff(here.intervals, axis=1)[:, 0]
+    assert_allclose(np.diff(turned.intervals, axis=1)[[0, 2, 1, 3, 5, 4, 6], 0], width[[0, 1, 2, 3, 4, 5, 6]], rtol=1e-9)
+
+
+def test_a_verdict_names_what_dominates_and_what_to_add(lab):
+    narrow, wide = quality(some(lab, 1e-4)), quality(some(lab, 3.0))
+    assert set(narrow.verdict) == {*PARAMETERS, *classical.QUANTITIES}
+    assert all(text.startswith("trustworthy") and "force-gain (75 %" in text for text in narrow.verdict.values())
+    assert wide.verdict["mass_kg"].startswith("not identifiable")
+    assert "weigh the article" in wide.verdict["mass_kg"]
+
+
+@pytest.mark.parametrize("way", [plain, calibrated])
+def test_a_rigid_fit_of_an_elastic_structure_is_flagged_and_of_a_rigid_one_is_not(ordinary, lab, way):
+    low = replace(ordinary, frequency=np.arange(4.0, 8.01, 0.1))
+    flagged = quality(way(low.evidence(terms=lab.MODES), low.settings(modes=0)))
+    assert flagged.verdict["Iyy"].startswith("dominated by elasticity")
+    assert "fit elastic terms" in flagged.verdict["Iyy"]
+    rigid = quality(way(low.evidence(), low.settings(modes=0)))
+    assert not any("elasticity" in text for text in rigid.verdict.values())
+
+
+def test_facts_are_checked_by_name(ordinary):
+    for fact in (Fact(quantity="weight", value=1.0, sd=1.0), Fact(quantity="mass_kg", value=1.0, sd=0.0)):
+        with pytest.raises(BadInput):
+            classical.require_known((fact,))
+
+
+def test_the_derivative_of_mass_cog_and_moments_is_exact(lab):
+    at, step = lab.ARTICLE.parameters, 1e-6
+    numeric = [(classical.quantities(at + step * e) - classical.quantities(at - step * e)) / (2 * step) for e in np.eye(10)]
+    assert_allclose(classical.jacobian(at), np.transpose(numeric), atol=1e-7)

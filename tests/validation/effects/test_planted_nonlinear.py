@@ -1,0 +1,74 @@
+"""Friction and a gap: what exudyn makes of them in the channels, and that one level does not tell what two do."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.arrays import Array
+from validation.effects.identifiers import parse_all
+from validation.virtual_test.effects.planting import planted
+from validation.virtual_test.laboratory import laboratory
+from validation.virtual_test.layout import ACCELEROMETERS, FORCES
+from validation.virtual_test.plan import RIGID, Plan, exact
+from validation.virtual_test.runs import runs
+from validation.virtual_test.simulate import recording
+
+NAMES = (*ACCELEROMETERS, *FORCES)
+STEP = 0.01
+"""Share by which exudyn and the recursion may differ at this coarse step: (pi f / rate)², times a few."""
+
+Sweep = Callable[..., dict[str, Array]]
+
+
+@pytest.fixture(scope="module")
+def sweep() -> Sweep:
+    """``sweep(axis, *effects, level)``: channels by name of a short sweep of a rigid block, nothing else drawn."""
+    plan = replace(
+        exact(Plan(article="fmd+disc+cuboid", model=RIGID, band=(8.0, 16.0), octaves_per_minute=240.0, cross=0.0)),
+        quiet=0.1,
+        rate=256.0,
+        simulation_rate=2048.0,
+        ringing=1e-3,
+    )
+
+    def run(axis: str, *effects: str, level: float = 1.0) -> dict[str, Array]:
+        own = replace(plan, effects=planted(parse_all(effects)), levels=(level,))
+        made = next(one for one in runs(own) if one.name == axis)
+        return dict(zip(NAMES, recording(own, laboratory(own), made).values.T, strict=True))
+
+    return run
+
+
+def shear(found: dict[str, Array]) -> Array:
+    return found["fmd-x12"] + found["fmd-x34"]
+
+
+def test_what_never_slips_or_lifts_is_linear(sweep: Sweep) -> None:
+    """Both routes, on the same rig: a loose part of 2 kg that sticks is 2 kg; a cell under a load of tons never opens."""
+    plain, stuck, closed = sweep("x"), sweep("x", "friction:flange:x=1e5"), sweep("x", "gap:1=1e5")
+    n = min(len(one["fmd-z1"]) for one in (plain, stuck, closed))
+    size = np.max(np.abs(shear(plain)))
+    assert_allclose(shear(closed)[:n], shear(plain)[:n], rtol=0, atol=STEP * size)
+    assert_allclose((shear(stuck) - 2.0 * stuck["cover-x1"])[:n], shear(plain)[:n], rtol=0, atol=STEP * size)
+
+
+def test_a_loose_part_is_dragged_by_its_slip_force_at_every_level(sweep: Sweep) -> None:
+    dragged = []
+    for level in (1.0, 2.0):
+        plain, slipping = sweep("x", level=level), sweep("x", "friction:flange:x=1", level=level)
+        n = min(len(plain["fmd-z1"]), len(slipping["fmd-z1"]))
+        dragged.append(np.sqrt(2) * np.std((shear(slipping) - shear(plain))[: n // 2]))
+    assert dragged[0] == pytest.approx(dragged[1], rel=0.1)  # of a linear part it would be twice as much
+    assert dragged[0] == pytest.approx(1.0, rel=0.35)  # between a sine and a square of 1 N, at the ends of the sweep less
+
+
+def test_a_cell_that_lifts_pulls_no_more_than_its_preload_and_the_others_take_over(sweep: Sweep) -> None:
+    plain, lifting = sweep("z"), sweep("z", "gap:1=5")
+    assert np.min(plain["fmd-z1"]) < -20.0
+    assert -5.8 < np.min(lifting["fmd-z1"]) < -4.5  # the anti-alias filter swings at the corner, by a tenth
+    total, whole = (sum(one[f"fmd-z{k}"] for k in range(1, 5)) for one in (lifting, plain))
+    n = min(len(total), len(whole))
+    assert_allclose(total[:n], whole[:n], rtol=0, atol=0.05 * np.max(np.abs(whole)))  # hardly visible in the dynamic mass

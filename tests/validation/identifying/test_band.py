@@ -1,0 +1,65 @@
+"""The band study as it is reported: of the article in its frame, and in the verdicts."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry import multibody
+from geometry.articles import built_in
+from geometry.dynamic_mass import DynamicMass
+from geometry.frames import Pose
+from geometry.inertia import PARAMETERS, Inertia
+from identification.elastic.fit import fit
+from identification.elastic.model import dynamic_mass
+from identification.elastic.study import BandStudy, study
+from identification.elastic.terms import ElasticTerms
+from validation.identifying import band
+from validation.statement import about_cog
+
+MOUNTED = Pose(position=np.array([0.0, 0.0, 0.045]))
+
+
+@pytest.fixture(scope="module")
+def of(clumod: Inertia, terms: ElasticTerms) -> BandStudy:
+    lines = np.linspace(4.0, 32.0, 281)
+    M = (clumod.placed(MOUNTED) + multibody.inertia(built_in("fmd"))).mass_matrix
+    residual = np.diag([8e-6, 8e-6, 1e-5, 2e-6, 2e-6, 1e-7])
+    slow = replace(terms, residual=residual, damping=np.diag(4 * np.pi * terms.frequency * 0.004))
+    H = DynamicMass(frequency=lines, matrix=dynamic_mass(M, slow, lines))
+    return study(H, fitted=fit(H, modes=3), starts=[4.0, 6.0], stops=[20.0, 32.0], counts=[3])
+
+
+def _identification(article: Inertia, modes: int | None) -> SimpleNamespace:
+    return SimpleNamespace(request=SimpleNamespace(modes=modes), plain=SimpleNamespace(inertia=article))
+
+
+def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of: BandStudy, clumod: Inertia) -> None:
+    drawn = band.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
+    assert list(drawn.maps) == ["3 elastic terms", "no elastic terms"]
+    size = np.array([clumod.mass, 1, 1, 1, *6 * [clumod.moments_cog.max()]])
+    # Every cell's fit ends when a step is 1e-4 of a standard deviation, which is a model error of 0.2 %.
+    assert_allclose(drawn.maps["3 elastic terms"] / size, np.broadcast_to(about_cog(clumod) / size, (2, 2, 10)), atol=1e-6)
+    assert_allclose(drawn.reference / size, about_cog(clumod) / size, atol=1e-6)
+
+
+def test_without_elastic_terms_the_band_makes_the_result(of: BandStudy, clumod: Inertia) -> None:
+    rigid = band.maps(_identification(clumod.placed(MOUNTED), 0), of, MOUNTED)
+    assert list(rigid.maps) == ["no elastic terms"]
+    moments = rigid.maps["no elastic terms"][..., 4]
+    assert np.ptp(moments) > 0.1 * clumod.moments_cog[0]
+
+
+def test_a_verdict_says_when_narrower_bands_lead_elsewhere(of: BandStudy) -> None:
+    told = dict.fromkeys(PARAMETERS, "trustworthy")
+    assert band.verdicts(told, of, rigid=False) == told
+    said = band.verdicts(told, of, rigid=True)
+    assert "narrower bands" in said["Ixx"]
+    assert said["Ixx"].startswith("trustworthy")
+
+
+def test_a_study_that_says_nothing_changes_no_verdict(of: BandStudy) -> None:
+    told = dict.fromkeys(PARAMETERS, "trustworthy")
+    assert band.verdicts(told, replace(of, cells=of.cells[:1]), rigid=False) == told

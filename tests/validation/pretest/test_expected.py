@@ -1,0 +1,128 @@
+"""Expected intervals: closed forms of a laboratory with one error, and what more knowledge must do."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry import multibody
+from geometry.articles import built_in
+from geometry.inertia import PARAMETERS
+from validation.pretest.asked import Question
+from validation.pretest.findings import Findings, findings
+from validation.stated_inertia import NORMAL_95
+
+RATIOS = ("gain", "table_gain", "cell_stiffness", "crosstalk", "fmd_inertia")
+EXACT = (*(f"{name}=0" for name in RATIOS), "delay=0 s", "position=0 mm", "angle=0 deg")
+
+
+def only(**sizes: str) -> tuple[str, ...]:
+    """A laboratory that is exact but for these tolerances."""
+    return (*EXACT, *(f"{name}={value}" for name, value in sizes.items()))
+
+
+def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_variance(ask: Callable[..., Question]) -> None:
+    """Eight channels weigh the whole set-up each in its own unit; the table's exact accelerometers calibrate all others."""
+    found = findings(ask(tolerances=only(gain="1%"), noise="off", lost=True))
+    whole = sum(multibody.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
+    # the floor of 0.15 % at every line and the small terms of the other parameters
+    assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 / np.sqrt(8) * whole, rtol=0.03)
+    # seven are left, and the cells' known stiffness says what the eighth would have read
+    assert_allclose(found.without["fmd-z1"][0], NORMAL_95 * 0.01 / np.sqrt(7) * whole, rtol=0.03)
+
+
+def test_without_exact_pickups_on_the_table_the_scale_of_acceleration_is_as_unknown_as_that_of_force(
+    ask: Callable[..., Question],
+) -> None:
+    found = findings(ask(tolerances=only(gain="1%", table_gain="100%"), noise="off"))
+    whole = sum(multibody.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
+    assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 * np.sqrt(2 / 8) * whole, rtol=0.03)
+
+
+def test_the_values_are_those_of_the_article_and_the_fit_of_exact_data_has_no_misfit(tared: Findings) -> None:
+    own = multibody.inertia(built_in("disc+cuboid"))
+    assert_allclose(tared.best.values[0], own.mass, rtol=1e-4)
+    assert_allclose(tared.best.values[1:4], own.cog, atol=1e-4)
+    assert_allclose(tared.best.values[4:7], own.moments_cog, rtol=2e-3)  # the elastic Cuboid taken for nearly rigid
+    assert tared.best.identified.converged
+    assert tared.best.identified.misfit < 1e-2
+
+
+def test_less_knowledge_never_narrows_an_interval(tared: Findings) -> None:
+    assert tared.untared is not None
+    assert np.all(tared.untared >= tared.best.half_width * (1 - 1e-6))
+    assert tared.untared[0] > 5 * tared.best.half_width[0]  # an FMD that is known to 5 %
+    assert set(tared.without) == set(tared.spectra.table.names)
+    for half in tared.without.values():
+        assert np.all(half >= tared.best.half_width * (1 - 1e-6))
+        assert np.any(half > tared.best.half_width * 1.003)
+
+
+def test_a_tare_on_the_fmd_as_it_was_known_before_gives_what_no_tare_gives(tared: Findings, ask: Callable[..., Question]) -> None:
+    """The same information by another way: the FMD's prior as a block of its own, or added to the joint matrix."""
+    assert tared.untared is not None
+    assert_allclose(findings(ask()).best.half_width, tared.untared, rtol=1e-3)  # ended within a hundredth of its interval
+
+
+def test_plain_intervals_are_wider_where_angles_rule_them(tared: Findings) -> None:
+    assert np.all(tared.plain.half_width[:4] > tared.best.half_width[:4])
+
+
+def test_shares_add_up_and_name_what_was_left_open(tared: Findings, ask: Callable[..., Question]) -> None:
+    for one in (tared.best, tared.plain):
+        assert_allclose(np.sum(list(one.identified.shares.values()), axis=0), 1.0, rtol=1e-9)
+    alone = findings(ask(tolerances=only(position="2 mm"))).best.identified.shares
+    assert {name for name, share in alone.items() if share.max() > 0.02} <= {
+        "accelerometer-position",
+        "noise",
+        "elasticity",
+        "tare",
+    }
+    assert alone["accelerometer-position"][PARAMETERS.index("Ixx")] > 0.5
+
+
+def test_what_the_plain_way_loses_with_a_channel_is_said(tared: Findings) -> None:
+    assert tared.lost["cover-z1"] == ""
+    assert "what its cells carry" in tared.lost["fmd-z1"]
+
+
+def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(ask: Callable[..., Question]) -> None:
+    from validation.pretest.findings import _condition
+    from validation.pretest.planned import planned
+
+    clean = planned(ask(cross=0.0).plan)
+    assert_allclose(_condition(clean.spectra), 1.0, rtol=1e-9)
+    crossed = _condition(planned(ask(cross=0.2).plan).spectra)
+    assert crossed.min() > 1.03
+
+
+def test_more_runs_and_higher_levels_narrow_what_noise_leaves(ask: Callable[..., Question]) -> None:
+    noisy = {"tolerances": EXACT, "noise": "50"}
+    base, loud = (findings(ask(level=level, **noisy)).best.half_width for level in (0.2, 1.0))
+    # noise far above the floor: five times the level, a fifth of the interval
+    assert_allclose(base[0] / loud[0], 5.0, rtol=0.1)
+
+
+def test_sensors_of_a_campaign_of_ones_own_take_the_place_of_the_usual_ones(
+    ask: Callable[..., Question],
+    root,
+    tmp_path,  # type: ignore[no-untyped-def]
+) -> None:
+    import runpy
+
+    from identification import campaign_file
+
+    made = runpy.run_path(str(root / "examples" / "own_campaign.py"))["campaign"]()
+    campaign_file.write(tmp_path / "own", made)
+    found = ask(sensors=tmp_path / "own")
+    assert found.table is not None
+    assert found.table.names == made.table.names
+    assert found.table.channels[0].noise_rms == made.table.channels[0].noise_rms
+    assert findings(found).spectra.table is found.table
+
+
+@pytest.mark.parametrize("article", ["clumod-1", "fmd+clumod-1"])
+def test_an_article_stands_on_the_fmd_whether_that_is_said_or_not(ask: Callable[..., Question], article: str) -> None:
+    assert ask(article).plan.article == "fmd+clumod-1"
+    assert ask(article).above == "clumod-1"

@@ -1,0 +1,108 @@
+"""`massline pretest`: what is printed, what a program reads, what is drawn, and what is refused."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from validation import cli
+from validation.pretest import as_json
+from validation.pretest import table as tables
+from validation.pretest.findings import Findings
+from validation.tables.text import page
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_the_page_says_intervals_causes_channels_and_places(tared: Findings) -> None:
+    text = page(tables.title(tared), tables.grids(tared), tables.notes(tared), 150)
+    for said in (
+        "Pretest of fmd+disc+cuboid: 6 runs",
+        "self-calibrated",
+        "and without tare",
+        "dominated by",
+        "without",
+        "no resultants: what its cells carry is not seen",
+        "pick-up at",
+        "Condition number of the base motions: median 1.",
+        "0 of 121 lines above the limit of 100",
+        "the whole band",
+    ):
+        assert said in text
+    assert "nan" not in text
+
+
+def test_json_is_one_object_with_units_in_its_keys(tared: Findings) -> None:
+    said = json.loads(json.dumps(as_json.as_json(tared)))
+    assert said["article"] == "fmd+disc+cuboid"
+    assert said["tare"] == "fmd"
+    assert len(said["condition"]) == len(said["frequency_hz"]) == 121
+    half = said["self_calibrated"]["half_width95"]
+    assert half["mass_kg"] == pytest.approx(tared.best.half_width[0])
+    assert half["cog_mm"] == pytest.approx(1e3 * tared.best.half_width[1:4])
+    assert set(said["without"]) == set(tared.spectra.table.names)
+    assert [one["name"] for one in said["places"]] == [one.name for one in tared.places]
+    assert said["tolerances"]["gain"] == 0.003
+
+
+def test_the_pictures_are_drawn(tared: Findings, tmp_path: Path, renderer: None) -> None:
+    from validation.pretest.drawn import draw
+
+    paths = draw(tared, tmp_path)
+    assert [path.name for path in paths] == [f"pretest-fmd+disc+cuboid{end}.png" for end in ("", "-shares", "-places")]
+    assert all(path.stat().st_size > 20_000 for path in paths)
+
+
+def test_the_command_answers_and_writes(run: Run, tmp_path: Path) -> None:
+    quick = ("--tare", "none", "--band", "6", "9", "--octaves-per-minute", "6", "--no-lost")
+    code, out, _ = run("pretest", "disc+cuboid", *quick, "--json")
+    assert code == cli.DONE
+    said = json.loads(out)
+    assert said["without"] == {}
+    assert said["without_tare"] is None
+    assert said["self_calibrated"]["half_width95"]["mass_kg"] > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("clumod-7",), "clumod"),
+        (("disc+cuboid", "--tare", "fmd+disc+cuboid"), "the tare is the article itself"),
+        (("clumod-1", "--tare", "cubiod"), "cuboid"),
+        (("clumod-1", "--tolerance", "gian=1%"), "gain"),
+        (("clumod-1", "--tolerance", "gain=-1%"), "gain"),
+        (("clumod-1", "--rigid", "0"), "--rigid"),
+        (("clumod-1", "--condition-limit", "0.5"), "--condition-limit"),
+        (("clumod-1", "--pattern", "spiral"), "--pattern"),
+        (("clumod-1", "--runs", "7"), "--runs"),
+        (("clumod-1", "--band", "9", "6"), "found 9 to 6"),
+        (("clumod-1", "--level", "0"), "--levels"),
+        (("clumod-1", "--noise", "loud"), "--noise"),
+        (("clumod-1", "--sensors", "nowhere"), "nowhere"),
+        (("clumod-1", "--damping", "-1"), "damping"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused_in_words(run: Run, arguments: tuple[str, ...], said: str) -> None:
+    code, out, err = run("pretest", *arguments)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert said in err
+    assert "Traceback" not in err
+
+
+def test_sensors_that_tell_no_base_motion_are_refused(run: Run, root: Path, tmp_path: Path) -> None:
+    import runpy
+    from dataclasses import replace
+
+    from identification import campaign_file
+
+    made = runpy.run_path(str(root / "examples" / "own_campaign.py"))["campaign"]()
+    kept = [k for k, name in enumerate(made.table.names) if not name.startswith(("cover-x", "table-x"))]
+    recordings = {
+        name: replace(one, names=made.table.subset(kept).names, values=one.values[:, kept])
+        for name, one in made.recordings.items()
+    }
+    campaign_file.write(tmp_path / "few", replace(made, table=made.table.subset(kept), recordings=recordings))
+    code, _, err = run("pretest", "clumod-1", "--sensors", str(tmp_path / "few"))
+    assert code == cli.BAD_INPUT
+    assert "x" in err
