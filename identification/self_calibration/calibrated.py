@@ -22,7 +22,7 @@ FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
 BEYOND = 2
-"""Poles that are added at most beyond the band: the residual mass leaves of those there what rises with omega⁴."""
+"""Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
 FURTHER_STEPS = 30
 """Evaluations after which a further pole that has not settled is given up."""
@@ -82,7 +82,7 @@ def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple
 
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
     """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
-    for _ in range(BEYOND if pruning.modes(problem) else 0):
+    for _ in range(BEYOND - pruning.beyond(problem, solution.x) if pruning.modes(problem) else 0):
         more = _paid(further_poles.with_one_beyond(problem, solution.x), problem, solution, settings)
         if more is None:
             break

@@ -1,8 +1,8 @@
 """Poles and couplings that only errors of the chain called for go again, once the chain is free to explain them itself.
 
-The elastic terms begin from a plain dynamic mass, which gains, angles and positions falsify by per cents: some of its poles make up
-for a slope or a bump that sensors made. In the joint fit they are worth nothing. What chi² would rise by if a pole's participation
-were zero, all else refitted to second order, is l^T C_ll^-1 l (Wald; with Gaussian priors the Savage-Dickey ratio in its exponent).
+The elastic terms begin from a plain dynamic mass, which gains, angles and positions falsify by per cents: some of its poles make
+up for a slope or a bump that sensors made. In the joint fit they are worth nothing. What chi² would rise by if a pole's
+participation were zero, all else refitted to second order, is l^T C_ll^-1 l (Wald; with Gaussian priors the exponent of Savage and Dickey's ratio).
 Poles go the weakest first, each time with what the others then are.
 """
 
@@ -46,6 +46,11 @@ def modes(problem: Assembly) -> int:
     """Poles of the article."""
     elastic = problem.campaigns[0].structure.elastic
     return 0 if elastic is None else elastic.modes
+
+
+def beyond(problem: Assembly, x: Array) -> int:
+    """Poles of the article above the band at `x` (k,)."""
+    return int(np.sum(problem.campaigns[0].structure.terms(problem.layout, x).frequency > problem.band[1]))
 
 
 def price(size: int) -> float:
