@@ -15,11 +15,12 @@ import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import DynamicMass
+from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from identification.elastic import model, poles
 from identification.elastic.lines import Lines, full, kept, lines_of
 from identification.elastic.model import Layout
-from identification.elastic.refine import Refined, correlation_time, effective_size, leftover, limits, linearised, refine
+from identification.elastic.refine import Refined, correlation_time, effective_size, leftover, limits, linearised, refine, unit_of
 from identification.elastic.terms import ElasticTerms
 
 FLOOR = 0.002
@@ -127,6 +128,9 @@ def fit(
     ------
     BadInput : fewer than two lines, weights of another shape or all zero with a floor of zero, a negative number of modes.
     """
+    if modes is not None and modes < 0:
+        problem = f"a number of poles is at least 0, found {modes}"
+        raise BadInput(source="elastic fit", field="modes", problem=problem, remedy="Leave it out and the data decide")
     data = lines_of(dynamic_mass, weights, floor, band)
     thin = data.at(kept(data))
     tell = progress or (lambda share: None)
@@ -177,6 +181,7 @@ def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
         damping=C,
         participation=np.vstack([terms.participation, pole.participation]),
         residual=terms.residual,
+        growth=terms.growth,
     )
     layout = _coupled(longer, at.layout)
     return refine(model.pack(parameters, longer, layout), layout, lines, iterations=12, accuracy=1e-3)
@@ -328,7 +333,7 @@ def _result(found: Refined, history: list[Refined], reason: str, data: Lines, th
 
 def covariance_of_the_ten(information: Array) -> Array:
     """(10, 10) in the units of Eq. 4; everything else is estimated with them."""
-    d = np.sqrt(np.diag(information))
+    d = unit_of(information)
     covariance = np.linalg.pinv(information / np.outer(d, d), hermitian=True) / np.outer(d, d)
     unit = model.inertia_scale()
     return np.asarray(covariance[:10, :10] * np.outer(unit, unit))

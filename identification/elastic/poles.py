@@ -17,7 +17,7 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from identification.elastic.lines import Lines
 from identification.elastic.model import SCALE, UPPER
-from identification.elastic.refine import Refined, leftover
+from identification.elastic.refine import Refined, leftover, unit_of
 
 DAMPING = (0.0015, 0.004, 0.01, 0.03)
 """Ratios that are tried."""
@@ -90,7 +90,7 @@ def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array,
     J, r = at.jacobian.reshape(k, n, 21, 2), at.residual.reshape(n, 21, 2)
     rows = np.tensordot(g, weight[:, :, None] * J, axes=((1, 2), (1, 3)))  # (s, k, 21)
     own = np.abs(curve) ** 2 @ weight**2
-    d = np.sqrt(np.diag(at.information))
+    d = unit_of(at.information)
     root = np.linalg.cholesky(at.information / np.outer(d, d) + ROUNDING * np.eye(k)) * d[:, None]
     half = np.linalg.solve(root, rows)
     slope = np.linalg.solve(root, at.jacobian @ at.residual + at.prior)

@@ -73,7 +73,7 @@ class Refined:
     converged: bool
 
 
-def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, accuracy: float = 1e-6) -> Refined:
+def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, accuracy: float = 3e-5) -> Refined:
     """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost and `ENOUGH`.
 
     Not converged when `iterations` steps did not do; none only linearises at `start`.
@@ -101,7 +101,7 @@ def _step(at: Refined, damping: float, lines: Lines) -> tuple[Array, float]:
     low, high = np.full(len(x), -np.inf), np.full(len(x), np.inf)
     low[limited], high[limited] = limits(at.layout, lines)
     free = ~(((x <= low) & (g > 0)) | ((x >= high) & (g < 0)))
-    d = np.sqrt(np.diag(A))[free]
+    d = unit_of(A)[free]
     scaled = A[np.ix_(free, free)] / np.outer(d, d) + damping * np.eye(len(d))
     dx = np.zeros(len(x))
     dx[free] = -np.linalg.solve(scaled, g[free] / d) / d
@@ -124,6 +124,12 @@ def weighted(values: ComplexArray, lines: Lines) -> Array:
     return np.asarray(scaled.reshape(*values.shape[:-2], -1).view(np.float64))
 
 
+def unit_of(information: Array) -> Array:
+    """(k,) by which a normal matrix is divided to have ones on its diagonal; 1 where the data do not see a parameter at all."""
+    diagonal = np.diag(information)
+    return np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+
+
 def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
     """Lowest and highest ln f, ln zeta and rho, in the order of the vector."""
     f, m, p = lines.frequency[[0, -1]], layout.modes, len(layout.pairs)
@@ -136,7 +142,7 @@ def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
 
 def effective_size(at: Refined) -> float:
     """Parameters that the data decide and not the priors: k less the share of the priors in what is known of each."""
-    d = np.sqrt(np.diag(at.information))
+    d = unit_of(at.information)
     variance = np.diag(np.linalg.pinv(at.information / np.outer(d, d), hermitian=True)) / d**2
     return len(at.vector) - float(at.certainty @ variance)
 
