@@ -68,7 +68,7 @@ def with_one_more(problem: Assembly, x: Array, line: int) -> tuple[Assembly, Arr
 def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | None:
     """The problem with a pole above the band, and where to begin; None where what is left over does not rise like one.
 
-    What the residual mass, omega² R, leaves of poles beyond rises with omega⁴: L L^T omega² / (omega_h² - omega²) less 1 and omega².
+    What the residual mass leaves of poles beyond rises with omega⁴: L L^T omega² / (omega_h² - omega²) less 1 and omega².
     """
     structure, layout = problem.campaigns[0].structure, problem.layout
     measured = dynamic_mass(problem, x)
