@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from geometry.arrays import Array
 from identification.evidence import Evidence, Settings
 from identification.identified import Identified
-from identification.self_calibration import further_poles
+from identification.self_calibration import further_poles, pruning
 from identification.self_calibration.assembly import Assembly, assembled
 from identification.self_calibration.problem import normals, total
 from identification.self_calibration.result import identified
@@ -22,6 +20,9 @@ ANNEALED = (0.02, 0.005)
 
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
+
+BEYOND = 2
+"""Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
 FURTHER_STEPS = 30
 """Evaluations after which a further pole that has not settled is given up."""
@@ -45,27 +46,63 @@ def calibrated(
     tell = progress or (lambda share: None)
     problem = assembled(evidence, settings)
     tell(0.3)
-    solution = fitted(problem, settings, progress=lambda share: tell(0.3 + 0.5 * share))
-    if settings.modes is None:
-        problem, solution = _completed(problem, solution, settings)
+    searched = settings.modes is None
+    problem, x = _annealed(problem, settings, prune=searched)
+    solution = _minimum(problem, settings.floor, x, progress=lambda share: tell(0.3 + 0.5 * share))
+    if searched:
+        problem, solution = _plainer(*_completed(problem, solution, settings), settings)
     found = identified(problem, solution, settings)
     tell(1.0)
     return found
 
 
+def _annealed(problem: Assembly, settings: Settings, *, prune: bool = False) -> tuple[Assembly, Array]:
+    """Down through the annealed floors: the problem, plainer where poles do not pay any longer, and where they led."""
+    x = problem.layout.start
+    for floor in [one for one in ANNEALED if one > settings.floor]:
+        coarse = _minimum(problem, floor, x, close=0.3, most=8)
+        at_last = _linearised(problem, settings.floor, coarse) if prune else coarse
+        shorter = pruning.pruned(problem, at_last, _size(problem, settings.floor), below=problem.band[1]) if prune else None
+        problem, x = shorter or (problem, coarse.x)
+    return problem, x
+
+
+def _linearised(problem: Assembly, floor: float, coarse: Solution) -> Solution:
+    """The normal equations at the place of a `coarse` solution with the weights of another `floor`."""
+    return _minimum(problem, floor, coarse.x, most=0)
+
+
+def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
+    """The fit without poles that do not pay at the floor asked for."""
+    shorter = pruning.pruned(problem, solution, _size(problem, settings.floor))
+    if shorter is None or pruning.modes(shorter[0]) == pruning.modes(problem):
+        return problem, solution
+    return shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
+
+
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
-    """The fit with a few further poles where lines do not fit and poles pay."""
+    """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
+    for _ in range(BEYOND - pruning.beyond(problem, solution.x) if pruning.modes(problem) else 0):
+        more = _paid(further_poles.with_one_beyond(problem, solution.x), problem, solution, settings)
+        if more is None:
+            break
+        problem, solution = more
     for _ in range(FURTHER):
         line, misfit = further_poles.worst(problem, solution.x, settings.floor)
         longer = further_poles.with_one_more(problem, solution.x, line) if misfit > further_poles.MISFIT else None
-        if longer is None:
-            break
-        more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
-        price = (len(longer[0].layout) - len(problem.layout)) * np.log(_size(problem, settings.floor)) / 2
-        if not more.converged or solution.normal.cost - more.normal.cost < price:
-            break
-        problem, solution = longer[0], more
+        problem, solution = _paid(longer, problem, solution, settings) or (problem, solution)
     return problem, solution
+
+
+def _paid(
+    longer: tuple[Assembly, Array] | None, problem: Assembly, solution: Solution, settings: Settings
+) -> tuple[Assembly, Solution] | None:
+    """The minimum with one pole more; None where it takes less out of chi² than its price."""
+    if longer is None:
+        return None
+    more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
+    price = pruning.price(_size(problem, settings.floor))
+    return (longer[0], more) if more.converged and 2 * (solution.normal.cost - more.normal.cost) > price else None
 
 
 def _size(problem: Assembly, floor: float) -> int:
@@ -74,10 +111,7 @@ def _size(problem: Assembly, floor: float) -> int:
 
 def fitted(problem: Assembly, settings: Settings, *, progress: Callable[[float], None] | None = None) -> Solution:
     """The joint minimum, down through the annealed floors."""
-    x = problem.layout.start
-    for floor in [one for one in ANNEALED if one > settings.floor]:
-        x = _minimum(problem, floor, x, close=0.3, most=8).x
-    return _minimum(problem, settings.floor, x, progress=progress)
+    return _minimum(problem, settings.floor, _annealed(problem, settings)[1], progress=progress)
 
 
 def _minimum(

@@ -16,7 +16,7 @@ from identification.self_calibration.layout import Block, block
 
 FAMILY = "elasticity"
 
-FREQUENCY = 0.05
+FREQUENCY = 0.3
 """Standard deviation of ln f about the start."""
 
 DAMPING = 1.0
@@ -29,15 +29,20 @@ FELT = 1e-3
 """How much of another mode's participation a resonance must be able to take over, through damping, for the pair to count."""
 
 BEYOND = (20.0 / 40.0) ** 2
-"""Standard deviation of the residual's growth at 20 Hz, as a share of the residual's: of modes at 40 Hz, beyond the usual band."""
+"""Standard deviation of the residual's growth at 20 Hz, a share of the residual's: of modes at 40 Hz, beyond the usual band."""
 
 STIFF = (20.0 / 150.0) ** 2
 """Standard deviation of the residual of a nearly rigid body, as a share of its mass matrix at 20 Hz: a first mode at 150 Hz."""
 
 
-def of_article(name: str, ten: Array, terms: ElasticTerms) -> tuple[model.Layout, Block]:
-    """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size."""
-    layout = model.Layout(modes=len(terms.frequency), pairs=_pairs(terms), growth=True)
+def of_article(
+    name: str, ten: Array, terms: ElasticTerms, *, pairs: tuple[tuple[int, int], ...] | None = None
+) -> tuple[model.Layout, Block]:
+    """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size.
+
+    Damping is coupled in `pairs`, by default wherever it could show.
+    """
+    layout = model.Layout(modes=len(terms.frequency), pairs=felt(terms) if pairs is None else pairs, growth=True)
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)
@@ -60,7 +65,7 @@ def of_known(name: str, ten: Array) -> tuple[model.Layout, Block]:
     return layout, block(name, layout.names[10:], np.zeros(21), deviation=deviation, families=FAMILY)
 
 
-def _pairs(terms: ElasticTerms) -> tuple[tuple[int, int], ...]:
+def felt(terms: ElasticTerms) -> tuple[tuple[int, int], ...]:
     """Pairs (r, s), r < s, in which coupled damping can show: at resonance r, omega_r C_rs / (omega_s² - omega_r²) of mode s."""
     w2, C = (2 * np.pi * terms.frequency) ** 2, np.diag(terms.damping)
     most = np.sqrt(np.outer(C, C)) * np.sqrt(np.maximum(w2[:, None], w2))

@@ -27,6 +27,9 @@ MISFIT = 8.0
 DAMPING = 0.003
 """Damping ratio at which a further pole begins."""
 
+BEYOND = 1.25
+"""Where a pole above the band begins, in the end of the band."""
+
 ELASTIC = "elastic:article"
 
 
@@ -59,10 +62,36 @@ def with_one_more(problem: Assembly, x: Array, line: int) -> tuple[Assembly, Arr
     if values[-1] <= 0:
         return None
     pole = model.SCALE * vectors[:, -1] * np.sqrt(2 * DAMPING * values[-1])
-    terms = structure.terms(layout, x)
-    longer = _extended(terms, float(f[line]), pole)
-    elastic, made = elastic_block.of_article(ELASTIC, structure.ten(layout, x), longer)
-    return _replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
+    return _longer(problem, x, float(f[line]), pole)
+
+
+def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | None:
+    """The problem with a pole above the band, and where to begin; None where what is left over does not rise like one.
+
+    What the residual mass, omega² R, leaves of poles beyond rises with omega⁴: L L^T omega² / (omega_h² - omega²) less 1 and omega².
+    """
+    structure, layout = problem.campaigns[0].structure, problem.layout
+    measured = dynamic_mass(problem, x)
+    f, of_fit = measured.frequency, structure.dynamic_mass(layout, x, measured.frequency)
+    weight = 1 / np.abs(of_fit / np.outer(model.SCALE, model.SCALE)).max(axis=(1, 2))
+    beyond = BEYOND * float(f[-1])
+    basis = weight[:, None] * np.stack([f**2 / (beyond**2 - f**2), np.ones_like(f), f**2 / beyond**2], axis=1)
+    left = weight[:, None] * ((measured.matrix - of_fit).real / np.outer(model.SCALE, model.SCALE)).reshape(-1, 36)
+    Q = np.linalg.lstsq(basis, left)[0][0].reshape(6, 6)
+    values, vectors = np.linalg.eigh((Q + Q.T) / 2)
+    return _longer(problem, x, beyond, model.SCALE * vectors[:, -1] * np.sqrt(values[-1])) if values[-1] > 0 else None
+
+
+def _longer(problem: Assembly, x: Array, frequency: float, participation: Array) -> tuple[Assembly, Array]:
+    """One pole more; its damping is coupled to that of poles that feel it, and all others stay coupled as they are."""
+    structure, layout = problem.campaigns[0].structure, problem.layout
+    before = structure.elastic
+    terms = _extended(structure.terms(layout, x), frequency, participation)
+    new = len(terms.frequency) - 1
+    coupled = tuple(pair for pair in elastic_block.felt(terms) if new in pair)
+    coupled = tuple(sorted((*(() if before is None else before.pairs), *coupled)))
+    elastic, made = elastic_block.of_article(ELASTIC, structure.ten(layout, x), terms, pairs=coupled)
+    return replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
 
 
 def _extended(terms: ElasticTerms, frequency: float, participation: Array) -> ElasticTerms:
@@ -78,7 +107,8 @@ def _extended(terms: ElasticTerms, frequency: float, participation: Array) -> El
     )
 
 
-def _replaced(problem: Assembly, x: Array, elastic: model.Layout, layout: Layout) -> tuple[Assembly, Array]:
+def replaced(problem: Assembly, x: Array, elastic: model.Layout, layout: Layout) -> tuple[Assembly, Array]:
+    """The problem with `elastic` terms of the article laid out anew in `layout`, and where to begin: at `x` in all else."""
     start = layout.start
     for one in layout.blocks:
         if one.name != ELASTIC:
