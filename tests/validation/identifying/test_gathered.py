@@ -1,4 +1,4 @@
-"""What is gathered from the driver's evidence: the rigid body behind a measured dynamic mass, what redundant channels leave over."""
+"""What is gathered from the evidence: the rigid body behind a measured dynamic mass, what redundant channels leave over."""
 
 from types import SimpleNamespace
 
