@@ -21,11 +21,11 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-BEYOND = 2
+BEYOND = 3
 """Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
-FURTHER_STEPS = 30
-"""Evaluations after which a further pole that has not settled is given up."""
+FURTHER_STEPS = 20
+"""Evaluations after which a further pole that does not pay yet is given up."""
 
 
 def calibrated(
@@ -101,8 +101,9 @@ def _paid(
     if longer is None:
         return None
     more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
-    price = pruning.price(_size(problem, settings.floor))
-    return (longer[0], more) if more.converged and 2 * (solution.normal.cost - more.normal.cost) > price else None
+    if 2 * (solution.normal.cost - more.normal.cost) < pruning.price(_size(problem, settings.floor)):
+        return None
+    return longer[0], more if more.converged else _minimum(longer[0], settings.floor, more.x)
 
 
 def _size(problem: Assembly, floor: float) -> int:

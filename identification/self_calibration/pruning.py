@@ -2,8 +2,8 @@
 
 The elastic terms begin from a plain dynamic mass, which gains, angles and positions falsify by per cents: some of its poles make
 up for a slope or a bump that sensors made. In the joint fit they are worth nothing. What chi² would rise by if a pole's
-participation were zero, all else refitted to second order, is l^T C_ll^-1 l (Wald; with Gaussian priors the exponent of Savage and Dickey's ratio).
-Poles go the weakest first, each time with what the others then are.
+participation were zero, all else refitted to second order, is l^T C_ll^-1 l (Wald; the exponent of Savage and Dickey's ratio with
+Gaussian priors). Poles go the weakest first, each time with what the others then are.
 """
 
 from __future__ import annotations
