@@ -112,7 +112,7 @@ def _held_against(found: Identified, truth: Inertia) -> Json:
         "mass": off[0] / true[0],
         "cog": off[1:4].tolist(),
         "moments": (off[4:7] / true[4:7]).tolist(),
-        "inside": [bool(low <= value <= high) for value, (low, high) in zip(true, said.interval95, strict=True)],
+        "inside": [bool(low <= value <= high) for value, (low, high) in zip(true, said.intervals, strict=True)],
         "converged": found.converged,
         "modes": 0 if found.elastic is None else len(found.elastic.frequency),
         "misfit": found.misfit,

@@ -1,7 +1,7 @@
 """Weighing, CoG and pendulum as data: what they say about the ten parameters of the article, linearised where the iteration is.
 
-A fact is a value of mass, CoG (from F) or inertia about the CoG, with its standard deviation. All but the mass are nonlinear in the
-parameters of Eq. 4; residual and derivative are evaluated at every step.
+A fact is a value of mass, CoG (from F) or inertia about the CoG, with its standard deviation. All but the mass are nonlinear in
+the parameters of Eq. 4; residual and derivative are evaluated at every step.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ QUANTITIES = (
 
 
 def quantities(parameters: Array) -> Array:
-    """(10,) mass [kg], CoG from the reference point [m], moments and products about the CoG [kg m²] of ten `parameters` (Eq. 4)."""
+    """(10,) mass [kg], CoG from the reference point [m], moments and products about the CoG [kg m²] of ten `parameters`."""
     body = Inertia(parameters=parameters)
     return np.concatenate([[body.mass], body.cog, six_from_tensor(body.tensor_cog)])
 

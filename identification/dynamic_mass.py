@@ -76,7 +76,8 @@ def from_runs(
     scale = np.array([levels[axis] for axis in MOTIONS])
     w = _weights(weights, F.shape[:2]).T  # (n, r)
     columns = (U / scale).transpose(1, 2, 0) * w[:, None, :]
-    inverse = np.asarray(w[:, :, None] * np.linalg.pinv(columns) / scale, dtype=np.complex128)
+    inverted = np.linalg.inv(columns) if len(U) == 6 else np.linalg.pinv(columns)
+    inverse = np.asarray(w[:, :, None] * inverted / scale, dtype=np.complex128)
     H = F.transpose(1, 2, 0) @ inverse
     mass = DynamicMass(frequency=lines, matrix=H, reference_point=np.asarray(reference_point, dtype=np.float64))
     return Estimate(dynamic_mass=mass, excitation=excited, inverse=inverse)

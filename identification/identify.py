@@ -1,8 +1,8 @@
 """The whole way of one identification: campaigns to spectra, spectra to a dynamic mass, and from both, two ways, ten parameters.
 
-Both ways stand side by side in the result: the paper's own, Eqs. 6 to 11, and the self-calibrated one, in which every tolerance of
-the measurement chain is estimated with them. What the data say about themselves - condition, redundancy, closed checks, the band
-study - is kept with them.
+Both ways stand side by side in the result: the paper's own, Eqs. 6 to 11, and the self-calibrated one, in which every tolerance
+of the measurement chain is estimated with them. What the data say about themselves - condition, redundancy, closed checks - is
+kept with them.
 """
 
 from __future__ import annotations

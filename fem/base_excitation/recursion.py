@@ -218,7 +218,7 @@ def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array]
         parts = parted @ samples.T  # real and imaginary part of the forces, then of the states
         end = np.empty(modes, dtype=np.complex128)
         if memory is None:
-            memory = -last * (parts[:modes, 0] + 1j * parts[modes:, 0])  # at rest at the first sample, whatever the input is there
+            memory = -last * (parts[:modes, 0] + 1j * parts[modes:, 0])  # at rest at the first sample, whatever the input
         for r in range(modes):
             forces = parts[r] + 1j * parts[modes + r]
             w, rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces, zi=memory[r : r + 1])

@@ -44,26 +44,27 @@ class Layout:
     ----------
     modes : number of poles
     pairs : (r, s), r < s, of the modes whose damping is coupled
-    residual : whether the 21 of R are among the parameters; 0 when they are not
+    residual, growth : whether the 21 of R, and of Q, are among the parameters; 0 when they are not
     """
 
     modes: int
     pairs: tuple[tuple[int, int], ...] = ()
     residual: bool = True
+    growth: bool = False
 
     @property
     def blocks(self) -> dict[str, slice]:
-        """Where inertia, frequency, damping, pairs, participation and residual stand."""
+        """Where inertia, frequency, damping, pairs, participation, residual and its growth stand."""
         m = self.modes
         counts = {"inertia": 10, "frequency": m, "damping": m, "pairs": len(self.pairs), "participation": 6 * m}
-        counts["residual"] = 21 * self.residual
+        counts |= {"residual": 21 * self.residual, "growth": 21 * self.growth}
         ends = np.cumsum([0, *counts.values()]).tolist()
         return {name: slice(ends[k], ends[k + 1]) for k, name in enumerate(counts)}
 
     @property
     def size(self) -> int:
         """Length of the vector."""
-        return int(self.blocks["residual"].stop)
+        return int(self.blocks["growth"].stop)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -76,6 +77,7 @@ class Layout:
             *(f"rho[{r + 1},{s + 1}]" for r, s in self.pairs),
             *(f"L[{r},{axis}]" for r in modes for axis in MOTIONS),
             *(f"R[{MOTIONS[i]},{MOTIONS[j]}]" for i, j in zip(*UPPER, strict=True) if self.residual),
+            *(f"Q[{MOTIONS[i]},{MOTIONS[j]}]" for i, j in zip(*UPPER, strict=True) if self.growth),
         )
 
 
@@ -90,14 +92,16 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> Layout:
     f, C = terms.frequency, terms.damping
     width = np.sqrt(np.diag(C)) / np.sqrt(2 * np.pi)
     near = C != 0 if widths is None else np.abs(f[:, None] - f) <= widths * np.outer(width, width)
-    return Layout(modes=len(f), pairs=tuple((int(r), int(s)) for r, s in zip(*np.nonzero(np.triu(near, 1)), strict=True)))
+    pairs = tuple((int(r), int(s)) for r, s in zip(*np.nonzero(np.triu(near, 1)), strict=True))
+    return Layout(modes=len(f), pairs=pairs, growth=bool(np.any(terms.growth)))
 
 
 def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]."""
     w2 = _squares(frequency)
     X = _answers(terms, frequency)
-    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
+    beyond = terms.residual + w2 * terms.growth
+    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + beyond)
 
 
 def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout | None = None) -> ComplexArray:
@@ -117,6 +121,8 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Lay
     out[blocks["inertia"]] = inertia_basis()[:, None, UPPER[0], UPPER[1]]
     if layout.residual:
         out[blocks["residual"]] = w2 * residual_basis()[:, None, UPPER[0], UPPER[1]]
+    if layout.growth:
+        out[blocks["growth"]] = w2**2 / REFERENCE * residual_basis()[:, None, UPPER[0], UPPER[1]]
     _by_poles(out, terms, X, w2, layout)
     _by_participation(out[blocks["participation"]].reshape(layout.modes, 6, len(w2), 21), X, w2)
     return out
@@ -127,7 +133,9 @@ def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None =
     layout = layout or layout_of(terms)
     C, pairs = terms.damping, _pairs(layout)
     d = np.sqrt(np.diag(C))
-    R = (terms.residual / np.outer(SCALE, SCALE) * REFERENCE)[UPPER]
+    R, Q = (
+        (of / np.outer(SCALE, SCALE) * unit)[UPPER] for of, unit in ((terms.residual, REFERENCE), (terms.growth, REFERENCE**2))
+    )
     return np.concatenate(
         [
             np.asarray(parameters, dtype=np.float64) / inertia_scale(),
@@ -136,6 +144,7 @@ def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None =
             C[pairs] / (d[pairs[0]] * d[pairs[1]]),
             (terms.participation / SCALE).ravel(),
             R if layout.residual else R[:0],
+            Q if layout.growth else Q[:0],
         ]
     )
 
@@ -148,11 +157,14 @@ def unpack(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, ElasticTerms]:
     d = np.sqrt(4 * np.pi * np.exp(part["damping"]) * f)
     C = np.diag(d**2)
     C[pairs] = C[pairs[::-1]] = part["pairs"] * d[pairs[0]] * d[pairs[1]]
-    R = np.zeros((6, 6))
-    if layout.residual:
-        R = np.tensordot(part["residual"], residual_basis(), axes=1)
+    R = _symmetric(part["residual"])
+    Q = _symmetric(part["growth"]) / REFERENCE
     L = part["participation"].reshape(-1, 6) * SCALE
-    return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
+    return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R, growth=Q)
+
+
+def _symmetric(entries: Array) -> Array:
+    return np.tensordot(entries, residual_basis(), axes=1) if len(entries) else np.zeros((6, 6))
 
 
 def ascending(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, Layout]:

@@ -18,6 +18,9 @@ from identification.self_calibration.likelihood import Normal
 CLOSE = 0.1
 """Standard deviations that the step may be which is taken last, unseen: it leaves less."""
 
+CREEPING, NOTHING = 0.5, 0.02
+"""The same where a curved valley lets steps gain next to nothing any more, and what they gain then in cost."""
+
 MOST = 60
 """Evaluations before the iteration is given up."""
 
@@ -69,16 +72,19 @@ def minimise(
     Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
     """
     here = _place(data(start), start, knowledge)
-    damping, growth, evaluation = LEAST, 4.0, 1
+    damping, growth, evaluation, gained = LEAST, 4.0, 1, np.inf
     while evaluation < most and damping < HOPELESS:
         if progress is not None:
             progress(min(evaluation / 15, 0.99))
         if here.decrement < close * _excess(here.data, size):
             return _solution(here, here.x + here.step(0.0), True, evaluation)
+        if here.decrement < CREEPING * _excess(here.data, size) and gained < NOTHING:
+            return _solution(here, here.x, True, evaluation)
         step = here.step(damping)
         there, evaluation = _tried(data, here.x + step, knowledge), evaluation + 1
         ratio = -1.0 if there is None else (here.total.cost - there.total.cost) / here.expected(step)
         if there is not None and ratio > WORTH_IT:
+            gained = here.total.cost - there.total.cost
             here, damping, growth = there, damping * max(0.02, 1 - (2 * ratio - 1) ** 3), 4.0
         else:
             damping, growth = max(damping, LEAST) * growth, 2 * growth

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from geometry.atomic import probe, probe_folder, write_text, write_with
+from geometry.atomic import probe, probe_folder, write_folder, write_text, write_with
 
 
 def test_text_arrives_as_written_in_folders_that_did_not_exist(tmp_path: Path) -> None:
@@ -36,6 +36,42 @@ def test_an_interruption_leaves_the_old_file_or_none(tmp_path: Path, interruptio
     with pytest.raises(type(interruption)):
         write_with(path, half)
     assert [entry.read_text() for entry in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+def test_a_folder_replaces_another_as_a_whole(tmp_path: Path) -> None:
+    folder = tmp_path / "a" / "campaign"
+    for name in ("old", "new"):
+        write_folder(folder, lambda new, name=name: write_text(new / name, name))  # type: ignore[misc]
+        assert [entry.name for entry in folder.iterdir()] == [name]
+    assert [entry.name for entry in folder.parent.iterdir()] == ["campaign"]
+
+
+@pytest.mark.parametrize("interruption", [OSError("disk full"), KeyboardInterrupt()])
+@pytest.mark.parametrize("before", [False, True])
+@pytest.mark.parametrize("when", ["filling", "renaming"])
+def test_an_interruption_leaves_the_old_folder_or_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, interruption: BaseException, before: bool, when: str
+) -> None:
+    folder, rename = tmp_path / "campaign", Path.rename
+    if before:
+        write_folder(folder, lambda new: write_text(new / "old", "old"))
+
+    def half(new: Path) -> None:
+        write_text(new / "half", "of it")
+        if when == "filling":
+            raise interruption
+
+    def stopped(path: Path, target: Path) -> Path:
+        if path.name == "new":
+            raise interruption
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", stopped)
+    with pytest.raises(type(interruption)):
+        write_folder(folder, half)
+    assert [str(path.relative_to(tmp_path)) for path in sorted(tmp_path.rglob("*"))] == (
+        ["campaign", "campaign/old"] if before else []
+    )
 
 
 def test_the_writer_sees_the_ending_that_it_chooses_its_format_by(tmp_path: Path) -> None:

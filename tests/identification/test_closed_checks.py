@@ -184,9 +184,16 @@ def test_two_mistakes_at_once_are_named_together(campaign: Campaign) -> None:
     assert {one.identifiers for one in accused.mistakes} == {("polarity:cover-x1",), second.identifiers}
 
 
+def test_two_mistakes_on_one_side_are_named_together(campaign: Campaign) -> None:
+    first, second = (Mistake(kind="polarity", channels=(name,), factor=-1.0) for name in ("table-z2", "cover-z1"))
+    (accused, *_) = suspected(with_mistake(with_mistake(made(campaign.table), first), second))
+    assert {one.identifiers for one in accused.mistakes} == {first.identifiers, second.identifiers}
+
+
 def test_mistakes_are_named_on_an_elastic_structure_as_well(campaign: Campaign) -> None:
     spectra = made(campaign.table, seed=5, terms=_sway(5.7))
-    assert [one.channels for one in _signs(campaign.table)[::3] if not _names(spectra, one)] == []
+    cells = [one for one in _swaps(campaign.table) if one.channels[0].startswith("fmd")]
+    assert [one.channels for one in (*_signs(campaign.table)[::4], *cells[::4]) if not _names(spectra, one)] == []
 
 
 def test_a_mistake_is_told_in_words_with_what_undoing_it_does(campaign: Campaign) -> None:
@@ -224,6 +231,7 @@ def test_each_check_of_the_dynamic_mass_sees_its_own_departure(
     matrix[:, entry[0], entry[1]] += 0.5 if entry == (1, 4) else 0
     broken = {one.name: one for one in checks(replace(mass, matrix=matrix), spectra)}
     assert said in broken[name].text
+    assert not broken[name].holds
     assert broken["phase"].holds
     assert broken["channels"].holds  # the spectra themselves are sound
     turned = {one.name: one for one in checks(replace(mass, matrix=mass.matrix * np.exp(0.2j)), spectra)}

@@ -152,6 +152,13 @@ def test_what_would_be_a_dead_channel_is_refused(run: Run) -> None:
     assert list(Path().iterdir()) == []
 
 
+@pytest.mark.parametrize(("effect", "more"), [("point-mass:top=0.5", 0.5), ("appendage:z=m:0.05,f:21,zeta:0.01", 0.0)])
+def test_the_true_article_has_what_was_fastened_to_it_and_not_what_swings(run: Run, made: Path, effect: str, more: float) -> None:
+    simulated(run, "fmd+cuboid", "--out", "other", "--effect", effect)
+    mass, plain = (truth(f"{name}.truth.json")["article"]["own_frame"]["mass_kg"] for name in ("other", made))
+    assert mass - plain == pytest.approx(more, abs=1e-9)
+
+
 def test_a_dimension_of_ones_own_changes_the_article(run: Run, made: Path) -> None:
     simulated(run, "fmd+cuboid", "--out", "own", "--set", "cuboid.threads.depth_mm=200")
     masses = [truth(f"{name}.truth.json")["article"]["own_frame"]["mass_kg"] for name in ("own", made)]
@@ -285,7 +292,7 @@ def test_a_file_or_a_full_folder_is_no_place_for_a_campaign(run: Run) -> None:
     Path("file").write_text("mine")
     Path("full").mkdir()
     Path("full", "data.csv").write_text("mine")
-    for name, says in (("file", "it is a file"), ("full", "it is there, and not empty")):
+    for name, says in (("file", "it is a file"), ("full", "it is there, and not empty"), (".", "runs in this folder")):
         code, _, err = run("simulate", "fmd+cuboid", "--out", name, *FAST)
         assert code == cli.BAD_INPUT
         assert says in err

@@ -44,7 +44,7 @@ def as_json(found: Findings) -> dict[str, Any]:
 
 
 def _interval(one: Reported) -> dict[str, Any]:
-    pairs = one.quality.interval95
+    pairs = one.quality.intervals
     return {
         "mass_kg": pairs[0].tolist(),
         "cog_mm": (1e3 * pairs[1:4]).tolist(),

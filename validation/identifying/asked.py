@@ -16,13 +16,16 @@ from geometry.keys import nearest
 from geometry.quantities import quantity
 from geometry.tolerances import Tolerances
 from identification import campaign_file
-from identification.campaign import METHODS, Campaign
+from identification.campaign import METHODS, Campaign, Processing
 from identification.request import CONDITION_LIMIT, Request, Tare
 from validation.identifying import classical
 from validation.identifying.known import above_fmd, known
 
 MOST_MODES = 40
 """More elastic terms than that no band of six sweeps can tell apart."""
+
+FEWEST = 5
+"""Lines that a band must hold."""
 
 DIMENSIONS = {"delay": "time", "position": "length", "angle": "angle"}
 """Of a tolerance; every other is a ratio."""
@@ -92,6 +95,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     data, said = classical.facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
     words += [*said, *_band_within(asked.band, described)]
     campaign = _read(asked.campaign, progress)
+    _require_lines(asked.band, campaign)
     tares = [_tare(folder, name, progress) for folder, name in zip(asked.tares, names, strict=True)]
     request = Request(
         campaign=campaign,
@@ -225,6 +229,20 @@ def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[s
     if band[0] < low or band[1] > high:
         return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
     return []
+
+
+def _require_lines(band: tuple[float, float] | None, campaign: Campaign) -> None:
+    """Refuse a band that holds too few lines to tell anything."""
+    if band is None or not campaign.recordings:
+        return
+    there, grid = next(iter(campaign.recordings.values())).frequency, campaign.processing or Processing()
+    lines = np.arange(band[0], band[1], grid.step) if there is None else there[(there >= band[0]) & (there <= band[1])]
+    if len(lines) < FEWEST:
+        raise BadInput(
+            source="--band",
+            problem=f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}",
+            remedy=f"Choose a band of {FEWEST} lines or more",
+        )
 
 
 def _fmd(name: str) -> Inertia:

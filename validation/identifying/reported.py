@@ -44,7 +44,7 @@ class Reported:
     @property
     def half_width(self) -> Array:
         """(10,) distance to the farther end of each 95 % interval."""
-        low, high = self.quality.interval95.T
+        low, high = self.quality.intervals.T
         return np.asarray(np.maximum(high - self.values, self.values - low))
 
     def statement(self) -> Statement:

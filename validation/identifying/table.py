@@ -21,8 +21,8 @@ from validation.tables.grid import Grid, aligned
 
 ORIGINS = {"article": "the article's own origin", "F": "F, the centre of the force-measuring plane"}
 
-OTHERS = 1
-"""Inputs that are named beside the one that dominates."""
+WORTH = 0.1
+"""Share of the variance from which a second input is named."""
 
 
 def title(found: Findings) -> str:
@@ -68,9 +68,13 @@ def verdicts(found: Findings) -> Grid:
     lines = []
     for k, (quantity, name) in enumerate(zip(QUANTITIES, classical.QUANTITIES, strict=True)):
         said = found.verdict.get(name, NONE)
-        others = ", ".join(f"{what} {100 * share:.0f} %" for what, share in found.result.dominating(k)[1 : 1 + OTHERS])
-        lines.append((quantity.label, f"{said}; then {others}" if others else said))
+        lines.append((quantity.label, said + _next(found.result.dominating(k))))
     return Grid(header=("", "verdict"), lines=tuple(lines), words=True)
+
+
+def _next(inputs: tuple[tuple[str, float], ...]) -> str:
+    """The input behind the one that dominates, where it matters."""
+    return f"; then {inputs[1][0]} {100 * inputs[1][1]:.0f} %" if len(inputs) > 1 and inputs[1][1] > WORTH else ""
 
 
 def single_axis(crossed: CrossMotion) -> Grid:
@@ -122,7 +126,9 @@ def _method(found: Findings) -> str:
     facts = dict.fromkeys(fact.source for fact in found.request.facts)
     told = f"tare {tares}" if tares else "the FMD as stated" if found.request.fmd is not None else "no tare"
     taken = told if takes_fmd_off(found.request) else f"{told}, so the FMD's moving part is in the result"
-    return f"Spectra: {found.request.method}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
+    method = found.request.method if found.spectra is None else found.spectra.method
+    made = "as the files hold them" if method == "spectra" else method
+    return f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
 
 
 def _fit(one: Reported) -> str:

@@ -192,12 +192,13 @@ def draw_shares(title: str, drawn: Sequence[DrawnShares], path: Path, note: str 
     """
     require_format(path)
     figure = new_figure(15.0, 7.2)
-    grid = figure.add_gridspec(1, len(drawn), wspace=0.27, left=0.05, right=0.915, top=0.865, bottom=0.21)
+    grid = figure.add_gridspec(1, len(drawn), wspace=0.2, left=0.065, right=0.915, top=0.865, bottom=0.21)
     names = _important([one.shares for one in drawn])
     colour = dict(zip(names, _turns(len(names)), strict=True))
     for k, one in enumerate(drawn):
         axes = figure.add_subplot(grid[k])
         _bars(axes, one, colour)
+        axes.tick_params(labelleft=k == 0)
         axes.set_title(one.way, fontsize=12, loc="left", color=INK, weight="bold")
         axes.text(1.015, 1.02, "± 95 %", transform=axes.transAxes, fontsize=9.5, color=FAINT)
     _bar_legend(figure, colour)

@@ -17,6 +17,7 @@ from geometry.errors import BadInput
 from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about
 from geometry.inertia import PARAMETERS, Inertia
 from validation.effects.identifiers import parse_all
+from validation.virtual_test.drawn import Part
 from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.effects.reach import reaching, require_reaching
 from validation.virtual_test.laboratory import Laboratory, laboratory
@@ -241,3 +242,17 @@ def test_damping_of_parts_beside_damping_of_modes_is_refused() -> None:
     plan = Plan(article="fmd+clumod-1", damping=Damping(ratio=0.01))
     with pytest.raises(BadInput, match="states the damping of every mode"):
         require_reaching(parse_all(["structural-damping:mast=0.01"]), [plan])
+
+
+def test_an_effect_on_a_part_is_one_on_all_of_its_sheets_and_not_on_its_layer() -> None:
+    names = ("mast", "upper-short-bottom", "upper-short-silicone", "upper-short-top")
+    parts = {name: Part(modulus=0.02, loss=0.1) for name in names}
+    touched = {}
+    for text in ("modulus:upper-short=0.1", "structural-damping:upper-short=0.1", "layer-damping:upper-short=0.1"):
+        (effect,) = planted(parse_all([text]))
+        after = effect.parts(parts)
+        touched[text.partition(":")[0]] = [name for name in names if after[name] != parts[name]]
+    sheets = ["upper-short-bottom", "upper-short-top"]
+    assert touched == {"modulus": sheets, "structural-damping": sheets, "layer-damping": ["upper-short-silicone"]}
+    (effect,) = planted(parse_all(["modulus:mast=0.1"]))
+    assert effect.parts(parts)["mast"].modulus == pytest.approx(1.02 * 1.1 - 1, rel=1e-12)

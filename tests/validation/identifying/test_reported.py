@@ -35,7 +35,7 @@ def test_the_intervals_hold_95_per_cent_of_draws(found: Findings) -> None:
     draws = rng.multivariate_normal(mean, C, size=4000)
     frame = Pose(position=np.array([0.0, 0.0, -0.045]))
     values = np.array([about_cog(Inertia(parameters=each).placed(frame)) for each in draws])
-    low, high = one.quality.interval95.T
+    low, high = one.quality.intervals.T
     inside = np.mean((values >= low) & (values <= high), axis=0)
     assert_allclose(inside, 0.95, atol=0.017)  # five standard deviations of 4000 draws
 

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry.frames import Pose, rotation_about
 from geometry.inertia import PARAMETERS
 from validation.identifying import table
 from validation.identifying.as_json import as_json
 from validation.identifying.drawn import draw
 from validation.identifying.findings import Findings
+from validation.identifying.reported import reported
 from validation.output import json_text
 from validation.statement import QUANTITIES
 from validation.tables.text import page
@@ -108,6 +110,22 @@ def test_validate_refuses_what_is_wrong(result_file: Write, run: Run, found: Fin
     code, _, err = run("validate", str(plain), "--against", "clumod-1")
     assert code == 1
     assert "Mass m" in err
+
+
+def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, found: Findings) -> None:
+    frame = Pose(position=np.array([0.05, 0.0, 0.3]), rotation=rotation_about("z", 0.4) @ rotation_about("x", 0.2))
+    seen = tuple(reported(one.identified, Pose(position=np.array([0.0, 0.0, 0.045])) @ frame) for one in found.results)
+    path = result_file(results=seen, frame=frame)
+    assert abs(json.loads(path.read_text())["inertia"]["cog_mm"][0]) > 40
+    assert run("validate", str(path), "--against", "clumod-1")[0] == 0
+    wrong = result_file(results=seen, frame=None)
+    assert run("validate", str(wrong), "--against", "clumod-1")[0] == 1
+
+
+def test_validate_takes_a_result_from_f_for_a_stack_that_begins_there(result_file: Write, run: Run) -> None:
+    code, out, _ = run("validate", str(result_file(origin="F", article="fmd+clumod-1")), "--against", "fmd+clumod-1")
+    assert code == 1  # it is read; the FMD is missing from this one
+    assert "identified" in out
 
 
 def test_validate_wants_to_know_where_f_is(result_file: Write, run: Run) -> None:
