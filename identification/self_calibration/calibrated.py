@@ -21,7 +21,7 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-BEYOND = 3
+BEYOND = 2
 """Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
 FURTHER_STEPS = 20
@@ -73,8 +73,8 @@ def _linearised(problem: Assembly, floor: float, coarse: Solution) -> Solution:
 
 
 def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
-    """The fit without poles that do not pay at the floor asked for."""
-    shorter = pruning.pruned(problem, solution, _size(problem, settings.floor))
+    """The fit without poles in the band that do not pay at the floor asked for; those beyond it were let in by what they took."""
+    shorter = pruning.pruned(problem, solution, _size(problem, settings.floor), below=problem.band[1])
     if shorter is None or pruning.modes(shorter[0]) == pruning.modes(problem):
         return problem, solution
     return shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
@@ -130,6 +130,7 @@ def _minimum(
         start,
         problem.knowledge,
         close=close,
+        asked=problem.layout.at("article"),
         most=most,
         size=sum(part.observed.size for part in parts),
         progress=progress,
