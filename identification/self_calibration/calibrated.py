@@ -24,8 +24,8 @@ FURTHER = 1
 BEYOND = 2
 """Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
-FURTHER_STEPS = 30
-"""Evaluations after which a further pole that has not settled is given up."""
+FURTHER_STEPS = 20
+"""Evaluations after which a further pole that does not pay yet is given up."""
 
 
 def calibrated(
@@ -73,8 +73,8 @@ def _linearised(problem: Assembly, floor: float, coarse: Solution) -> Solution:
 
 
 def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
-    """The fit without poles that do not pay at the floor asked for."""
-    shorter = pruning.pruned(problem, solution, _size(problem, settings.floor))
+    """The fit without poles in the band that do not pay at the floor asked for; those beyond it were let in by what they took."""
+    shorter = pruning.pruned(problem, solution, _size(problem, settings.floor), below=problem.band[1])
     if shorter is None or pruning.modes(shorter[0]) == pruning.modes(problem):
         return problem, solution
     return shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
@@ -101,8 +101,9 @@ def _paid(
     if longer is None:
         return None
     more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
-    price = pruning.price(_size(problem, settings.floor))
-    return (longer[0], more) if more.converged and 2 * (solution.normal.cost - more.normal.cost) > price else None
+    if 2 * (solution.normal.cost - more.normal.cost) < pruning.price(_size(problem, settings.floor)):
+        return None
+    return longer[0], more if more.converged else _minimum(longer[0], settings.floor, more.x)
 
 
 def _size(problem: Assembly, floor: float) -> int:
@@ -129,6 +130,7 @@ def _minimum(
         start,
         problem.knowledge,
         close=close,
+        asked=problem.layout.at("article"),
         most=most,
         size=sum(part.observed.size for part in parts),
         progress=progress,

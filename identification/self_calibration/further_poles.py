@@ -68,7 +68,7 @@ def with_one_more(problem: Assembly, x: Array, line: int) -> tuple[Assembly, Arr
 def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | None:
     """The problem with a pole above the band, and where to begin; None where what is left over does not rise like one.
 
-    What the residual mass leaves of poles beyond rises with omega⁴: L L^T omega² / (omega_h² - omega²) less 1 and omega².
+    What omega² R leaves of poles beyond rises with omega⁴: omega² / (omega_h² - omega²) is fitted to it beside 1 and omega².
     """
     structure, layout = problem.campaigns[0].structure, problem.layout
     measured = dynamic_mass(problem, x)
@@ -83,10 +83,9 @@ def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | Non
 
 
 def _longer(problem: Assembly, x: Array, frequency: float, participation: Array) -> tuple[Assembly, Array]:
-    """One pole more; its damping is coupled to that of poles that feel it, and all others stay coupled as they are."""
+    """One pole more: its damping is coupled to that of poles that feel it, others stay coupled as they are."""
     structure, layout = problem.campaigns[0].structure, problem.layout
-    before = structure.elastic
-    terms = _extended(structure.terms(layout, x), frequency, participation)
+    before, terms = structure.elastic, _extended(structure.terms(layout, x), frequency, participation)
     new = len(terms.frequency) - 1
     coupled = tuple(pair for pair in elastic_block.felt(terms) if new in pair)
     coupled = tuple(sorted((*(() if before is None else before.pairs), *coupled)))

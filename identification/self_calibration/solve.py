@@ -18,8 +18,10 @@ from identification.self_calibration.likelihood import Normal
 CLOSE = 0.1
 """Standard deviations that the step may be which is taken last, unseen: it leaves less."""
 
-CREEPING, NOTHING = 0.5, 0.02
-"""The same where a curved valley lets steps gain next to nothing any more, and what they gain then in cost."""
+NOTHING = 0.3
+"""Gain in cost of an accepted step below which the fit is no better: three quarters of a standard deviation."""
+
+EVERYTHING = slice(None)
 
 MOST = 60
 """Evaluations before the iteration is given up."""
@@ -65,11 +67,13 @@ def minimise(
     close: float = CLOSE,
     most: int = MOST,
     size: int = 0,
+    asked: slice = EVERYTHING,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
     """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,).
 
-    Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
+    Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`. Once
+    steps gain next to nothing, only the parameters `asked` for count: others may creep along a valley in which they say the same.
     """
     here = _place(data(start), start, knowledge)
     damping, growth, evaluation, gained = LEAST, 4.0, 1, np.inf
@@ -78,7 +82,7 @@ def minimise(
             progress(min(evaluation / 15, 0.99))
         if here.decrement < close * _excess(here.data, size):
             return _solution(here, here.x + here.step(0.0), True, evaluation)
-        if here.decrement < CREEPING * _excess(here.data, size) and gained < NOTHING:
+        if gained < NOTHING and here.length(asked) < close * _excess(here.data, size):
             return _solution(here, here.x, True, evaluation)
         step = here.step(damping)
         there, evaluation = _tried(data, here.x + step, knowledge), evaluation + 1
@@ -110,6 +114,13 @@ class _Place:
     def expected(self, step: Array) -> float:
         """What the quadratic model says that `step` gains."""
         return -float(self.total.gradient @ step) - 0.5 * float(step @ self.total.matrix @ step)
+
+    def length(self, of: slice) -> float:
+        """Of the undamped step in the parameters `of`, in their own standard deviations with all others free."""
+        root = self.scale[of, None] * self.vectors[of] / np.sqrt(self.values)
+        step, C = self.step(0.0)[of], root @ root.T
+        unit = np.sqrt(np.diag(C))
+        return float(np.sqrt(step / unit @ np.linalg.solve(C / np.outer(unit, unit), step / unit)))
 
     @property
     def decrement(self) -> float:
