@@ -187,10 +187,10 @@ def _campaign(
     """One campaign; its elastic terms are added to `blocks`."""
     layout = None
     if settings.modes != 0:
-        of_article = name == "article"
         called = f"elastic:{name}"
+        bends = name == "article" and len(found.terms.frequency) > 0  # what has no pole in reach of the band is nearly rigid
         layout, made = (
-            elastic_block.of_article(called, found.ten, found.terms) if of_article else elastic_block.of_known(called, found.ten)
+            elastic_block.of_article(called, found.ten, found.terms) if bends else elastic_block.of_rigid(called, found.ten)
         )
         blocks.append(made)
     return Campaign(

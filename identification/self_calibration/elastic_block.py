@@ -57,7 +57,7 @@ def of_article(
     return layout, made
 
 
-def of_known(name: str, ten: Array) -> tuple[model.Layout, Block]:
+def of_rigid(name: str, ten: Array) -> tuple[model.Layout, Block]:
     """The block of a body that is nearly rigid: a residual about zero."""
     layout = model.Layout(modes=0)
     size = _size(ten)
