@@ -21,7 +21,7 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-BEYOND = 2
+BEYOND = 3
 """Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
 FURTHER_STEPS = 20
