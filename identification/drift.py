@@ -2,7 +2,7 @@
 
 A rigid body has the same ten parameters in every band, with the same errors of the measurement chain. Elasticity grows with
 omega² below the first resonance and has any size beyond, so that the fit over the band differs from that over its low end. The
-difference is taken for one standard deviation, in the direction in which it points - where it is more than the scatter of the low end.
+difference is taken for one standard deviation, in the direction in which it points, where it exceeds the scatter of the low end.
 """
 
 from __future__ import annotations
