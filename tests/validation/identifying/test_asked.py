@@ -122,6 +122,14 @@ def test_tolerances_and_stiffness_arrive_in_si(folders: dict[str, str]) -> None:
     assert request.modes is None
 
 
+def test_a_weighing_of_the_article_alone_needs_a_tare(folders: dict[str, str], root: Path) -> None:
+    weighing = str(root / "examples" / "clumod-1-weighing.toml")
+    (fact,) = ready(Asked(campaign=folders["article"], tares=(folders["tare"],), classical=(weighing,))).request.facts
+    assert fact.value == pytest.approx(32.955, abs=0.001)
+    with pytest.raises(BadInput, match="A tare takes the FMD off"):
+        ready(Asked(campaign=folders["article"], classical=(weighing,)))
+
+
 def test_an_fmd_that_is_known_beforehand_comes_from_a_result_file(folders: dict[str, str], tmp_path: Path) -> None:
     path = tmp_path / "fmd.toml"
     path.write_text(
