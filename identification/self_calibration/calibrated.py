@@ -21,8 +21,11 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-BEYOND = 2
+BEYOND = 3
 """Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
+
+LET_IN = 16.0
+"""What such a pole must take out of chi², twice its eight parameters (Akaike 1974): there are poles beyond for certain."""
 
 FURTHER_STEPS = 20
 """Evaluations after which a further pole that does not pay yet is given up."""
@@ -83,25 +86,26 @@ def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
     """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
     for _ in range(BEYOND - pruning.beyond(problem, solution.x) if pruning.modes(problem) else 0):
-        more = _paid(further_poles.with_one_beyond(problem, solution.x), problem, solution, settings)
+        more = _paid(further_poles.with_one_beyond(problem, solution.x), solution, settings, LET_IN)
         if more is None:
             break
         problem, solution = more
     for _ in range(FURTHER):
         line, misfit = further_poles.worst(problem, solution.x, settings.floor)
         longer = further_poles.with_one_more(problem, solution.x, line) if misfit > further_poles.MISFIT else None
-        problem, solution = _paid(longer, problem, solution, settings) or (problem, solution)
+        price = pruning.price(_size(problem, settings.floor))
+        problem, solution = _paid(longer, solution, settings, price) or (problem, solution)
     return problem, solution
 
 
 def _paid(
-    longer: tuple[Assembly, Array] | None, problem: Assembly, solution: Solution, settings: Settings
+    longer: tuple[Assembly, Array] | None, solution: Solution, settings: Settings, price: float
 ) -> tuple[Assembly, Solution] | None:
-    """The minimum with one pole more; None where it takes less out of chi² than its price."""
+    """The minimum with one pole more; None where it takes less than `price` out of chi²."""
     if longer is None:
         return None
     more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
-    if 2 * (solution.normal.cost - more.normal.cost) < pruning.price(_size(problem, settings.floor)):
+    if 2 * (solution.normal.cost - more.normal.cost) < price:
         return None
     return longer[0], more if more.converged else _minimum(longer[0], settings.floor, more.x)
 

@@ -28,9 +28,6 @@ COUPLED = 0.5
 FELT = 1e-3
 """How much of another mode's participation a resonance must be able to take over, through damping, for the pair to count."""
 
-BEYOND = (20.0 / 40.0) ** 2
-"""Standard deviation of the residual's growth at 20 Hz, a share of the residual's: of modes at 40 Hz, beyond the usual band."""
-
 STIFF = (20.0 / 150.0) ** 2
 """Standard deviation of the residual of a nearly rigid body, as a share of its mass matrix at 20 Hz: a first mode at 150 Hz."""
 
@@ -42,7 +39,7 @@ def of_article(
 
     Damping is coupled in `pairs`, by default wherever it could show.
     """
-    layout = model.Layout(modes=len(terms.frequency), pairs=felt(terms) if pairs is None else pairs, growth=True)
+    layout = model.Layout(modes=len(terms.frequency), pairs=felt(terms) if pairs is None else pairs)
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)
@@ -52,7 +49,6 @@ def of_article(
     deviation[places["pairs"]], mean[places["pairs"]] = COUPLED, 0.0
     deviation[places["participation"]], mean[places["participation"]] = np.tile(size, layout.modes), 0.0
     deviation[places["residual"]], mean[places["residual"]] = np.outer(size, size)[model.UPPER], 0.0
-    deviation[places["growth"]], mean[places["growth"]] = BEYOND * np.outer(size, size)[model.UPPER], 0.0
     made = block(name, layout.names[10:], start, deviation=deviation[10:], mean=mean[10:], families=FAMILY)
     return layout, made
 

@@ -27,8 +27,8 @@ MISFIT = 8.0
 DAMPING = 0.003
 """Damping ratio at which a further pole begins."""
 
-BEYOND = 1.25
-"""Where a pole above the band begins, in the end of the band."""
+BEYOND = (1.1, 1.2, 1.35, 1.6)
+"""Where a pole above the band may begin, in the end of the band."""
 
 ELASTIC = "elastic:article"
 
@@ -74,12 +74,19 @@ def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | Non
     measured = dynamic_mass(problem, x)
     f, of_fit = measured.frequency, structure.dynamic_mass(layout, x, measured.frequency)
     weight = 1 / np.abs(of_fit / np.outer(model.SCALE, model.SCALE)).max(axis=(1, 2))
-    beyond = BEYOND * float(f[-1])
-    basis = weight[:, None] * np.stack([f**2 / (beyond**2 - f**2), np.ones_like(f), f**2 / beyond**2], axis=1)
     left = weight[:, None] * ((measured.matrix - of_fit).real / np.outer(model.SCALE, model.SCALE)).reshape(-1, 36)
-    Q = np.linalg.lstsq(basis, left)[0][0].reshape(6, 6)
+    tried = {share: _rising(left, weight, f, share * float(f[-1])) for share in BEYOND}
+    share = min(tried, key=lambda one: tried[one][1])
+    beyond, Q = share * float(f[-1]), tried[share][0]
     values, vectors = np.linalg.eigh((Q + Q.T) / 2)
     return _longer(problem, x, beyond, model.SCALE * vectors[:, -1] * np.sqrt(values[-1])) if values[-1] > 0 else None
+
+
+def _rising(left: Array, weight: Array, f: Array, beyond: float) -> tuple[Array, float]:
+    """Amplitudes (6, 6) of a pole at `beyond` [Hz] in what is `left` (n, 36), weighted, and the squares that remain."""
+    basis = weight[:, None] * np.stack([f**2 / (beyond**2 - f**2), np.ones_like(f), f**2 / beyond**2], axis=1)
+    found = np.linalg.lstsq(basis, left)[0]
+    return found[0].reshape(6, 6), float(np.sum(np.square(left - basis @ found)))
 
 
 def _longer(problem: Assembly, x: Array, frequency: float, participation: Array) -> tuple[Assembly, Array]:

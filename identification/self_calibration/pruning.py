@@ -9,6 +9,7 @@ Gaussian priors). Poles go the weakest first, each time with what the others the
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from identification.elastic import model
@@ -78,19 +79,19 @@ def _without_weak(problem: Assembly, solution: Solution, price: float, below: fl
     return x, C, gone
 
 
-def _worth(x: Array, C: Array, at: Array) -> float:
+def _worth(x: Array, C: Array, at: npt.NDArray[np.intp]) -> float:
     return float(x[at] @ np.linalg.solve(C[np.ix_(at, at)], x[at]))
 
 
 def _first(problem: Assembly) -> int:
     """Where the elastic layout would begin: its own first ten are the block of the article."""
-    return problem.layout.at(ELASTIC).start - 10
+    return int(problem.layout.at(ELASTIC).start) - 10
 
 
-def _participation(problem: Assembly, r: int) -> Array:
+def _participation(problem: Assembly, r: int) -> npt.NDArray[np.intp]:
     elastic = problem.campaigns[0].structure.elastic
     begin = 0 if elastic is None else elastic.blocks["participation"].start
-    return _first(problem) + begin + 6 * r + np.arange(6)
+    return np.asarray(_first(problem) + begin + 6 * r + np.arange(6))
 
 
 def _felt(x: Array, C: Array, elastic: model.Layout, first: int) -> tuple[tuple[int, int], ...]:

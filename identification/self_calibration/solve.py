@@ -72,8 +72,8 @@ def minimise(
 ) -> Solution:
     """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,).
 
-    Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`. Once
-    steps gain next to nothing, only the parameters `asked` for count: others may creep along a valley in which they say the same.
+    Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
+    Once steps gain next to nothing, only the parameters `asked` for count: others may creep in a valley where they say the same.
     """
     here = _place(data(start), start, knowledge)
     damping, growth, evaluation, gained = LEAST, 4.0, 1, np.inf
