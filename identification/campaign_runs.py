@@ -17,8 +17,8 @@ from identification.recording import Recording
 from identification.survey import NOMINAL, levels
 
 UNDRIVEN = 0.15
-"""Share of the largest motion of a run, every axis by its nominal level, below which a run does not drive an axis: cross motion of
-real tables stays below."""
+"""Share of the largest motion of a run, every axis by its nominal level, below which a run does not drive an axis: cross
+motion of real tables stays below."""
 
 SAME = 1e-6
 """Relative difference below which two recordings are one: a copy, or an export of it with fewer digits. Noise is far above."""
