@@ -12,8 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.arrays import Array
+from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
-from identification import cross_motion, excitation
+from identification import cross_motion, excitation, rigid_band
 from identification.base_motion import BaseMotion, base_motion
 from identification.campaign import Campaign
 from identification.cross_motion import CrossMotion
@@ -78,10 +80,16 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     article, *tares = _spectra(request, _between(tell, 0.0, READ))
     motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
     estimate = from_runs(load.values, motion.values, article.frequency, article.table.origin)
-    left_out = excitation.exclusions(estimate.excitation, request.condition_limit)
-    used = _kept(article, left_out, request.campaign)
-    evidence = evidence_of(request, used, tares)
+    driven = excitation.exclusions(estimate.excitation, request.condition_limit)
+    _require_lines(driven, request.campaign)
+    resonance = _resonance(request, estimate.dynamic_mass, driven)
+    left_out = driven if resonance is None or request.band is not None else _nearly_rigid(driven, article.frequency, resonance)
+    used = _at(article, left_out.kept)
+    highest = used.frequency[-1]
+    below = [_at(tare, tare.frequency <= highest) if left_out is not driven else tare for tare in tares]
+    evidence = evidence_of(request, used, below)
     by_paper = plain(evidence, settings, progress=_between(tell, READ, PLAIN))
+    jointly = calibrated(evidence, settings, progress=_between(tell, PLAIN, CALIBRATED))
     return Identification(
         request=request,
         article=article,
@@ -91,9 +99,9 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
         estimate=estimate,
         exclusions=left_out,
         crossed=_crossed(load, motion, article, estimate),
-        plain=by_paper,
-        self_calibrated=calibrated(evidence, settings, progress=_between(tell, PLAIN, CALIBRATED)),
-        warnings=_warnings(request, article, tares),
+        plain=replace(by_paper, resonance=resonance),
+        self_calibrated=replace(jointly, resonance=resonance),
+        warnings=(*_warnings(request, article, tares), *_taken_for_rigid(resonance, used)),
     )
 
 
@@ -110,8 +118,8 @@ def _spectra(request: Request, tell: Progress) -> list[Spectra]:
     ]
 
 
-def _kept(article: Spectra, left_out: Exclusions, campaign: Campaign) -> Spectra:
-    """The lines of `article` that are not left out.
+def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
+    """Refuse a campaign whose runs tell six motions apart nowhere.
 
     Raises
     ------
@@ -124,14 +132,42 @@ def _kept(article: Spectra, left_out: Exclusions, campaign: Campaign) -> Spectra
             problem=f"the base motions are told apart at no line: {'; '.join(left_out.reasons)}",
             remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
         )
-    at = left_out.kept
+
+
+def _at(spectra: Spectra, at: Array) -> Spectra:
+    """The lines `at` (n,) bool of `spectra`."""
     return replace(
-        article,
-        frequency=article.frequency[at],
-        values=article.values[:, at],
-        noise=article.noise[:, at],
-        quality=article.quality[:, at],
+        spectra,
+        frequency=spectra.frequency[at],
+        values=spectra.values[:, at],
+        noise=spectra.noise[:, at],
+        quality=spectra.quality[:, at],
     )
+
+
+def _resonance(request: Request, H: DynamicMass, driven: Exclusions) -> float | None:
+    """[Hz] The first resonance of what is to be taken for rigid; None where elastic terms are fitted, or nothing resonates."""
+    if request.modes != 0:
+        return None
+    used = DynamicMass(frequency=H.frequency[driven.kept], matrix=H.matrix[driven.kept], reference_point=H.reference_point)
+    return rigid_band.first_resonance(used)
+
+
+def _nearly_rigid(driven: Exclusions, frequency: Array, resonance: float) -> Exclusions:
+    """The lines of `driven` that lie below the `resonance`, as far as one would keep of them by hand."""
+    stop = rigid_band.stop_below(resonance, frequency[driven.kept])
+    reason = f"above {stop:.4g} Hz: a rigid body is wanted, and the first resonance stands at {resonance:.4g} Hz"
+    return Exclusions(kept=driven.kept & (frequency <= stop), reasons=(*driven.reasons, reason))
+
+
+def _taken_for_rigid(resonance: float | None, used: Spectra) -> list[str]:
+    if resonance is None:
+        return []
+    low, high = used.frequency[[0, -1]]
+    return [
+        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every figure; "
+        "--modes auto allows for it, --band chooses another band"
+    ]
 
 
 def _crossed(load: Resultants, motion: BaseMotion, article: Spectra, estimate: Estimate) -> CrossMotion | None:

@@ -6,6 +6,8 @@ from importlib.metadata import version
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import PARAMETERS
@@ -74,7 +76,8 @@ def _way(one: Reported) -> dict[str, Any]:
         "shares_about_f": {name: dict(zip(PARAMETERS, share.tolist(), strict=True)) for name, share in found.shares.items()},
         "shares": {name: dict(zip(QUANTITIES, share.tolist(), strict=True)) for name, share in one.quality.shares.items()},
         "narrowed_by": {name: dict(zip(PARAMETERS, times.tolist(), strict=True)) for name, times in found.gained.items()},
-        "bootstrap_sd_about_f": None if found.resampled is None else found.resampled.tolist(),
+        "bootstrap_sd_about_f": None if found.resampled is None else np.sqrt(np.diag(found.resampled)).tolist(),
+        "bootstrap_over_parametric_sd": dict(one.quality.bootstrap) or None,
         "modes": 0 if found.elastic is None else len(found.elastic.frequency),
         "elastic": None if found.elastic is None else _elastic(found.elastic),
         "chi2_per_dof": found.misfit if isfinite(found.misfit) else None,

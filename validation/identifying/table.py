@@ -49,7 +49,7 @@ def values(found: Findings) -> Grid:
     columns = [aligned(tuple(_value(one, k) for k in range(10))) for one in found.results]
     if len(found.results) > 1:
         ways += ["moved by", "half-widths"]
-        moved = [_moved(found.results[0], found.result, k) for k in range(10)]
+        moved = [_moved(found.results[0], found.results[-1], k) for k in range(10)]
         columns += [aligned(cells) for cells in zip(*moved, strict=True)]
     return Grid(header=("± 95 %", *ways), lines=tuple(zip(_labels(), *columns, strict=True)))
 
@@ -69,7 +69,7 @@ def verdicts(found: Findings) -> Grid:
     for k, (quantity, name) in enumerate(zip(QUANTITIES, classical.QUANTITIES, strict=True)):
         said = found.verdict.get(name, NONE)
         lines.append((quantity.label, said + _next(found.result.dominating(k))))
-    return Grid(header=("", "verdict"), lines=tuple(lines), words=True)
+    return Grid(header=("", f"verdict on the {found.result.identified.way} result"), lines=tuple(lines), words=True)
 
 
 def _next(inputs: tuple[tuple[str, float], ...]) -> str:
@@ -114,6 +114,7 @@ def notes(found: Findings) -> Iterator[str]:
     yield _method(found)
     for one in found.results:
         yield _fit(one)
+    yield from _bootstrap(found.result)
     if found.lines is not None:
         yield from _left_out(found.lines)
     yield from _checked(found.checks)
@@ -138,6 +139,14 @@ def _fit(one: Reported) -> str:
     surprise = f", sum z² of the tolerances {found.surprise:.3g}" if found.surprise else ""
     stopped = "" if found.converged else "; it did not converge"
     return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}."
+
+
+def _bootstrap(one: Reported) -> Iterator[str]:
+    """Whether the interval would be another one were lines not taken for independent."""
+    if one.quality.bootstrap:
+        ratios = [one.quality.bootstrap[name] for name in classical.QUANTITIES]
+        low, high = min(ratios), max(ratios)
+        yield f"Block bootstrap of the lines: standard deviations {low:.2f} to {high:.2f} times those of the intervals."
 
 
 def _left_out(lines: Lines) -> Iterator[str]:
