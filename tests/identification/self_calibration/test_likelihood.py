@@ -107,5 +107,5 @@ def test_both_bootstraps_agree_where_lines_are_independent(ordinary):
     from identification.self_calibration import calibrated
 
     found = calibrated(ordinary.evidence(), replace(ordinary.settings(modes=0), floor=1e-5))
-    ratio = found.resampled / np.sqrt(np.diag(found.covariance))
+    ratio = np.sqrt(np.diag(found.resampled) / np.diag(found.covariance))
     assert np.all((ratio > 0.75) & (ratio < 1.25))
