@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -32,9 +32,11 @@ class Identified:
     misfit : chi² for each degree of freedom; nan where noise is not known
     surprise : sum z² of the tolerances that were estimated; 0 for the plain way
     converged : whether the iteration ended by itself
+    resonance : [Hz] the lowest one in sight of a structure that was taken for rigid all the same; None otherwise
     parts : by input its part (10, 10) of the covariance; they add up to it
     gained : by the name of a classical result, how many times wider each interval would be without it, (10,)
-    resampled : (10,) standard deviations of the block bootstrap, which does not take lines for independent; None where not made
+    resampled : (10, 10) covariance by the block bootstrap, which does not take lines for independent; None where not made
+    raw : (10,) about F from the raw spectra instead of H, of the plain way; None otherwise
     warnings : sentences
     """
 
@@ -47,9 +49,11 @@ class Identified:
     misfit: float = float("nan")
     surprise: float = 0.0
     converged: bool = True
+    resonance: float | None = None
     parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     gained: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     resampled: Array | None = None
+    raw: Array | None = None
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -58,3 +62,12 @@ class Identified:
             given = getattr(self, field_name).items()
             kept = {name: frozen(np.asarray(one), shape, f"{field_name}.{name}") for name, one in given}
             object.__setattr__(self, field_name, MappingProxyType(kept))
+
+
+def counts(ways: Sequence[Identified]) -> int:
+    """Which of the results of one article, the paper's own way first, is the one that counts.
+
+    The last one, unless it did not converge, or blamed the sensors for the elasticity of a structure that was taken for rigid.
+    """
+    sound = [k for k, one in enumerate(ways) if one.converged and one.resonance is None]
+    return max(sound, default=0)

@@ -12,13 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.errors import BadInput
-from identification import cross_motion, excitation
+from geometry.arrays import Array
+from geometry.dynamic_mass import DynamicMass
+from geometry.errors import BadInput, CheckFailed
+from identification import cross_motion, excitation, rigid_band
 from identification.base_motion import BaseMotion, base_motion
 from identification.campaign import Campaign
+from identification.campaign_runs import problems_of_runs
 from identification.cross_motion import CrossMotion
 from identification.dynamic_mass import Estimate, from_runs
-from identification.evidence import evidence_of, settings_of
+from identification.evidence import Evidence, Settings, evidence_of, settings_of
 from identification.excitation import Exclusions
 from identification.identified import Identified
 from identification.plain import plain
@@ -47,7 +50,7 @@ class Identification:
     estimate : dynamic mass of the whole set-up, FMD included, and the condition number at every line
     exclusions : lines that were left out, and why
     crossed : what the quotient of the driven axis would have cost; None where runs drive several axes
-    plain, self_calibrated : the article's ten parameters about F, both ways
+    plain, self_calibrated : the article's ten parameters about F, both ways; None where the joint fit failed
     warnings : sentences
     """
 
@@ -60,7 +63,7 @@ class Identification:
     exclusions: Exclusions
     crossed: CrossMotion | None
     plain: Identified
-    self_calibrated: Identified
+    self_calibrated: Identified | None
     warnings: tuple[str, ...]
 
 
@@ -74,14 +77,21 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     CheckFailed : an estimate that does not settle.
     """
     tell = progress or (lambda share: None)
+    _require_runs(request)
     settings = settings_of(request)
     article, *tares = _spectra(request, _between(tell, 0.0, READ))
     motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
-    estimate = from_runs(load.values, motion.values, article.frequency, article.table.origin)
-    left_out = excitation.exclusions(estimate.excitation, request.condition_limit)
-    used = _kept(article, left_out, request.campaign)
-    evidence = evidence_of(request, used, tares)
+    estimate = _estimate(request.campaign, load, motion, article)
+    driven = excitation.exclusions(estimate.excitation, request.condition_limit)
+    _require_lines(driven, request.campaign)
+    resonance = _resonance(request, estimate.dynamic_mass, driven)
+    left_out = driven if resonance is None or request.band is not None else _nearly_rigid(driven, article.frequency, resonance)
+    used = _at(article, left_out.kept)
+    highest = used.frequency[-1]
+    below = [_at(tare, tare.frequency <= highest) if left_out is not driven else tare for tare in tares]
+    evidence = evidence_of(request, used, below)
     by_paper = plain(evidence, settings, progress=_between(tell, READ, PLAIN))
+    jointly, failed = _jointly(evidence, settings, _between(tell, PLAIN, CALIBRATED))
     return Identification(
         request=request,
         article=article,
@@ -91,10 +101,38 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
         estimate=estimate,
         exclusions=left_out,
         crossed=_crossed(load, motion, article, estimate),
-        plain=by_paper,
-        self_calibrated=calibrated(evidence, settings, progress=_between(tell, PLAIN, CALIBRATED)),
-        warnings=_warnings(request, article, tares),
+        plain=replace(by_paper, resonance=resonance),
+        self_calibrated=None if jointly is None else replace(jointly, resonance=resonance),
+        warnings=(*_warnings(request, article, tares), *_taken_for_rigid(resonance, used), *failed),
     )
+
+
+def _require_runs(request: Request) -> None:
+    """Refuse campaigns whose runs do not drive six motions, before any spectrum is made.
+
+    Raises
+    ------
+    BadInput : what is missing in the article's campaign, or in a tare's.
+    """
+    for campaign in (request.campaign, *(tare.campaign for tare in request.tares)):
+        for problem in problems_of_runs(campaign):
+            raise problem
+
+
+def _estimate(campaign: Campaign, load: Resultants, motion: BaseMotion, article: Spectra) -> Estimate:
+    try:
+        return from_runs(load.values, motion.values, article.frequency, article.table.origin)
+    except BadInput as error:
+        source = campaign.source
+        raise BadInput(source=source, field=error.field, problem=error.problem, remedy=error.remedy) from None
+
+
+def _jointly(evidence: Evidence, settings: Settings, tell: Progress) -> tuple[Identified | None, tuple[str, ...]]:
+    """The self-calibrated way, which may fail where the plain one does not; why it did."""
+    try:
+        return calibrated(evidence, settings, progress=tell), ()
+    except (CheckFailed, np.linalg.LinAlgError) as error:
+        return None, (f"the self-calibrated way failed, the plain result is all there is: {error}",)
 
 
 def _between(tell: Progress, start: float, end: float) -> Progress:
@@ -110,28 +148,57 @@ def _spectra(request: Request, tell: Progress) -> list[Spectra]:
     ]
 
 
-def _kept(article: Spectra, left_out: Exclusions, campaign: Campaign) -> Spectra:
-    """The lines of `article` that are not left out.
+def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
+    """Refuse a campaign whose runs tell six motions apart nowhere.
 
     Raises
     ------
     BadInput : hardly any line is left.
     """
     if np.count_nonzero(left_out.kept) < 2:
+        why = f": {'; '.join(left_out.reasons)}" if left_out.reasons else ""
         raise BadInput(
             source=campaign.source,
             field="runs",
-            problem=f"the base motions are told apart at no line: {'; '.join(left_out.reasons)}",
+            problem=f"the base motions are told apart at hardly any line{why}",
             remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
         )
-    at = left_out.kept
+
+
+def _at(spectra: Spectra, at: Array) -> Spectra:
+    """The lines `at` (n,) bool of `spectra`."""
     return replace(
-        article,
-        frequency=article.frequency[at],
-        values=article.values[:, at],
-        noise=article.noise[:, at],
-        quality=article.quality[:, at],
+        spectra,
+        frequency=spectra.frequency[at],
+        values=spectra.values[:, at],
+        noise=spectra.noise[:, at],
+        quality=spectra.quality[:, at],
     )
+
+
+def _resonance(request: Request, H: DynamicMass, driven: Exclusions) -> float | None:
+    """[Hz] The first resonance of what is to be taken for rigid; None where elastic terms are fitted, or nothing resonates."""
+    if request.modes != 0:
+        return None
+    used = DynamicMass(frequency=H.frequency[driven.kept], matrix=H.matrix[driven.kept], reference_point=H.reference_point)
+    return rigid_band.first_resonance(used)
+
+
+def _nearly_rigid(driven: Exclusions, frequency: Array, resonance: float) -> Exclusions:
+    """The lines of `driven` that lie below the `resonance`, as far as one would keep of them by hand."""
+    stop = rigid_band.stop_below(resonance, frequency[driven.kept])
+    reason = f"above {stop:.4g} Hz: a rigid body is wanted, and the first resonance stands at {resonance:.4g} Hz"
+    return Exclusions(kept=driven.kept & (frequency <= stop), reasons=(*driven.reasons, reason))
+
+
+def _taken_for_rigid(resonance: float | None, used: Spectra) -> list[str]:
+    if resonance is None:
+        return []
+    low, high = used.frequency[[0, -1]]
+    return [
+        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every figure; "
+        "--modes auto allows for it, --band chooses another band"
+    ]
 
 
 def _crossed(load: Resultants, motion: BaseMotion, article: Spectra, estimate: Estimate) -> CrossMotion | None:
@@ -145,8 +212,6 @@ def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> t
     said = [*request.campaign.warnings, *article.warnings]
     for tare, read in zip(request.tares, tares, strict=True):
         said += [f"{tare.campaign.article}: {text}" for text in (*tare.campaign.warnings, *read.warnings)]
-    if not request.tares and request.fmd is None:
-        said.append("no tare was given: mass, CoG and inertia include the moving part of the FMD")
     processing = request.campaign.processing
     if processing is not None and processing.method != request.method and article.method != "spectra":
         asked = processing.method

@@ -7,12 +7,13 @@ gyration for the CoG, moments of inertia for moments and products.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from geometry.arrays import Array, frozen
+from geometry.consistency import judge
 from geometry.frames import Pose
 from geometry.inertia import PARAMETERS, Inertia
 from identification.classical import QUANTITIES, jacobian, quantities
@@ -26,6 +27,12 @@ TRUSTED = 0.05
 """Half a 95 % interval, as a share of the size of the body, up to which a figure is worth having."""
 
 ELASTICITY = "elasticity"
+
+AGREE = 1.5
+"""Times the interval up to which the block bootstrap agrees with it."""
+
+WRONG = 10.0
+"""Chi² per degree of freedom from which the model does not hold: errors three times as large as anybody would have them."""
 
 GROUPS = {"mass": slice(0, 1), "cog": slice(1, 4), "moments": slice(4, 7), "products": slice(7, 10)}
 """Where the quantities of one kind stand."""
@@ -60,6 +67,7 @@ class Quality:
     shares : by input its share (10,) of the variance of `values`
     dominant : by PARAMETER about F and by name in `QUANTITIES`, the input with the largest share
     verdict : by the same names, in words
+    bootstrap : by the same names, standard deviation of the block bootstrap as a share of that of `covariance`; empty without one
     """
 
     inertia: Inertia
@@ -69,6 +77,7 @@ class Quality:
     shares: Mapping[str, Array]
     dominant: Mapping[str, str]
     verdict: Mapping[str, str]
+    bootstrap: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, shape in {"values": (10,), "covariance": (10, 10), "intervals": (10, 2)}.items():
@@ -118,6 +127,7 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
     about_f = (identified.shares, NORMAL_95 * np.sqrt(np.diag(identified.covariance)) / scale(identified.inertia))
     reported = (shares, half / sizes(Inertia(parameters=ten)))
     judged = [(PARAMETERS, *about_f), (QUANTITIES, *reported)]
+    wider = {**_wider(identified, np.eye(10), PARAMETERS), **_wider(identified, J, QUANTITIES)}
     return Quality(
         inertia=Inertia(parameters=ten),
         values=values,
@@ -126,9 +136,24 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
         shares=shares,
         dominant={name: _dominant(share, k) for names, share, _ in judged for k, name in enumerate(names)},
         verdict={
-            name: verdict(float(width[k]), share, k, identified) for names, share, width in judged for k, name in enumerate(names)
+            name: verdict(float(width[k]), share, k, identified, wider.get(name, 1.0))
+            for names, share, width in judged
+            for k, name in enumerate(names)
         },
+        bootstrap=wider,
     )
+
+
+def impossible(of: Quality) -> bool:
+    """Whether no body within the 95 % intervals can have the result: no positive mass, or a moment beyond the sum of the others."""
+    body = judge(of.inertia)
+    if body.physical or of.mass <= 0:
+        return not body.physical
+    _, axes = np.linalg.eigh(of.inertia.tensor_cog)
+    x, y, z = axes[:, -1]
+    slope = np.array([*(1 - 2 * axes[:, -1] ** 2), -4 * x * y, -4 * x * z, -4 * y * z])  # of the smallest margin
+    half = NORMAL_95 * np.sqrt(max(float(slope @ of.covariance[4:, 4:] @ slope), 0.0))
+    return bool(body.margin[0] + half < 0)
 
 
 def sizes(body: Inertia) -> Array:
@@ -140,15 +165,26 @@ def sizes(body: Inertia) -> Array:
     return np.array([abs(body.mass), reach, reach, reach, xx, yy, zz, *products])
 
 
-def verdict(width: float, shares: Mapping[str, Array], k: int, identified: Identified) -> str:
-    """In words what to think of quantity `k`, whose half interval is `width` of the size of the body."""
+def verdict(width: float, shares: Mapping[str, Array], k: int, identified: Identified, wider: float = 1.0) -> str:
+    """In words what to think of quantity `k`, whose half interval is `width` of the size of the body.
+
+    `wider` is the standard deviation of the block bootstrap as a share of that of the interval.
+    """
+    if wider > AGREE:
+        told = verdict(wider * width, shares, k, identified)
+        return f"{told}; that is the block bootstrap, {wider:.2g} times the printed interval: lines do not err independently"
     most = _dominant(shares, k)
     percent = f"±{100 * width:.2g} % of the size of the body"
     from_it = f", mostly from {most} ({100 * shares[most][k]:.0f} % of the variance)" if most else ""
+    if identified.resonance is not None:
+        advice = "fit elastic terms (--modes auto), or begin the sweeps far below it"
+        return f"dominated by elasticity: {percent}{from_it}; taken for rigid below a resonance at {identified.resonance:.4g} Hz: {advice}"
     if most == ELASTICITY and (width > TRUSTED or identified.elastic is None):
         return f"dominated by elasticity: {percent}{from_it}; {_advice(identified)}"
     if not identified.converged:
-        return "not identifiable from this data: the fit did not converge; check channels and runs with `massline check`"
+        return "not identifiable from this data: the fit did not converge; see the checks below"
+    if identified.misfit > WRONG:
+        return f"not identifiable from this data: chi² per degree of freedom is {identified.misfit:.3g}, so something is wrong that the model does not hold; see the checks below"
     if width > TRUSTED:
         return f"not identifiable from this data: {percent}{from_it}; {TO_ADD.get(most, 'add a classical measurement of it')}"
     return f"trustworthy: {percent}{from_it}"
@@ -163,6 +199,14 @@ def _advice(identified: Identified) -> str:
 def _carried(parameters: Array, there: Pose) -> Array:
     """The ten parameters in another frame: linear in them."""
     return Inertia(parameters=parameters).placed(there).parameters
+
+
+def _wider(identified: Identified, J: Array, names: Sequence[str]) -> dict[str, float]:
+    if identified.resampled is None:
+        return {}
+    own, drawn = (np.einsum("ij,jk,ik->i", J, C, J) for C in (identified.covariance, identified.resampled))
+    ratio = np.sqrt(np.maximum(drawn, 0.0) / np.maximum(own, np.finfo(np.float64).tiny))
+    return dict(zip(names, ratio.tolist(), strict=True))
 
 
 def _shares(identified: Identified, J: Array) -> dict[str, Array]:

@@ -109,11 +109,11 @@ def gained(problem: Assembly, found: Posterior) -> dict[str, Array]:
 
 
 def resampled(problem: Assembly, solution: Solution, found: Posterior, settings: Settings) -> Array:
-    """(10,) standard deviations of the article's parameters by the block bootstrap."""
+    """(10, 10) covariance of the article's parameters by the block bootstrap."""
     scores = bootstrap.scores(problem.parts(settings.floor), problem.layout, solution.x)
     rng = np.random.default_rng(SEED)
     draws = bootstrap.blocks(found.covariance, [one / max(found.misfit, 1.0) for one in scores], found.rows, rng)
-    return np.asarray(draws[:, problem.layout.at("article")].std(axis=0))
+    return np.asarray(np.cov(draws[:, problem.layout.at("article")].T))
 
 
 def surprise(layout: Layout, x: Array) -> float:

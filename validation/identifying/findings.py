@@ -12,6 +12,8 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Pose
 from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
+from identification.identified import counts
+from identification.losing_a_sensor import Loss
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
@@ -72,10 +74,11 @@ class Findings:
     origin : "article" or "F", from where the CoG is given; with the user's own frame it is that frame's origin that counts
     frame : the user's own frame, seen from the article's or from F; None without one
     request : what was asked
-    results : plain, then self-calibrated when there is one; the last one is the result
+    results : plain, then self-calibrated when there is one; `identification.identified.counts` says which is the result
     rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
     lines, dynamic_mass, crossed, spectra, residuals, study : evidence; None where it does not exist
     checks : findings of the closed checks
+    losses : what the base motion would be without each of its accelerometers
     verdict : by PARAMETER about F and by name in `identification.classical.QUANTITIES`, in words
     warnings : sentences without their full stop
     """
@@ -94,9 +97,10 @@ class Findings:
     residuals: DrawnResiduals | None = None
     study: Study | None = None
     checks: tuple[Finding, ...] = ()
+    losses: tuple[Loss, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
     def result(self) -> Reported:
         """The one that counts."""
-        return self.results[-1]
+        return self.results[counts([one.identified for one in self.results])]

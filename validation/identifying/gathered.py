@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.consistency import judge
 from geometry.frames import Pose
 from geometry.inertia import Inertia, six_from_tensor
-from identification import closed_checks
+from identification import closed_checks, losing_a_sensor
 from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
 from identification.elastic.study import BandStudy
-from identification.identified import Identified
+from identification.identified import Identified, counts
 from identification.identify import Identification
 from identification.spectra.line_spectra import Spectra
 from validation.identifying import band
@@ -37,19 +38,23 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
     off = takes_fmd_off(request)
     mount = stated(request.campaign) if off else None
     pose = (mount or Pose()) @ (frame or Pose())
-    ways = (found.plain, found.self_calibrated)
-    results = tuple(reported(one, pose) for one in ways)
-    said = [*made.warnings, *found.warnings, *(text for one in ways for text in one.warnings)]
+    both = tuple(one for one in (found.plain, found.self_calibrated) if one is not None)
+    best = both[counts(both)]
+    results = tuple(reported(one, pose) for one in both if one is best or one.inertia.mass > 0)
+    checked = _checks(found)
+    chosen = next(one for one in results if one.identified is best)
+    said = [*made.warnings, *found.warnings, *(text for one in both for text in one.warnings), *_said(chosen, both)]
     return Findings(
         article=above_fmd(request.campaign.article) if off else request.campaign.article,
         origin="F" if mount is None else "article",
         frame=frame,
         request=request,
         results=results,
-        verdict=_verdict(results[-1], study, rigid=request.modes == 0),
+        verdict=_verdict(chosen, study, checked, rigid=request.modes == 0),
         study=None if study is None else band.maps(found, study, pose),
-        checks=_checks(found),
-        rigid=rigid(found, found.self_calibrated),
+        checks=checked,
+        losses=losing_a_sensor.without_each(found.article, gravity=request.campaign.gravity),
+        rigid=rigid(found, best),
         lines=_lines(found),
         dynamic_mass=found.estimate.dynamic_mass,
         crossed=found.crossed,
@@ -59,9 +64,24 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
     )
 
 
-def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[str, str]:
+def _said(chosen: Reported, both: Sequence[Identified]) -> Iterator[str]:
+    """Why the better way is not the result, and what a body cannot quite have."""
+    last = both[-1]
+    if chosen.identified is not last:
+        why = "blames the sensors for what is elastic" if last.converged else "did not converge"
+        yield f"the {chosen.identified.way} result is the one that counts: the {last.way} one {why}"
+    body = judge(chosen.inertia)
+    if not body.physical:
+        yield f"within their intervals only can a body have these moments: {body.text}"
+
+
+def _verdict(one: Reported, study: BandStudy | None, checked: Sequence[Finding], *, rigid: bool) -> Mapping[str, str]:
     told = one.quality.verdict
-    return told if study is None else band.verdicts(told, study, rigid=rigid)
+    moved = told if study is None else band.verdicts(told, study, rigid=rigid)
+    broken = next((check for check in checked if not check.holds and check.suspects), None)
+    if broken is None:
+        return moved
+    return dict.fromkeys(moved, f"not identifiable from this data: {broken.text}; put that right first")
 
 
 def _checks(found: Identification) -> tuple[Finding, ...]:

@@ -10,6 +10,7 @@ from geometry.atomic import write_text
 from geometry.consistency import judge
 from geometry.errors import CheckFailed
 from identification.identify import identify
+from identification.quality import impossible
 from validation.frame_text import read_frame
 from validation.identifying import as_json as written
 from validation.identifying import table
@@ -40,9 +41,15 @@ def answer(asked: Asked, frame: str | None, *, as_json: bool, folder: Path | Non
         click.echo(page(table.title(found), table.grids(found), table.notes(found)), nl=False)
     if folder is not None:
         _write(found, folder, keep=keep, quiet=as_json)
-    body = judge(found.result.inertia)
-    if not body.physical:
-        raise CheckFailed(f"no body can have the {found.result.identified.way} result: {body.text}")
+    if impossible(found.result.quality):
+        raise CheckFailed(_impossible(found))
+
+
+def _impossible(found: Findings) -> str:
+    said = f"no body can have the {found.result.identified.way} result: {judge(found.result.inertia).text}"
+    if found.request.modes == 0:
+        return f"{said}. The article was taken for rigid: allow for elastic terms, --modes auto"
+    return f"{said}. Look at the checks on the page, and drive the sweeps lower or at a higher level"
 
 
 def identified(asked: Asked, frame: str | None = None, *, quiet: bool = True) -> Findings:

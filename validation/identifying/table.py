@@ -12,6 +12,7 @@ from identification import classical
 from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
 from identification.elastic.terms import ElasticTerms
+from identification.losing_a_sensor import Loss
 from validation.identifying.findings import Findings, Lines
 from validation.identifying.known import takes_fmd_off
 from validation.identifying.reported import Reported
@@ -49,7 +50,7 @@ def values(found: Findings) -> Grid:
     columns = [aligned(tuple(_value(one, k) for k in range(10))) for one in found.results]
     if len(found.results) > 1:
         ways += ["moved by", "half-widths"]
-        moved = [_moved(found.results[0], found.result, k) for k in range(10)]
+        moved = [_moved(found.results[0], found.results[-1], k) for k in range(10)]
         columns += [aligned(cells) for cells in zip(*moved, strict=True)]
     return Grid(header=("± 95 %", *ways), lines=tuple(zip(_labels(), *columns, strict=True)))
 
@@ -69,7 +70,7 @@ def verdicts(found: Findings) -> Grid:
     for k, (quantity, name) in enumerate(zip(QUANTITIES, classical.QUANTITIES, strict=True)):
         said = found.verdict.get(name, NONE)
         lines.append((quantity.label, said + _next(found.result.dominating(k))))
-    return Grid(header=("", "verdict"), lines=tuple(lines), words=True)
+    return Grid(header=("", f"verdict on the {found.result.identified.way} result"), lines=tuple(lines), words=True)
 
 
 def _next(inputs: tuple[tuple[str, float], ...]) -> str:
@@ -114,9 +115,11 @@ def notes(found: Findings) -> Iterator[str]:
     yield _method(found)
     for one in found.results:
         yield _fit(one)
+    yield from _bootstrap(found.result)
     if found.lines is not None:
         yield from _left_out(found.lines)
     yield from _checked(found.checks)
+    yield from _lost(found.losses)
     yield from _gained(found.result)
     yield from (f"warning: {words}." for words in found.warnings)
 
@@ -128,6 +131,8 @@ def _method(found: Findings) -> str:
     taken = told if takes_fmd_off(found.request) else f"{told}, so the FMD's moving part is in the result"
     method = found.request.method if found.spectra is None else found.spectra.method
     made = "as the files hold them" if method == "spectra" else method
+    if tares and not takes_fmd_off(found.request):
+        taken = f"tare {tares} on other hardware, which takes no FMD off: its moving part is in the result"
     return f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
 
 
@@ -137,7 +142,16 @@ def _fit(one: Reported) -> str:
     misfit = "" if np.isnan(found.misfit) else f", chi² per degree of freedom {found.misfit:.3g}"
     surprise = f", sum z² of the tolerances {found.surprise:.3g}" if found.surprise else ""
     stopped = "" if found.converged else "; it did not converge"
-    return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}."
+    by_spectra = "" if found.raw is None else f"; from raw spectra instead of H the mass is {found.raw[0]:.5g} kg"
+    return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."
+
+
+def _bootstrap(one: Reported) -> Iterator[str]:
+    """Whether the interval would be another one were lines not taken for independent."""
+    if one.quality.bootstrap:
+        ratios = [one.quality.bootstrap[name] for name in classical.QUANTITIES]
+        low, high = min(ratios), max(ratios)
+        yield f"Block bootstrap of the lines: standard deviations {low:.2f} to {high:.2f} times those of the intervals."
 
 
 def _left_out(lines: Lines) -> Iterator[str]:
@@ -154,6 +168,15 @@ def _checked(checks: tuple[Finding, ...]) -> Iterator[str]:
     yield from (f"check: {one.text}." for one in checks if not one.holds)
     if sound := [one.name for one in checks if one.holds]:
         yield f"Closed checks that hold: {', '.join(sound)}."
+
+
+def _lost(losses: tuple[Loss, ...]) -> Iterator[str]:
+    """The accelerometers that nothing stands in for, or else the one whose absence moves the base motion most."""
+    alone = [one for one in losses if one.lost]
+    if alone:
+        yield from (f"Losing a sensor: {one.text}." for one in alone)
+    elif losses:
+        yield f"Losing a sensor: {max(losses, key=lambda one: one.moved.max()).text}."
 
 
 def _gained(one: Reported) -> Iterator[str]:
