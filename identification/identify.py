@@ -165,8 +165,8 @@ def _taken_for_rigid(resonance: float | None, used: Spectra) -> list[str]:
         return []
     low, high = used.frequency[[0, -1]]
     return [
-        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every figure; "
-        "--modes auto allows for it, --band chooses another band"
+        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every "
+        "figure; --modes auto allows for it, --band chooses another band"
     ]
 
 
