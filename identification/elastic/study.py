@@ -182,11 +182,12 @@ def study(
             remedy="Widen the band, or leave the study out",
         )
     cells: list[Cell] = []
-    for k, band in enumerate([*bands, *_bands(first, lower)]):
+    for k, band in enumerate(bands):
         data = lines_of(dynamic_mass, weights, floor, band)
-        tried = trials if k < len(bands) else {0: trials[0]}
-        cells.extend(_judged([_cell(count, trial, data, band) for count, trial in tried.items()], whole))
-        tell(0.3 + 0.7 * min((k + 1) / len(bands), 1.0))
+        cells.extend(_judged([_cell(count, trial, data, band) for count, trial in trials.items()], whole))
+        tell(0.3 + 0.7 * (k + 1) / len(bands))
+    # Nothing tells here whether the rigid way explains its data, so that these cells are drawn and judge nothing.
+    cells += [_cell(0, trials[0], lines_of(dynamic_mass, weights, floor, band), band) for band in _bands(first, lower)]
     return BandStudy(starts=first, stops=np.concatenate([lower, last]), counts=tuple(trials), cells=tuple(cells), fitted=whole)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
@@ -131,9 +132,10 @@ def _diagonal(found: Findings, H: DynamicMass, path: Path) -> None:
 
 def _measured(found: Findings) -> str:
     """Why dots and line need not lie on each other."""
+    told = "Dots: Eqs. 9 to 11"
     if found.result.identified.way == "plain":
-        return "Dots: Eqs. 9 to 11."
-    return "Dots: Eqs. 9 to 11 with channels as they are; the line has gains, positions and angles put right, which shows where an entry is small."
+        return f"{told}."
+    return f"{told}, channels uncorrected; line: sensors put right, which moves what is small."
 
 
 def _full(found: Findings, H: DynamicMass, path: Path) -> None:
@@ -152,7 +154,7 @@ def _residuals(found: Findings, residuals: pages.DrawnResiduals, path: Path) -> 
 def _stability(found: Findings, study: Study, what: str, path: Path) -> None:
     maps = [_map(study, what, found.result, k) for k in range(len(QUANTITIES))]
     counts, *_ = study.maps
-    at = np.isfinite(study.maps[what]).any(axis=(0, 2))
+    at = np.asarray(np.isfinite(study.maps[what]).any(axis=(0, 2)))
     note = (
         f"Plain fits, Eqs. 9 to 11, with {what} over each band, less the plain fit with {counts} over the chosen band (square). "
         "Cross: apart by more than the 95 % interval of the difference. Grey: too few lines."
@@ -161,7 +163,7 @@ def _stability(found: Findings, study: Study, what: str, path: Path) -> None:
     pages.draw_stability(title, [_rows(one, at) for one in maps], study.start, study.stop[at], study.chosen, path, note)
 
 
-def _rows(one: pages.DrawnMap, at: np.ndarray) -> pages.DrawnMap:
+def _rows(one: pages.DrawnMap, at: npt.NDArray[np.bool_]) -> pages.DrawnMap:
     """Without the stops of which nothing is known."""
     return replace(one, deviation=one.deviation[:, at], half_width=one.half_width[:, at])
 
