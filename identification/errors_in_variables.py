@@ -9,23 +9,19 @@ corrected
 
 iterated until it stands still (Fuller, Measurement Error Models, 1987; total least squares of Golub and Van Loan, SIAM J. Numer.
 Anal. 17, 1980, where all noise is alike). With six runs there is nothing to be corrected: e_r = 0 whatever they read.
-
-Where the noise is not known, but another reading of the same motions is - the accelerometers of the table, the drive signal -
-with noise of its own, that reading is an instrument: H = S_fw S_uw^-1 is not biased by either noise (the H_c of modal testing).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import LEVELS, ComplexArray, DynamicMass
+from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from identification.dynamic_mass import Estimate, from_runs
+from identification.dynamic_mass import Estimate
 from identification.run_noise import RunNoise
 
 STEADY, ROUNDS = 1e-10, 100
@@ -86,32 +82,21 @@ def covariance(estimate: Estimate, noise: RunNoise) -> ComplexArray:
     return np.asarray(np.einsum("rnij,nrk,nrl->nikjl", R, P, P.conj(), optimize=True).reshape(len(H), 36, 36))
 
 
+def bias(estimate: Estimate, noise: RunNoise) -> Array:
+    """(n,) by what share least squares of more than six runs takes H for too small: noise in the power of the motions, H N S^-1.
+
+    The motion that has most of it counts. 0 of six runs, which leave nothing to be corrected.
+    """
+    if noise.motion.shape[0] <= 6:
+        return np.zeros(len(estimate.inverse))
+    inverse_power = np.einsum("nrj,nrk->njk", estimate.inverse.conj(), estimate.inverse)  # (S_u S_u^H)^-1, conjugate
+    share = noise.motion.sum(axis=0) @ inverse_power.conj()
+    return np.asarray(np.abs(np.linalg.eigvals(share)).max(axis=1))
+
+
 def deviation(covariance: ComplexArray) -> Array:
     """(n, 6, 6) standard deviation of each entry of H from their covariance (n, 36, 36)."""
     return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2).real).reshape(-1, 6, 6))
-
-
-def by_instrument(
-    load: npt.ArrayLike,
-    motion: npt.ArrayLike,
-    instrument: npt.ArrayLike,
-    frequency: npt.ArrayLike,
-    reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
-    *,
-    levels: Mapping[str, float] = LEVELS,
-) -> Estimate:
-    """H through another reading (r, n, 6) of the same motions, whose noise is independent; arguments as in `from_runs`.
-
-    Raises
-    ------
-    BadInput : as `from_runs`, for the motions and for the instrument.
-    """
-    plain = from_runs(load, motion, frequency, reference_point, levels=levels)
-    from_runs(load, instrument, frequency, reference_point, levels=levels)  # an instrument must tell six motions apart, too
-    F, U, W = (np.asarray(one, dtype=np.complex128).transpose(1, 2, 0) for one in (load, motion, instrument))
-    across = W.conj().swapaxes(1, 2)
-    inverse = across @ np.linalg.inv(U @ across)
-    return replace(plain, dynamic_mass=replace(plain.dynamic_mass, matrix=F @ inverse), inverse=inverse)
 
 
 def _normal(H: ComplexArray, U: ComplexArray, F: ComplexArray, noise: RunNoise) -> tuple[ComplexArray, ComplexArray]:

@@ -118,6 +118,7 @@ class Settings:
     floor : model-error floor, relative to the level of a channel
     any_hardware : whether campaigns of other hardware are combined all the same, sharing neither chain nor FMD
     condition_limit : scaled condition number above which the plain way leaves a line out
+    robust : whether the plain way limits what single entries of H may say
     """
 
     tolerances: Tolerances = field(default_factory=Tolerances)
@@ -127,6 +128,7 @@ class Settings:
     floor: float = FLOOR
     any_hardware: bool = False
     condition_limit: float = CONDITION_LIMIT
+    robust: bool = False
 
 
 def evidence_of(request: Request, article: Spectra, tares: Sequence[Spectra], fmd: Known | None = None) -> Evidence:
@@ -153,6 +155,7 @@ def settings_of(request: Request) -> Settings:
         modes=request.modes,
         any_hardware=request.any_hardware,
         condition_limit=request.condition_limit,
+        robust=request.robust,
     )
 
 

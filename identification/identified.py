@@ -36,6 +36,7 @@ class Identified:
     parts : by input its part (10, 10) of the covariance; they add up to it
     gained : by the name of a classical result, how many times wider each interval would be without it, (10,)
     resampled : (10, 10) covariance by the block bootstrap, which does not take lines for independent; None where not made
+    raw : (10,) about F from the raw spectra instead of H, of the plain way; None otherwise
     warnings : sentences
     """
 
@@ -52,6 +53,7 @@ class Identified:
     parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     gained: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     resampled: Array | None = None
+    raw: Array | None = None
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

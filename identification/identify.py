@@ -14,13 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import DynamicMass
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from identification import cross_motion, excitation, rigid_band
 from identification.base_motion import BaseMotion, base_motion
 from identification.campaign import Campaign
+from identification.campaign_runs import problems_of_runs
 from identification.cross_motion import CrossMotion
 from identification.dynamic_mass import Estimate, from_runs
-from identification.evidence import evidence_of, settings_of
+from identification.evidence import Evidence, Settings, evidence_of, settings_of
 from identification.excitation import Exclusions
 from identification.identified import Identified
 from identification.plain import plain
@@ -49,7 +50,7 @@ class Identification:
     estimate : dynamic mass of the whole set-up, FMD included, and the condition number at every line
     exclusions : lines that were left out, and why
     crossed : what the quotient of the driven axis would have cost; None where runs drive several axes
-    plain, self_calibrated : the article's ten parameters about F, both ways
+    plain, self_calibrated : the article's ten parameters about F, both ways; None where the joint fit failed
     warnings : sentences
     """
 
@@ -62,7 +63,7 @@ class Identification:
     exclusions: Exclusions
     crossed: CrossMotion | None
     plain: Identified
-    self_calibrated: Identified
+    self_calibrated: Identified | None
     warnings: tuple[str, ...]
 
 
@@ -76,10 +77,11 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     CheckFailed : an estimate that does not settle.
     """
     tell = progress or (lambda share: None)
+    _require_runs(request)
     settings = settings_of(request)
     article, *tares = _spectra(request, _between(tell, 0.0, READ))
     motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
-    estimate = from_runs(load.values, motion.values, article.frequency, article.table.origin)
+    estimate = _estimate(request.campaign, load, motion, article)
     driven = excitation.exclusions(estimate.excitation, request.condition_limit)
     _require_lines(driven, request.campaign)
     resonance = _resonance(request, estimate.dynamic_mass, driven)
@@ -89,7 +91,7 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     below = [_at(tare, tare.frequency <= highest) if left_out is not driven else tare for tare in tares]
     evidence = evidence_of(request, used, below)
     by_paper = plain(evidence, settings, progress=_between(tell, READ, PLAIN))
-    jointly = calibrated(evidence, settings, progress=_between(tell, PLAIN, CALIBRATED))
+    jointly, failed = _jointly(evidence, settings, _between(tell, PLAIN, CALIBRATED))
     return Identification(
         request=request,
         article=article,
@@ -100,9 +102,37 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
         exclusions=left_out,
         crossed=_crossed(load, motion, article, estimate),
         plain=replace(by_paper, resonance=resonance),
-        self_calibrated=replace(jointly, resonance=resonance),
-        warnings=(*_warnings(request, article, tares), *_taken_for_rigid(resonance, used)),
+        self_calibrated=None if jointly is None else replace(jointly, resonance=resonance),
+        warnings=(*_warnings(request, article, tares), *_taken_for_rigid(resonance, used), *failed),
     )
+
+
+def _require_runs(request: Request) -> None:
+    """Refuse campaigns whose runs do not drive six motions, before any spectrum is made.
+
+    Raises
+    ------
+    BadInput : what is missing in the article's campaign, or in a tare's.
+    """
+    for campaign in (request.campaign, *(tare.campaign for tare in request.tares)):
+        for problem in problems_of_runs(campaign):
+            raise problem
+
+
+def _estimate(campaign: Campaign, load: Resultants, motion: BaseMotion, article: Spectra) -> Estimate:
+    try:
+        return from_runs(load.values, motion.values, article.frequency, article.table.origin)
+    except BadInput as error:
+        source = campaign.source
+        raise BadInput(source=source, field=error.field, problem=error.problem, remedy=error.remedy) from None
+
+
+def _jointly(evidence: Evidence, settings: Settings, tell: Progress) -> tuple[Identified | None, tuple[str, ...]]:
+    """The self-calibrated way, which may fail where the plain one does not; why it did."""
+    try:
+        return calibrated(evidence, settings, progress=tell), ()
+    except (CheckFailed, np.linalg.LinAlgError) as error:
+        return None, (f"the self-calibrated way failed, the plain result is all there is: {error}",)
 
 
 def _between(tell: Progress, start: float, end: float) -> Progress:
@@ -126,10 +156,11 @@ def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
     BadInput : hardly any line is left.
     """
     if np.count_nonzero(left_out.kept) < 2:
+        why = f": {'; '.join(left_out.reasons)}" if left_out.reasons else ""
         raise BadInput(
             source=campaign.source,
             field="runs",
-            problem=f"the base motions are told apart at no line: {'; '.join(left_out.reasons)}",
+            problem=f"the base motions are told apart at hardly any line{why}",
             remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
         )
 
@@ -181,8 +212,6 @@ def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> t
     said = [*request.campaign.warnings, *article.warnings]
     for tare, read in zip(request.tares, tares, strict=True):
         said += [f"{tare.campaign.article}: {text}" for text in (*tare.campaign.warnings, *read.warnings)]
-    if not request.tares and request.fmd is None:
-        said.append("no tare was given: mass, CoG and inertia include the moving part of the FMD")
     processing = request.campaign.processing
     if processing is not None and processing.method != request.method and article.method != "spectra":
         asked = processing.method

@@ -35,11 +35,13 @@ class Difference:
     Attributes
     ----------
     ten : (10,) about F
+    raw : (10,) the same from raw spectra instead of dynamic masses
     chain : by parameter of the chain (10,) d ten / d offset
     parts : by input (10, 10) covariance that is not of the chain
     """
 
     ten: Array
+    raw: Array
     chain: dict[str, Array]
     parts: dict[str, Array]
 
@@ -60,7 +62,7 @@ def plain(evidence: Evidence, settings: Settings = _DEFAULT, *, progress: Callab
     tares = [tare for tare, group in zip(evidence.tares, groups, strict=True) if group == 0]
     fmd = of_tares(tares, settings) if tares else _known(evidence.fmd)
     tell(1.0)
-    said = [*warnings, *([WITHOUT_TARE] if fmd is None else []), *([FACTS_LEFT_OUT] if evidence.facts else [])]
+    said = [*warnings, *found.notes, *([WITHOUT_TARE] if fmd is None else []), *([FACTS_LEFT_OUT] if evidence.facts else [])]
     return _identified(whole if fmd is None else _less(whole, fmd), found, evidence.article, settings, tuple(said))
 
 
@@ -70,10 +72,11 @@ def of_tares(tares: list[TareSpectra], settings: Settings) -> Difference:
     n = len(tares)
     names = {name for one in singles for name in one.chain}
     known = np.sum([tare.known.covariance for tare in tares], axis=0) / n**2
-    left = [one.ten - tare.known.inertia.parameters for one, tare in zip(singles, tares, strict=True)]
+    of_known = np.mean([tare.known.inertia.parameters for tare in tares], axis=0)
     parts = {name: np.sum([one.parts[name] for one in singles], axis=0) / n**2 for name in singles[0].parts}
     return Difference(
-        ten=np.mean(left, axis=0),
+        ten=np.mean([one.ten for one in singles], axis=0) - of_known,
+        raw=np.mean([one.raw for one in singles], axis=0) - of_known,
         chain={name: np.sum([one.chain.get(name, np.zeros(10)) for one in singles], axis=0) / n for name in sorted(names)},
         parts={**parts, "tare": known},
     )
@@ -101,13 +104,18 @@ def _of_setup(spectra: Spectra, found: Setup, settings: Settings) -> Difference:
         elastic = np.outer(moved, moved)
     return Difference(
         ten=found.ten,
+        raw=found.raw,
         chain=dict(zip(answer.names, answer.chain.T, strict=True)),
         parts={"noise": answer.noise, "elasticity": elastic},
     )
 
 
 def _known(fmd: Known | None) -> Difference | None:
-    return None if fmd is None else Difference(ten=fmd.inertia.parameters, chain={}, parts={"tare": fmd.covariance})
+    return (
+        None
+        if fmd is None
+        else Difference(ten=fmd.inertia.parameters, raw=fmd.inertia.parameters, chain={}, parts={"tare": fmd.covariance})
+    )
 
 
 def _less(whole: Difference, fmd: Difference) -> Difference:
@@ -116,6 +124,7 @@ def _less(whole: Difference, fmd: Difference) -> Difference:
     kinds = {**whole.parts, **fmd.parts}
     return Difference(
         ten=whole.ten - fmd.ten,
+        raw=whole.raw - fmd.raw,
         chain={name: whole.chain.get(name, nothing) - fmd.chain.get(name, nothing) for name in names},
         parts={name: whole.parts.get(name, np.zeros((10, 10))) + fmd.parts.get(name, np.zeros((10, 10))) for name in kinds},
     )
@@ -140,5 +149,6 @@ def _identified(of: Difference, found: Setup, spectra: Spectra, settings: Settin
         parts=kept,
         misfit=found.fitted.misfit,
         converged=found.fitted.converged,
+        raw=of.raw,
         warnings=warnings,
     )

@@ -31,12 +31,3 @@ class RunNoise:
             raise ValueError(f"`load` must have shape (r, n, 6, 6), found {shape}")
         object.__setattr__(self, "load", frozen(self.load, shape, "load"))
         object.__setattr__(self, "motion", frozen(self.motion, shape, "motion"))
-
-    @staticmethod
-    def of_deviations(load: Array, motion: Array) -> RunNoise:
-        """From standard deviations (r, n, 6) each, all components independent."""
-        return RunNoise(load=_diagonal(load), motion=_diagonal(motion))
-
-
-def _diagonal(deviation: Array) -> Array:
-    return np.asarray(np.square(deviation)[..., :, None] * np.eye(6))

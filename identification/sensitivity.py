@@ -46,7 +46,7 @@ class Sensitivity:
 
 def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
     """The sensitivity of the plain estimate `found` from `spectra` to the parameters of `chain` and to noise."""
-    data = lines_of(found.estimate.dynamic_mass, None, CHAIN_ERROR, None)
+    data = lines_of(found.estimate.dynamic_mass, found.noise, CHAIN_ERROR, None)
     chosen = kept(data)
     gain = _gain(found, data.at(chosen).frequency, data.at(chosen).deviation)
     thin = _at(spectra, chosen)

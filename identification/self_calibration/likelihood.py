@@ -29,6 +29,10 @@ from identification.spectra.line_spectra import Spectra
 SMOOTHED = 0.2
 """[Hz] to either side over which the level of a channel is averaged."""
 
+SILENT = 1 / 15
+"""Share of what channels of its quantity read at which a channel counts as silent: its floor falls no lower. With the model-error
+floor of 0.15 % that is 1e-4 of them; a channel that reads nothing would otherwise be trusted without bound."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Observed:
@@ -58,10 +62,11 @@ class Observed:
 def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.int64], floor: float) -> Observed:
     """The chosen `channels` and `lines` (indices) of `spectra`, with a model-error `floor` relative to the level of each channel.
 
+    Of a channel that is nearly silent in a run it is relative to `SILENT` of what its kind of channel reads.
     E|noise|² = sd² is shared by real and imaginary part.
     """
     chosen = np.ix_(np.arange(len(spectra.runs)), lines, np.asarray(channels))
-    variance = np.square(spectra.noise[chosen]) + np.square(floor * level(spectra)[chosen])
+    variance = np.square(spectra.noise[chosen]) + np.square(floor * np.hypot(level(spectra), SILENT * kind(spectra))[chosen])
     weight = np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny))
     return Observed(frequency=spectra.frequency[lines], values=spectra.values[chosen], weight=weight)
 
@@ -73,6 +78,13 @@ def level(spectra: Spectra) -> Array:
     low = np.searchsorted(spectra.frequency, spectra.frequency - SMOOTHED * (1 + 1e-9))
     high = np.searchsorted(spectra.frequency, spectra.frequency + SMOOTHED * (1 + 1e-9), side="right")
     return np.asarray(np.sqrt((power[:, high] - power[:, low]) / (high - low)[:, None]))
+
+
+def kind(spectra: Spectra) -> Array:
+    """(c,) what channels of the quantity of each channel read: the median of their rms over the runs, at the median line."""
+    by_channel = np.median(np.sqrt(np.mean(np.square(np.abs(spectra.values)), axis=0)), axis=0)
+    quantities = np.array([one.quantity for one in spectra.table.channels])
+    return np.array([np.median(by_channel[quantities == one]) for one in quantities])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -63,13 +63,18 @@ def test_elastic_terms_are_taken_off_before_both_fits() -> None:
 # --- noise ---------------------------------------------------------------------------------------------------------------
 
 
+def _independent(load: np.ndarray, motion: np.ndarray) -> RunNoise:
+    """Noise of these standard deviations (r, n, 6), all components independent."""
+    return RunNoise(load=load[..., None] ** 2 * np.eye(6), motion=motion[..., None] ** 2 * np.eye(6))
+
+
 def _noisy(count: int, share: float, seed: int) -> tuple[np.ndarray, np.ndarray, RunNoise]:
     """Motions and loads with noise of `share` of their levels on both sides, and what that noise is."""
     rng, U = np.random.default_rng(seed), _motion(count)
     F = _loads(U)
     size = np.sqrt(np.mean(np.abs(F) ** 2, axis=(0, 1)))
     u, f = np.broadcast_to(share * LEVEL, U.shape), np.broadcast_to(share * size, F.shape)
-    return U + u * _complex(rng, *U.shape), F + f * _complex(rng, *F.shape), RunNoise.of_deviations(f, u)
+    return U + u * _complex(rng, *U.shape), F + f * _complex(rng, *F.shape), _independent(f, u)
 
 
 def test_noise_of_motions_makes_least_squares_too_low_and_errors_in_variables_not() -> None:
@@ -210,8 +215,8 @@ def test_spectra_of_other_shapes_and_noise_of_nothing_are_refused() -> None:
     with pytest.raises(BadInput, match=r"\(runs, 15 lines, 6\) are needed"):
         from_spectra(U, _loads(U)[:, :3], LINES)
     with pytest.raises(BadInput, match="without any noise"):
-        from_spectra(U, _loads(U), LINES, noise=RunNoise.of_deviations(np.zeros(U.shape), np.zeros(U.shape)))
-    noise = RunNoise.of_deviations(np.full(U.shape, 1.0), np.full(U.shape, 1e3))
+        from_spectra(U, _loads(U), LINES, noise=_independent(np.zeros(U.shape), np.zeros(U.shape)))
+    noise = _independent(np.full(U.shape, 1.0), np.full(U.shape, 1e3))
     with pytest.raises(CheckFailed, match="does not settle"):
         from_spectra(U + 1e3 * _complex(np.random.default_rng(0), *U.shape), _loads(U), LINES, noise=noise)
 

@@ -63,6 +63,23 @@ def test_the_table_fits_a_page(run: Run) -> None:
     assert max(map(len, run("check", "own")[1].splitlines())) <= 132
 
 
+def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run: Run, folder: Path) -> None:
+    shutil.copy(folder / "x.h5", folder / "beta.h5")
+    code, out, _ = run("check", "own")
+    assert code == cli.BAD_INPUT
+    said = " ".join(out.split())
+    assert "no run drives beta; runs x and beta are the same recording" in said
+    assert "run beta says that it drives beta, but it drives x" in said
+
+
+def test_five_runs_name_the_axis_that_is_missing(run: Run, campaign: Campaign, tmp_path: Path) -> None:
+    left = {name: one for name, one in campaign.recordings.items() if name != "beta"}
+    campaign_file.write(tmp_path / "five", replace(campaign, runs=[r for r in campaign.runs if r.name in left], recordings=left))
+    code, out, _ = run("check", "five")
+    assert code == cli.BAD_INPUT
+    assert "five: `run`: six base motions take at least six runs, found 5 runs; no run drives beta" in " ".join(out.split())
+
+
 @pytest.mark.usefixtures("folder")
 def test_json_is_one_object_with_every_figure(run: Run) -> None:
     code, out, err = run("check", "own", "--json")

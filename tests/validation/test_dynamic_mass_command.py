@@ -141,7 +141,7 @@ def test_articles_stand_side_by_side(tmp_path: Path) -> None:
         (["clumod-1", "--step", "1e-9"], "lines"),
         (["clumod-1", "--about", "G"], "Give F, article, or a point"),
         (["clumod-1", "--about", "0 0 45"], "--about"),
-        (["clumod-1", "--out", "H.xls"], ".csv or .npz"),
+        (["clumod-1", "--out", "H.xls"], ".csv, .npz"),
         (["clumod-1", "--out", ""], "--out: no file is named"),
         (["clumod-1", "--out", "."], "--out: no file is named"),
         (["clumod-1", "--model", "bem"], "Did you mean beam?"),

@@ -12,6 +12,7 @@ from geometry.observability import Observability
 from identification.campaign import Campaign
 from identification.campaign_checks import observed
 from identification.campaign_file import Progress, examine
+from identification.campaign_runs import problems_of_runs, warnings_of_runs
 from identification.survey import Levels, levels, noise_floors
 
 LOUD = 1.5
@@ -70,8 +71,8 @@ def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput
     return Summary(
         folder=str(folder),
         campaign=campaign,
-        problems=problems,
-        warnings=(*campaign.warnings, *_loud(campaign, noise)),
+        problems=(*problems, *([] if problems else problems_of_runs(campaign))),
+        warnings=(*campaign.warnings, *warnings_of_runs(campaign), *_loud(campaign, noise)),
         verdicts=observed(campaign.table),
         levels=known,
         noise=noise,

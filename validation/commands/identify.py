@@ -50,7 +50,7 @@ METHODS = ("full-record", "peak-reference-hold")
     "--cell-stiffness", nargs=3, type=float, metavar="KX KY KZ", help="Stiffness [N/m] of one load cell, where it is known."
 )
 @click.option("--fmd", metavar="FILE", help="What is known beforehand of the FMD's moving part: a result file about fmd.")
-@click.option("--any-hardware", is_flag=True, help="Combine article and tare of different hardware, and say so.")
+@click.option("--any-hardware", is_flag=True, help="Allow a tare of different hardware, say so, and take no FMD off.")
 @click.option("--robust", is_flag=True, help="Limit what single lines may say in the plain fit.")
 @click.option("--study/--no-study", default=True, show_default=True, help="The result over start and stop frequency.")
 @click.option("--plot", is_flag=True, help="Also draw condition, dynamic mass, stability, residuals and shares, under out/.")

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cache
 
 from geometry.inertia import PARAMETERS
-from geometry.sensors import ChannelTable
 
 AXES = ("x", "y", "z")
 LATERAL = ("x", "y")
@@ -64,15 +63,6 @@ class Vocabulary:
             PLACE: self.places,
         }
         return own[kind] if kind in own else FIXED[kind]
-
-
-def of_table(table: ChannelTable, places: tuple[str, ...] | None = None) -> Vocabulary:
-    """The vocabulary of a test with the channels of `table`."""
-    return Vocabulary(
-        accelerometers=tuple(table.names[k] for k in table.select(quantity="acceleration")),
-        forces=tuple(table.names[k] for k in table.select(quantity=("force", "moment"))),
-        places=places,
-    )
 
 
 @cache

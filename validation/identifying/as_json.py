@@ -14,6 +14,7 @@ from geometry.inertia import PARAMETERS
 from identification.classical import QUANTITIES
 from identification.closed_checks import Finding
 from identification.elastic.terms import ElasticTerms
+from identification.losing_a_sensor import Loss
 from identification.request import Request
 from validation.identifying.findings import Findings, Lines, Study
 from validation.identifying.reported import Reported
@@ -37,6 +38,7 @@ def as_json(found: Findings) -> dict[str, Any]:
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
         "checks": [_check(one) for one in found.checks],
+        "losing_a_sensor": [_loss(one) for one in found.losses],
         "cross_motion": [] if found.crossed is None else list(found.crossed.text),
         "lines": None if found.lines is None else _lines(found.lines),
         "study": None if found.study is None else _study(found.study),
@@ -63,6 +65,16 @@ def _check(one: Finding) -> dict[str, Any]:
     return {"name": one.name, "holds": one.holds, "tolerances": one.value, "text": one.text, "suspects": suspects}
 
 
+def _loss(one: Loss) -> dict[str, Any]:
+    return {
+        "channel": one.channel,
+        "lost": list(one.lost),
+        "moved": one.moved.max(axis=0).tolist(),
+        "noise_times": None if one.lost else one.amplification.tolist(),
+        "text": one.text,
+    }
+
+
 def _way(one: Reported) -> dict[str, Any]:
     found = one.identified
     return {
@@ -73,6 +85,7 @@ def _way(one: Reported) -> dict[str, Any]:
             "covariance": found.covariance.tolist(),
             "reference_point_m": found.inertia.reference_point.tolist(),
         },
+        "from_raw_spectra_about_f": None if found.raw is None else dict(zip(PARAMETERS, found.raw.tolist(), strict=True)),
         "shares_about_f": {name: dict(zip(PARAMETERS, share.tolist(), strict=True)) for name, share in found.shares.items()},
         "shares": {name: dict(zip(QUANTITIES, share.tolist(), strict=True)) for name, share in one.quality.shares.items()},
         "narrowed_by": {name: dict(zip(PARAMETERS, times.tolist(), strict=True)) for name, times in found.gained.items()},

@@ -17,6 +17,7 @@ from geometry.quantities import quantity
 from geometry.tolerances import Tolerances
 from identification import campaign_file
 from identification.campaign import METHODS, Campaign, Processing
+from identification.elastic.study import NARROWEST
 from identification.request import CONDITION_LIMIT, Request, Tare
 from validation.identifying import classical
 from validation.identifying.known import above_fmd, known
@@ -82,7 +83,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     """
     modes, tolerances, stiffness = _modes(asked.modes), tolerances_of(asked.tolerances), _stiffness(asked.cell_stiffness)
     _require_limit(asked.condition_limit)
-    _require_band(asked.band)
+    _require_band(asked.band, study=asked.study)
     names = _known_names(asked)
     described = campaign_file.read_description(asked.campaign)
     below = [campaign_file.read_description(folder) for folder in asked.tares]
@@ -161,10 +162,13 @@ def _require_limit(limit: float) -> None:
         )
 
 
-def _require_band(band: tuple[float, float] | None) -> None:
+def _require_band(band: tuple[float, float] | None, *, study: bool) -> None:
     if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
         problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
         raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
+    if band is not None and study and band[1] < NARROWEST * band[0]:
+        problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
+        raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
 
 
 def _stiffness(values: tuple[float, float, float] | None) -> np.ndarray | None:

@@ -13,6 +13,7 @@ from geometry.frames import Pose
 from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
 from identification.identified import counts
+from identification.losing_a_sensor import Loss
 from identification.request import Request
 from identification.spectra.line_spectra import Spectra
 from validation.identifying.reported import Reported
@@ -79,6 +80,7 @@ class Findings:
     rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
     lines, dynamic_mass, crossed, spectra, residuals, study : evidence; None where it does not exist
     checks : findings of the closed checks
+    losses : what the base motion would be without each of its accelerometers
     verdict : by PARAMETER about F and by name in `identification.classical.QUANTITIES`, in words
     warnings : sentences without their full stop
     """
@@ -97,6 +99,7 @@ class Findings:
     residuals: DrawnResiduals | None = None
     study: Study | None = None
     checks: tuple[Finding, ...] = ()
+    losses: tuple[Loss, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property

@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from geometry.consistency import judge
 from geometry.frames import Pose
 from geometry.inertia import Inertia, six_from_tensor
-from identification import closed_checks
+from identification import closed_checks, losing_a_sensor
 from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
 from identification.elastic.study import BandStudy
@@ -38,7 +38,7 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
     off = takes_fmd_off(request)
     mount = stated(request.campaign) if off else None
     pose = (mount or Pose()) @ (frame or Pose())
-    both = (found.plain, found.self_calibrated)
+    both = tuple(one for one in (found.plain, found.self_calibrated) if one is not None)
     best = both[counts(both)]
     results = tuple(reported(one, pose) for one in both if one is best or one.inertia.mass > 0)
     checked = _checks(found)
@@ -53,6 +53,7 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
         verdict=_verdict(chosen, study, checked, rigid=request.modes == 0),
         study=None if study is None else band.maps(found, study, pose),
         checks=checked,
+        losses=losing_a_sensor.without_each(found.article, gravity=request.campaign.gravity),
         rigid=rigid(found, best),
         lines=_lines(found),
         dynamic_mass=found.estimate.dynamic_mass,

@@ -12,6 +12,7 @@ from identification import classical
 from identification.closed_checks import Finding
 from identification.cross_motion import CrossMotion
 from identification.elastic.terms import ElasticTerms
+from identification.losing_a_sensor import Loss
 from validation.identifying.findings import Findings, Lines
 from validation.identifying.known import takes_fmd_off
 from validation.identifying.reported import Reported
@@ -118,6 +119,7 @@ def notes(found: Findings) -> Iterator[str]:
     if found.lines is not None:
         yield from _left_out(found.lines)
     yield from _checked(found.checks)
+    yield from _lost(found.losses)
     yield from _gained(found.result)
     yield from (f"warning: {words}." for words in found.warnings)
 
@@ -129,6 +131,8 @@ def _method(found: Findings) -> str:
     taken = told if takes_fmd_off(found.request) else f"{told}, so the FMD's moving part is in the result"
     method = found.request.method if found.spectra is None else found.spectra.method
     made = "as the files hold them" if method == "spectra" else method
+    if tares and not takes_fmd_off(found.request):
+        taken = f"tare {tares} on other hardware, which takes no FMD off: its moving part is in the result"
     return f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
 
 
@@ -138,7 +142,8 @@ def _fit(one: Reported) -> str:
     misfit = "" if np.isnan(found.misfit) else f", chi² per degree of freedom {found.misfit:.3g}"
     surprise = f", sum z² of the tolerances {found.surprise:.3g}" if found.surprise else ""
     stopped = "" if found.converged else "; it did not converge"
-    return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}."
+    by_spectra = "" if found.raw is None else f"; from raw spectra instead of H the mass is {found.raw[0]:.5g} kg"
+    return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."
 
 
 def _bootstrap(one: Reported) -> Iterator[str]:
@@ -163,6 +168,15 @@ def _checked(checks: tuple[Finding, ...]) -> Iterator[str]:
     yield from (f"check: {one.text}." for one in checks if not one.holds)
     if sound := [one.name for one in checks if one.holds]:
         yield f"Closed checks that hold: {', '.join(sound)}."
+
+
+def _lost(losses: tuple[Loss, ...]) -> Iterator[str]:
+    """The accelerometers that nothing stands in for, or else the one whose absence moves the base motion most."""
+    alone = [one for one in losses if one.lost]
+    if alone:
+        yield from (f"Losing a sensor: {one.text}." for one in alone)
+    elif losses:
+        yield f"Losing a sensor: {max(losses, key=lambda one: one.moved.max()).text}."
 
 
 def _gained(one: Reported) -> Iterator[str]:

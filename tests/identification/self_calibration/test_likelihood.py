@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from identification.self_calibration import bootstrap
 from identification.self_calibration.assembly import assembled
-from identification.self_calibration.likelihood import residual
+from identification.self_calibration.likelihood import SILENT, kind, observed, residual
 from identification.self_calibration.problem import normals, total
 from identification.self_calibration.solve import inverse
 
@@ -68,6 +68,18 @@ def test_gradients_by_line_add_up_to_the_gradient(problem, away):
     blocks = bootstrap.scores(parts, problem.layout, away)
     added = np.sum([one.sum(axis=0) for one in blocks], axis=0)
     assert_allclose(added, whole, atol=1e-9 * np.abs(whole).max())
+
+
+def test_a_channel_that_reads_nothing_is_not_trusted_without_bound(exact, lab):
+    """Spectra of noise zero: the weight of a silent channel is that of a floor on a share of what its kind reads."""
+    read, floor = exact.spectra(lab.NOTHING), 0.0015
+    values = read.values.copy()
+    silent = [read.table.names.index(name) for name in ("cover-x1", "fmd-z1")]
+    values[0, :, silent] = 0.0
+    some = replace(read, values=values)
+    weight = observed(some, range(len(read.table)), np.arange(len(read.frequency)), floor).weight
+    assert_allclose(weight[0][:, silent] * floor * SILENT * kind(some)[silent], np.sqrt(2), rtol=1e-12)
+    assert np.all(weight[0][:, silent] < 1e3 * np.median(weight, axis=(0, 1))[silent])
 
 
 def test_the_parametric_bootstrap_has_the_posterior_covariance():

