@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from identification import cross_motion, excitation, rigid_band
@@ -165,7 +165,7 @@ def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
         )
 
 
-def _at(spectra: Spectra, at: Array) -> Spectra:
+def _at(spectra: Spectra, at: npt.NDArray[np.bool_]) -> Spectra:
     """The lines `at` (n,) bool of `spectra`."""
     return replace(
         spectra,
@@ -184,7 +184,7 @@ def _resonance(request: Request, H: DynamicMass, driven: Exclusions) -> float | 
     return rigid_band.first_resonance(used)
 
 
-def _nearly_rigid(driven: Exclusions, frequency: Array, resonance: float) -> Exclusions:
+def _nearly_rigid(driven: Exclusions, frequency: npt.NDArray[np.float64], resonance: float) -> Exclusions:
     """The lines of `driven` that lie below the `resonance`, as far as one would keep of them by hand."""
     stop = rigid_band.stop_below(resonance, frequency[driven.kept])
     reason = f"above {stop:.4g} Hz: a rigid body is wanted, and the first resonance stands at {resonance:.4g} Hz"
@@ -196,8 +196,8 @@ def _taken_for_rigid(resonance: float | None, used: Spectra) -> list[str]:
         return []
     low, high = used.frequency[[0, -1]]
     return [
-        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every figure; "
-        "--modes auto allows for it, --band chooses another band"
+        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every "
+        "figure; --modes auto allows for it, --band chooses another band"
     ]
 
 

@@ -116,8 +116,7 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
     ----------
     frame : pose of the article's own frame, seen from F, to report in; F's own by default
     """
-    there = (frame or Pose()).inverse
-    carried = np.stack([_carried(row, there) for row in np.eye(10)], axis=1)
+    carried = _carrying(frame or Pose())
     ten = carried @ identified.inertia.parameters
     values = quantities(ten)
     J = jacobian(ten) @ carried
@@ -145,7 +144,7 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
 
 
 def impossible(of: Quality) -> bool:
-    """Whether no body within the 95 % intervals can have the result: no positive mass, or a moment beyond the sum of the others."""
+    """Whether no body within the 95 % intervals can have the result: no positive mass, or one moment beyond the others."""
     body = judge(of.inertia)
     if body.physical or of.mass <= 0:
         return not body.physical
@@ -154,6 +153,13 @@ def impossible(of: Quality) -> bool:
     slope = np.array([*(1 - 2 * axes[:, -1] ** 2), -4 * x * y, -4 * x * z, -4 * y * z])  # of the smallest margin
     half = NORMAL_95 * np.sqrt(max(float(slope @ of.covariance[4:, 4:] @ slope), 0.0))
     return bool(body.margin[0] + half < 0)
+
+
+def half_widths(inertia: Inertia, covariance: Array, frame: Pose) -> Array:
+    """(10,) half 95 % intervals, in `frame`, of `QUANTITIES` of `inertia` about F with the `covariance` (10, 10) there."""
+    carried = _carrying(frame)
+    J = jacobian(carried @ inertia.parameters) @ carried
+    return np.asarray(NORMAL_95 * np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", J, covariance, J), 0.0)))
 
 
 def sizes(body: Inertia) -> Array:
@@ -178,13 +184,15 @@ def verdict(width: float, shares: Mapping[str, Array], k: int, identified: Ident
     from_it = f", mostly from {most} ({100 * shares[most][k]:.0f} % of the variance)" if most else ""
     if identified.resonance is not None:
         advice = "fit elastic terms (--modes auto), or begin the sweeps far below it"
-        return f"dominated by elasticity: {percent}{from_it}; taken for rigid below a resonance at {identified.resonance:.4g} Hz: {advice}"
+        taken = f"taken for rigid below a resonance at {identified.resonance:.4g} Hz"
+        return f"dominated by elasticity: {percent}{from_it}; {taken}: {advice}"
     if most == ELASTICITY and (width > TRUSTED or identified.elastic is None):
         return f"dominated by elasticity: {percent}{from_it}; {_advice(identified)}"
     if not identified.converged:
         return "not identifiable from this data: the fit did not converge; see the checks below"
     if identified.misfit > WRONG:
-        return f"not identifiable from this data: chi² per degree of freedom is {identified.misfit:.3g}, so something is wrong that the model does not hold; see the checks below"
+        wrong = f"chi² per degree of freedom is {identified.misfit:.3g}, so something is wrong that the model does not hold"
+        return f"not identifiable from this data: {wrong}; see the checks below"
     if width > TRUSTED:
         return f"not identifiable from this data: {percent}{from_it}; {TO_ADD.get(most, 'add a classical measurement of it')}"
     return f"trustworthy: {percent}{from_it}"
@@ -196,9 +204,9 @@ def _advice(identified: Identified) -> str:
     return TO_ADD[ELASTICITY]
 
 
-def _carried(parameters: Array, there: Pose) -> Array:
-    """The ten parameters in another frame: linear in them."""
-    return Inertia(parameters=parameters).placed(there).parameters
+def _carrying(frame: Pose) -> Array:
+    """(10, 10) that takes the ten parameters about F to `frame`: they are linear in each other."""
+    return np.stack([Inertia(parameters=row).placed(frame.inverse).parameters for row in np.eye(10)], axis=1)
 
 
 def _wider(identified: Identified, J: Array, names: Sequence[str]) -> dict[str, float]:

@@ -18,7 +18,7 @@ GROWN = 1.5
 FALLEN = 0.7
 """Of its largest value so far, below which an entry has passed its peak: noise alone does not throw it down so far."""
 
-STOP = 0.7
+STOP = 0.6
 """Where a rigid band ends, as a share of the first resonance."""
 
 LOW_END = 0.05
@@ -29,7 +29,7 @@ FEWEST = 10
 
 
 def first_resonance(dynamic_mass: DynamicMass) -> float | None:
-    """The lowest frequency [Hz] at which a diagonal entry of `dynamic_mass` peaks, its last line where one is still growing there.
+    """The lowest frequency [Hz] at which a diagonal entry of `dynamic_mass` peaks; the last line where one grows to the end.
 
     None where nothing resonates in sight of the band.
     """

@@ -21,7 +21,7 @@ from identification.elastic import model
 from identification.elastic.fit import FLOOR, Fitted, Trial, covariance_of_the_ten, fit, price_of
 from identification.elastic.lines import Lines, kept, lines_of
 from identification.elastic.model import Layout
-from identification.elastic.refine import REACH, Refined, refine
+from identification.elastic.refine import REACH, refine
 
 LIMIT = 0.01
 """Spread, in the scale of a parameter, up to which it is trusted."""
@@ -34,6 +34,9 @@ FEWEST = 3
 
 NARROWEST = 1.25
 """Ratio of the ends of a band."""
+
+LOWER = 4
+"""Stops of the rigid way below those of the others."""
 
 QUANTITIES = ("mass_kg", "cog_x_m", "cog_y_m", "cog_z_m", "moi_xx_kgm2", "moi_yy_kgm2", "moi_zz_kgm2")
 """What a stability map draws: CoG from the reference point, moments about the CoG."""
@@ -49,7 +52,7 @@ class Cell:
     count : number of poles that was asked for; 0 is the rigid way
     modes : how many of them are within reach of the band
     parameters : (10,) of Eq. 4 about the reference point
-    deviation : (10,) standard deviations from noise and model error
+    covariance : (10, 10) of these, from noise and model error
     misfit : chi² per degree of freedom
     plausible : whether it explains its data as well as the best of its band does
     """
@@ -58,9 +61,14 @@ class Cell:
     count: int
     modes: int
     parameters: Array
-    deviation: Array
+    covariance: Array
     misfit: float
     plausible: bool = False
+
+    @property
+    def deviation(self) -> Array:
+        """(10,) standard deviations."""
+        return np.sqrt(np.diag(self.covariance))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,8 +90,11 @@ class BandStudy:
     fitted: Fitted
 
     def map(self, of: str = "parameters") -> Array:
-        """(s, e, c, 10) `parameters` or `deviation`, (s, e, c) `misfit` or `plausible`, nan where no band was fitted."""
-        ends = {"parameters": (10,), "deviation": (10,), "misfit": (), "plausible": ()}[of]
+        """(s, e, c, 10) `parameters` or `deviation`, (s, e, c, 10, 10) `covariance`, (s, e, c) `misfit` or `plausible`.
+
+        nan where no band was fitted.
+        """
+        ends = {"parameters": (10,), "deviation": (10,), "covariance": (10, 10), "misfit": (), "plausible": ()}[of]
         out = np.full((len(self.starts), len(self.stops), len(self.counts), *ends), np.nan)
         for cell in self.cells:
             out[self._place(cell)] = getattr(cell, of)
@@ -148,7 +159,7 @@ def study(
     Parameters
     ----------
     weights, floor : as for `fit`
-    starts, stops : four and five within the lines when None
+    starts, stops : four and five within the lines when None; the rigid way ends lower, too, down to where hardly a band is left
     counts : the rigid way, the number that `fitted` has, one less and one more when None; numbers that the search of `fitted` did
         not try are left out
     fitted : fit of the whole band, made here when None
@@ -162,20 +173,31 @@ def study(
     whole = fitted or fit(dynamic_mass, weights=weights, floor=floor, progress=lambda share: tell(0.3 * share))
     first, last = _ends(whole.band, starts, stops)
     trials = _trials(whole, counts)
-    bands = [(float(low), float(high)) for low in first for high in last if high >= NARROWEST * low]
+    lower = _lower(first, last) if stops is None else np.zeros(0)
+    bands = _bands(first, last)
     if not bands:
         raise BadInput(
             source="band study",
-            field="starts",
-            problem="no band ends above 1.25 of its start",
-            remedy="Start lower or stop higher",
+            problem=f"no band ends above {NARROWEST:g} of its start",
+            remedy="Widen the band, or leave the study out",
         )
     cells: list[Cell] = []
     for k, band in enumerate(bands):
         data = lines_of(dynamic_mass, weights, floor, band)
         cells.extend(_judged([_cell(count, trial, data, band) for count, trial in trials.items()], whole))
         tell(0.3 + 0.7 * (k + 1) / len(bands))
-    return BandStudy(starts=first, stops=last, counts=tuple(trials), cells=tuple(cells), fitted=whole)
+    # Nothing tells here whether the rigid way explains its data, so that these cells are drawn and judge nothing.
+    cells += [_cell(0, trials[0], lines_of(dynamic_mass, weights, floor, band), band) for band in _bands(first, lower)]
+    return BandStudy(starts=first, stops=np.concatenate([lower, last]), counts=tuple(trials), cells=tuple(cells), fitted=whole)
+
+
+def _bands(starts: Array, stops: Array) -> list[tuple[float, float]]:
+    return [(float(low), float(high)) for low in starts for high in stops if high >= NARROWEST * low]
+
+
+def _lower(starts: Array, stops: Array) -> Array:
+    """Further stops for the rigid way, which is right but far below the first mode: down to the narrowest band of all."""
+    return np.geomspace(NARROWEST * starts[0], stops[0], LOWER + 1)[:-1] if stops[0] > NARROWEST * starts[0] else np.zeros(0)
 
 
 def _ends(band: tuple[float, float], starts: Sequence[float] | None, stops: Sequence[float] | None) -> tuple[Array, Array]:
@@ -205,7 +227,7 @@ def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> C
         count=count,
         modes=layout.modes,
         parameters=model.unpack(found.vector, layout)[0],
-        deviation=_deviation(found, thin),
+        covariance=covariance_of_the_ten(found.information / price_of([found], thin).unit),
         misfit=found.chi2 / max(thin.count - layout.size, 1),
     )
 
@@ -221,10 +243,6 @@ def _within(trial: Trial, band: tuple[float, float]) -> tuple[Layout, Array]:
     pairs = tuple((int(place[r]), int(place[s])) for r, s in trial.layout.pairs if near[r] and near[s])
     layout = Layout(modes=int(near.sum()), pairs=pairs)
     return layout, model.pack(parameters, left, layout)
-
-
-def _deviation(found: Refined, lines: Lines) -> Array:
-    return np.sqrt(np.diag(covariance_of_the_ten(found.information / price_of([found], lines).unit)))
 
 
 def _judged(cells: list[Cell], whole: Fitted) -> list[Cell]:

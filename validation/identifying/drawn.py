@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
@@ -97,8 +98,8 @@ def curves(found: Findings, H: DynamicMass) -> tuple[Curve, ...]:
     model = DynamicMass(frequency=fine, matrix=fitted, reference_point=H.reference_point)
     drawn = [
         *_quotient(found, H, rigid, modes),
-        Curve(name="measured, Eqs. 9 to 11", mass=_at(H, kept), rigid=rigid, modes=modes, dots=MEASURED),
-        Curve(name=f"fitted, {count} elastic terms", mass=model, rigid=rigid, modes=modes),
+        Curve(name="measured, channels as they are", mass=_at(H, kept), rigid=rigid, modes=modes, dots=MEASURED),
+        Curve(name=f"{found.result.identified.way}, {count} elastic terms", mass=model, rigid=rigid, modes=modes),
     ]
     if not kept.all():
         drawn.append(Curve(name="left out", mass=_at(H, ~kept), rigid=rigid, modes=modes, dots=LEFT_OUT))
@@ -123,12 +124,22 @@ def _marks(terms: ElasticTerms) -> _Terms:
 
 
 def _diagonal(found: Findings, H: DynamicMass, path: Path) -> None:
-    note = f"Blocked dynamic mass {POINT}. Dashed: the rigid body that was identified. Ticks above: elastic terms [Hz]."
+    note = (
+        f"Blocked dynamic mass {POINT}. {_measured(found)} Dashed: the rigid body that was identified. Ticks: elastic terms [Hz]."
+    )
     diagonal(f"{_stack(found)}: dynamic mass", curves(found, H), path, note)
 
 
+def _measured(found: Findings) -> str:
+    """Why dots and line need not lie on each other."""
+    told = "Dots: Eqs. 9 to 11"
+    if found.result.identified.way == "plain":
+        return f"{told}."
+    return f"{told}, channels uncorrected; line: sensors put right, which moves what is small."
+
+
 def _full(found: Findings, H: DynamicMass, path: Path) -> None:
-    note = f"Blocked dynamic mass {POINT}. Dashed: the rigid body that was identified."
+    note = f"Blocked dynamic mass {POINT}. {_measured(found)} Dashed: the rigid body that was identified."
     full(f"{_stack(found)}: dynamic mass, rows loads, columns base motions", curves(found, H), path, note)
 
 
@@ -143,12 +154,23 @@ def _residuals(found: Findings, residuals: pages.DrawnResiduals, path: Path) -> 
 def _stability(found: Findings, study: Study, what: str, path: Path) -> None:
     maps = [_map(study, what, found.result, k) for k in range(len(QUANTITIES))]
     counts, *_ = study.maps
+    at = np.asarray(np.isfinite(study.maps[what]).any(axis=(0, 2)))
     note = (
-        f"Eqs. 9 to 11 with {what} over each band, less those with {counts} over the chosen one (square). "
-        "Cross: apart by more than the 95 % interval of the result. Grey: too few lines."
+        f"Plain fits, Eqs. 9 to 11, with {what} over each band, less the plain fit with {counts} over the chosen band (square). "
+        "Cross: apart by more than the 95 % interval of the difference. Grey: too few lines."
     )
-    title = f"{found.article}: stability over the band, {what}"
-    pages.draw_stability(title, maps, study.start, study.stop, study.chosen, path, note)
+    title = f"{_alone(found)}: stability over the band, plain fits with {what}"
+    pages.draw_stability(title, [_rows(one, at) for one in maps], study.start, study.stop[at], study.chosen, path, note)
+
+
+def _rows(one: pages.DrawnMap, at: npt.NDArray[np.bool_]) -> pages.DrawnMap:
+    """Without the stops of which nothing is known."""
+    return replace(one, deviation=one.deviation[:, at], half_width=one.half_width[:, at])
+
+
+def _alone(found: Findings) -> str:
+    """What the result is about, where that is not all that was on the load cells."""
+    return f"{found.article} alone, FMD taken off" if found.article != _stack(found) else found.article
 
 
 def _map(study: Study, what: str, chosen: Reported, k: int) -> pages.DrawnMap:
@@ -156,9 +178,17 @@ def _map(study: Study, what: str, chosen: Reported, k: int) -> pages.DrawnMap:
     kind = "mm" if 1 <= k <= 3 else "g m²" if k >= 7 else "%"
     scale = {"mm": 1e3, "g m²": PRODUCT, "%": 100 / abs(value)}[kind]
     apart = study.maps[what][..., k] - study.reference[k]
+    half = np.full(apart.shape, chosen.half_width[k])
+    if what in study.half_widths:
+        half = np.hypot(half, study.half_widths[what][..., k])
     return pages.DrawnMap(
-        label=quantity.label, unit=kind, deviation=scale * apart, half_width=float(scale * chosen.half_width[k])
+        label=quantity.label, unit=kind, deviation=scale * apart, half_width=scale * half, most=_most(kind, chosen)
     )
+
+
+def _most(kind: str, chosen: Reported) -> float:
+    """Deviation of the darkest colour at most: what lies beyond is wrong, by how much is no matter."""
+    return {"mm": 20.0, "g m²": 0.05 * PRODUCT * float(np.abs(chosen.values[4:7]).min()), "%": 5.0}[kind]
 
 
 def _shares(found: Findings, path: Path) -> None:
@@ -173,4 +203,4 @@ def _shares(found: Findings, path: Path) -> None:
         if one.quality.shares
     ]
     note = "What every input contributes to the variance of mass, CoG, and moments and products about the CoG."
-    pages.draw_shares(f"{found.article}: where the uncertainty comes from", drawn, path, note)
+    pages.draw_shares(f"{_alone(found)}: where the uncertainty comes from", drawn, path, note)

@@ -50,12 +50,14 @@ class Study:
     maps : by what was fitted ("5 elastic terms", "rigid"), the one that counts first: (a, b, 10) as a statement has them, in the
         frame of the result; NaN where a band is too short
     chosen : (start, stop) [Hz]
+    half_widths : by the same names (a, b, 10), of the 95 % intervals of each from noise and model error; empty when not known
     """
 
     start: Array
     stop: Array
     maps: Mapping[str, Array]
     chosen: tuple[float, float]
+    half_widths: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def reference(self) -> Array:

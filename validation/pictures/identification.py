@@ -250,13 +250,15 @@ class DrawnMap:
     ----------
     label, unit : of the quantity and of `deviation`
     deviation : (a, b) from the chosen result; NaN where a band says nothing
-    half_width : of the chosen result's 95 % interval, in the same unit
+    half_width : (a, b) of the 95 % interval of the deviation, in the same unit
+    most : deviation at which the colours end at the latest
     """
 
     label: str
     unit: str
     deviation: Array
-    half_width: float
+    half_width: Array
+    most: float
 
 
 def draw_stability(
@@ -295,7 +297,8 @@ def _map(axes: Axes, one: DrawnMap, start: Array, stop: Array) -> None:
     colours = LinearSegmentedColormap.from_list("deviation", ("#14296b", "#6f93dc", PAPER, "#ea8a78", "#7d1220"))
     axes.set_facecolor(EMPTY)
     known = np.abs(one.deviation[np.isfinite(one.deviation)])
-    reach = max(float(np.quantile(known, 0.9)) if known.size else 0.0, 2 * one.half_width, np.finfo(np.float64).tiny)
+    largest = float(np.quantile(known, 0.9)) if known.size else 0.0
+    reach = max(min(largest, one.most), float(np.nanmin(one.half_width, initial=one.most)), np.finfo(np.float64).tiny)
     mesh = axes.pcolormesh(
         np.arange(len(start)), np.arange(len(stop)), np.ma.masked_invalid(one.deviation.T), cmap=colours, vmin=-reach, vmax=reach
     )

@@ -11,7 +11,7 @@ from geometry.frames import Pose, rotation_about
 from identification import classical
 from identification.identified import PARAMETERS, Identified
 from identification.plain import plain
-from identification.quality import quality
+from identification.quality import impossible, quality
 from identification.request import Fact
 from identification.self_calibration import calibrated
 
@@ -61,6 +61,32 @@ def test_a_verdict_names_what_dominates_and_what_to_add(lab):
     assert all(text.startswith("trustworthy") and "force-gain (75 %" in text for text in narrow.verdict.values())
     assert wide.verdict["mass_kg"].startswith("not identifiable")
     assert "weigh the article" in wide.verdict["mass_kg"]
+
+
+def test_where_the_block_bootstrap_spreads_wider_the_verdict_follows_it(lab):
+    found = some(lab, 1e-4)
+    agreed = quality(replace(found, resampled=1.2**2 * found.covariance))
+    assert_allclose(list(agreed.bootstrap.values()), 1.2, rtol=1e-12)
+    assert agreed.verdict == quality(found).verdict
+    wider = quality(replace(found, resampled=3.0**2 * found.covariance)).verdict["mass_kg"]
+    assert "the block bootstrap, 3 times" in wider
+    far = quality(replace(found, resampled=3e4**2 * found.covariance)).verdict["mass_kg"]
+    assert far.startswith("not identifiable")
+
+
+def test_a_model_that_does_not_hold_is_never_trustworthy(lab):
+    found = some(lab, 1e-4)
+    assert quality(replace(found, misfit=2.0)).verdict == quality(found).verdict
+    assert all(said.startswith("not identifiable") for said in quality(replace(found, misfit=93.0)).verdict.values())
+
+
+def test_moments_that_no_body_has_are_impossible_only_beyond_their_intervals(lab):
+    flat = lab.ARTICLE.parameters.copy()
+    flat[6] = flat[4] + flat[5] + 1.0
+    sure = replace(some(lab, 1e-4), inertia=type(lab.ARTICLE)(parameters=flat))
+    assert impossible(quality(sure))
+    assert not impossible(quality(replace(sure, covariance=100 * np.eye(10))))
+    assert not impossible(quality(some(lab, 1e-4)))
 
 
 @pytest.mark.parametrize("way", [plain, calibrated])

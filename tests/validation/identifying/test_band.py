@@ -63,3 +63,25 @@ def test_a_verdict_says_when_narrower_bands_lead_elsewhere(of: BandStudy) -> Non
 def test_a_study_that_says_nothing_changes_no_verdict(of: BandStudy) -> None:
     told = dict.fromkeys(PARAMETERS, "trustworthy")
     assert band.verdicts(told, replace(of, cells=of.cells[:1]), rigid=False) == told
+
+
+def test_the_rigid_way_is_tried_below_all_other_bands_and_the_elastic_one_is_not(of: BandStudy, clumod: Inertia) -> None:
+    lines = np.linspace(4.0, 32.0, 281)
+    H = DynamicMass(frequency=lines, matrix=np.tile(clumod.mass_matrix + 0j, (281, 1, 1)))
+    wide = study(H, fitted=of.fitted)
+    rigid, elastic = np.moveaxis(np.isfinite(wide.map()[..., 0]), 2, 0)[:2]
+    assert wide.stops[0] == pytest.approx(5.0)
+    assert rigid[0].all()
+    assert not elastic[:, :4].any()
+    assert elastic[0, 4:].all()
+
+
+def test_a_cell_knows_how_well_it_knows(of: BandStudy, clumod: Inertia) -> None:
+    """A narrow band knows less, and its interval is drawn in the frame of the result."""
+    drawn = band.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
+    half = drawn.half_widths["3 elastic terms"]
+    assert half.shape == (2, 2, 10)
+    assert np.all(half[1, 0] > half[0, 1])
+    about_f = band.maps(_identification(clumod.placed(MOUNTED), None), of, Pose()).half_widths["3 elastic terms"]
+    assert_allclose(half[..., 4:], about_f[..., 4:], rtol=1e-6)  # moments about the CoG do not know the origin
+    assert_allclose(half[..., 0], 1.96 * of.map("deviation")[:, :, 1, 0], rtol=1e-4)

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import PARAMETERS
-from validation.identifying import table
+from validation.identifying import drawn, table
 from validation.identifying.as_json import as_json
 from validation.identifying.drawn import draw
 from validation.identifying.findings import Findings
@@ -54,6 +54,36 @@ def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Findings) -
 )
 def test_the_page_says(words: str, found: Findings) -> None:
     assert words in " ".join(_page(found, 200).split())
+
+
+def test_page_and_json_say_how_the_block_bootstrap_agrees(found: Findings) -> None:
+    assert "Block bootstrap" not in _page(found)
+    assert as_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
+    one = found.result
+    again = replace(one.identified, resampled=1.3**2 * one.identified.covariance)
+    with_it = replace(found, results=(found.results[0], reported(again, Pose())))
+    assert "standard deviations 1.30 to 1.30 times those of the intervals" in " ".join(_page(with_it).split())
+    assert as_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
+
+
+def test_crosses_compare_with_the_interval_of_the_difference(found: Findings) -> None:
+    assert found.study is not None
+    what = "no elastic terms"
+    alone = drawn._map(found.study, what, found.result, 0).half_width
+    wide = replace(found.study, half_widths={what: np.full((3, 3, 10), 3.0)})
+    both = drawn._map(wide, what, found.result, 0).half_width
+    scale = 100 / found.result.values[0]
+    assert_allclose(both, np.hypot(alone, 3.0 * scale), rtol=1e-12)
+    assert_allclose(alone, scale * found.result.half_width[0], rtol=1e-12)
+
+
+def test_where_the_better_way_failed_the_plain_result_is_shown(found: Findings) -> None:
+    plain, better = found.results
+    failed = replace(found, results=(plain, replace(better, identified=replace(better.identified, converged=False))))
+    assert failed.result is plain
+    assert as_json(failed)["result"] == "plain"
+    assert_allclose(as_json(failed)["inertia"]["mass_kg"], plain.values[0])
+    assert "verdict on the plain result" in " ".join(_page(failed).split())
 
 
 def test_elastic_terms_are_listed_by_frequency(found: Findings) -> None:

@@ -1,0 +1,89 @@
+"""The rigid-body method on an elastic article, as the paper had to: errors of the kind of its Table 2, all ten flagged."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.damping import Damping
+from geometry import multibody
+from geometry.articles import built_in
+from geometry.inertia import PARAMETERS
+from identification import campaign_file
+from identification.classical import QUANTITIES
+from identification.identified import counts
+from identification.identify import Identification, identify
+from validation.identifying import run as running
+from validation.identifying import table
+from validation.identifying.asked import Asked, Ready, ready
+from validation.identifying.findings import Findings
+from validation.identifying.gathered import gathered
+from validation.identifying.run import answer
+from validation.statement import about_cog
+from validation.tables.text import page
+from validation.virtual_test.plan import Plan
+from validation.virtual_test.simulate import simulate
+
+FAST = Plan(article="fmd+clumod-1", seed=7, damping=Damping(ratio=0.03), octaves_per_minute=60.0)
+"""Sweeps of three seconds, with the tolerances of an ordinary laboratory."""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Ready:
+    place = tmp_path_factory.mktemp("elastic")
+    for article in ("fmd+clumod-1", "fmd+disc+cuboid"):
+        campaign_file.write(place / article, simulate(replace(FAST, article=article)).campaign)
+    asked = Asked(campaign=str(place / "fmd+clumod-1"), tares=(str(place / "fmd+disc+cuboid"),), modes="0", study=False)
+    return ready(asked)
+
+
+@pytest.fixture(scope="module")
+def done(made: Ready) -> Identification:
+    return identify(made.request)
+
+
+@pytest.fixture(scope="module")
+def shown(made: Ready, done: Identification) -> Findings:
+    return gathered(made, done)
+
+
+def test_the_band_ends_below_the_first_resonance(done: Identification) -> None:
+    assert done.plain.resonance is not None
+    assert 9 < done.plain.resonance < 14  # the first bending modes of the blade, at 11 to 12 Hz
+    assert done.plain.band[1] < 0.7 * done.plain.resonance
+    assert done.self_calibrated.band == done.plain.band
+    assert any("first resonance" in reason for reason in done.exclusions.reasons)
+
+
+def test_the_errors_are_of_the_kind_of_table_2(shown: Findings) -> None:
+    """Of the paper: mass +2.9 %, CoG z 13 mm, moments up to 15 %."""
+    true = about_cog(multibody.inertia(built_in("clumod-1")))
+    apart = shown.result.values - true
+    assert 0.005 < apart[0] / true[0] < 0.06
+    assert 5e-3 < abs(apart[3]) < 60e-3
+    assert 0.02 < np.abs(apart[4:6] / true[4:6]).max() < 0.3
+    assert np.abs(apart[1:3]).max() < 5e-3
+
+
+def test_all_ten_are_flagged_and_the_page_says_which_result_counts(shown: Findings) -> None:
+    assert shown.result.identified.way == "plain"
+    assert all(shown.verdict[name].startswith("dominated by elasticity") for name in (*PARAMETERS, *QUANTITIES))
+    text = " ".join(page(table.title(shown), table.grids(shown), table.notes(shown), 132).split())
+    assert "the plain result is the one that counts" in text
+    assert "taken for rigid from 4 to" in text
+
+
+def test_an_elastic_article_is_no_failure_of_the_command(
+    made: Ready, done: Identification, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(running, "ready", lambda *_: made)
+    monkeypatch.setattr(running, "identify", lambda *_: done)
+    answer(Asked(campaign="somewhere"), None, as_json=True, folder=None, keep=False)
+    assert '"result": "plain"' in capsys.readouterr().out
+
+
+def test_a_fit_that_did_not_converge_is_not_the_result(done: Identification) -> None:
+    plain, better = (replace(one, resonance=None) for one in (done.plain, done.self_calibrated))
+    assert counts([plain, better]) == 1
+    assert counts([plain, replace(better, converged=False)]) == 0
+    assert counts([plain]) == 0
