@@ -69,7 +69,8 @@ def verdicts(found: Findings) -> Grid:
     lines = []
     for k, (quantity, name) in enumerate(zip(QUANTITIES, classical.QUANTITIES, strict=True)):
         said = found.verdict.get(name, NONE)
-        lines.append((quantity.label, said + _next(found.result.dominating(k))))
+        second = _next(found.result.dominating(k)) if "of the variance" in said else ""
+        lines.append((quantity.label, said + second))
     return Grid(header=("", f"verdict on the {found.result.identified.way} result"), lines=tuple(lines), words=True)
 
 

@@ -48,8 +48,9 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
     BadInput : the ending of `path` is unknown.
     """
     require_format(path)
-    figure = new_figure(15.0, 9.4)
-    grid = figure.add_gridspec(2, 2, hspace=0.27, wspace=0.2, width_ratios=(1, 1.15), **_ROOM)
+    columns = 2 if drawn.growth else 1
+    figure = new_figure(15.0 if drawn.growth else 9.0, 9.4)
+    grid = figure.add_gridspec(2, columns, hspace=0.27, wspace=0.2, width_ratios=(1, 1.15)[:columns], **_ROOM)
     _condition(figure.add_subplot(grid[0, 0]), drawn)
     _intervals(figure.add_subplot(grid[1, 0]), drawn)
     if drawn.growth:
