@@ -77,6 +77,7 @@ class Findings:
     lines, dynamic_mass, crossed, spectra, residuals, study : evidence; None where it does not exist
     checks : findings of the closed checks
     verdict : by PARAMETER about F and by name in `identification.classical.QUANTITIES`, in words
+    doubts : what says that the figures are not to be trusted, the gravest first; sentences without their full stop
     warnings : sentences without their full stop
     """
 
@@ -94,6 +95,7 @@ class Findings:
     residuals: DrawnResiduals | None = None
     study: Study | None = None
     checks: tuple[Finding, ...] = ()
+    doubts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property

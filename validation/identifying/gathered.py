@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import Inertia, six_from_tensor
-from identification import closed_checks
+from identification import closed_checks, trust
 from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
 from identification.elastic.study import BandStudy
@@ -39,6 +39,9 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
     pose = (mount or Pose()) @ (frame or Pose())
     ways = (found.plain, found.self_calibrated)
     results = tuple(reported(one, pose) for one in ways)
+    checks = _checks(found)
+    against = (*trust.contradictions(checks), *_of_tares(found))
+    failed = trust.failures(results[-1].identified)
     said = [*made.warnings, *found.warnings, *(text for one in ways for text in one.warnings)]
     return Findings(
         article=above_fmd(request.campaign.article) if off else request.campaign.article,
@@ -46,9 +49,10 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
         frame=frame,
         request=request,
         results=results,
-        verdict=_verdict(results[-1], study, rigid=request.modes == 0),
+        verdict=trust.judged(_verdict(results[-1], study, rigid=request.modes == 0), against, failed),
+        doubts=(*against, *failed),
         study=None if study is None else band.maps(found, study, pose),
-        checks=_checks(found),
+        checks=checks,
         rigid=rigid(found, found.self_calibrated),
         lines=_lines(found),
         dynamic_mass=found.estimate.dynamic_mass,
@@ -67,6 +71,14 @@ def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[
 def _checks(found: Identification) -> tuple[Finding, ...]:
     request = found.request
     return closed_checks.checks(found.estimate.dynamic_mass, found.article, request.tolerances, gravity=request.campaign.gravity)
+
+
+def _of_tares(found: Identification) -> Iterator[str]:
+    """What contradicts itself in the tares, each with the tare's name."""
+    request = found.request
+    for tare, read in zip(request.tares, found.tares, strict=True):
+        checks = closed_checks.of_spectra(read, request.tolerances, gravity=tare.campaign.gravity)
+        yield from (f"{text}, in the tare {tare.campaign.article}" for text in trust.contradictions(checks))
 
 
 def rigid(found: Identification, one: Identified) -> Array:
