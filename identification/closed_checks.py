@@ -21,8 +21,10 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.observability import LOADS
 from geometry.tolerances import Tolerances
-from identification.base_motion import STANDARD_GRAVITY
+from identification.base_motion import STANDARD_GRAVITY, base_motion
+from identification.dynamic_mass import from_runs
 from identification.mistakes import LIMIT, Suspect, suspects
+from identification.resultants import resultants
 from identification.self_consistency import Readings, deviation, elasticity, misfit, readings
 from identification.spectra.line_spectra import Spectra
 
@@ -81,6 +83,22 @@ def checks(
         *_agreement(of),
         _channels(of),
     )
+
+
+def of_spectra(spectra: Spectra, tolerances: Tolerances = ORDINARY, *, gravity: float = STANDARD_GRAVITY) -> tuple[Finding, ...]:
+    """All checks of `spectra`; without those of the dynamic mass where their runs tell none.
+
+    Raises
+    ------
+    BadInput : pick-ups or load cells that tell no base motion or no resultants.
+    """
+    motion, load = base_motion(spectra, gravity=gravity), resultants(spectra)
+    try:
+        estimate = from_runs(load.values, motion.values, spectra.frequency, spectra.table.origin)
+    except BadInput:
+        of = readings(spectra, tolerances, gravity)
+        return (*_agreement(of), _channels(of))
+    return checks(estimate.dynamic_mass, spectra, tolerances, gravity=gravity)
 
 
 def _worst(departures: Iterable[Departure]) -> tuple[str, float]:

@@ -31,6 +31,7 @@ class Identified:
         variance of each of the ten, (10,); they add up to 1
     misfit : chi² for each degree of freedom; nan where noise is not known
     surprise : sum z² of the tolerances that were estimated; 0 for the plain way
+    tolerances : how many these are
     converged : whether the iteration ended by itself
     resonance : [Hz] the lowest one in sight of a structure that was taken for rigid all the same; None otherwise
     parts : by input its part (10, 10) of the covariance; they add up to it
@@ -48,6 +49,7 @@ class Identified:
     shares: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     misfit: float = float("nan")
     surprise: float = 0.0
+    tolerances: int = 0
     converged: bool = True
     resonance: float | None = None
     parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))

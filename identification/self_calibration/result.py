@@ -23,6 +23,9 @@ from identification.self_calibration.solve import Solution, inverse
 
 NOISE = "noise"
 
+CHAIN = "chain:"
+"""How the names of the blocks begin that hold tolerances of the measurement chain."""
+
 SEED = 5
 """Of the block bootstrap: the same data give the same result."""
 
@@ -75,6 +78,7 @@ def identified(problem: Assembly, solution: Solution, settings: Settings) -> Ide
         shares={name: np.diag(part) / np.diag(covariance) for name, part in split.items()},
         misfit=found.misfit,
         surprise=surprise(layout, solution.x),
+        tolerances=sum(len(one.families) for one in layout.blocks if one.name.startswith(CHAIN)),
         converged=solution.converged,
         parts=split,
         gained=gained(problem, found),
@@ -118,9 +122,7 @@ def resampled(problem: Assembly, solution: Solution, found: Posterior, settings:
 
 def surprise(layout: Layout, x: Array) -> float:
     """Sum z² of the tolerances of the measurement chain."""
-    return float(
-        sum(np.sum(np.square(one.rows @ x[layout.at(one.name)])) for one in layout.blocks if one.name.startswith("chain:"))
-    )
+    return float(sum(np.sum(np.square(one.rows @ x[layout.at(one.name)])) for one in layout.blocks if one.name.startswith(CHAIN)))
 
 
 def _with_elastic_held(layout: Layout, found: Posterior) -> Array:

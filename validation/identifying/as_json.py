@@ -34,7 +34,8 @@ def as_json(found: Findings) -> dict[str, Any]:
         "inertia": inertia_json(best.inertia),
         "interval95": _interval(best),
         "verdict": {name: found.verdict.get(name, "") for name in PARAMETERS},
-        "warnings": list(found.warnings),
+        "doubts": list(found.doubts),
+        "warnings": [*found.doubts, *found.warnings],
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
         "checks": [_check(one) for one in found.checks],
@@ -95,6 +96,7 @@ def _way(one: Reported) -> dict[str, Any]:
         "elastic": None if found.elastic is None else _elastic(found.elastic),
         "chi2_per_dof": found.misfit if isfinite(found.misfit) else None,
         "tolerance_z2": found.surprise,
+        "tolerances": found.tolerances,
         "converged": found.converged,
         "warnings": list(found.warnings),
     }

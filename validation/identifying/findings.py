@@ -82,6 +82,7 @@ class Findings:
     checks : findings of the closed checks
     losses : what the base motion would be without each of its accelerometers
     verdict : by PARAMETER about F and by name in `identification.classical.QUANTITIES`, in words
+    doubts : what says that the figures are not to be trusted, the gravest first; sentences without their full stop
     warnings : sentences without their full stop
     """
 
@@ -100,6 +101,7 @@ class Findings:
     study: Study | None = None
     checks: tuple[Finding, ...] = ()
     losses: tuple[Loss, ...] = ()
+    doubts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property

@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from geometry.consistency import judge
 from geometry.frames import Pose
 from geometry.inertia import Inertia, six_from_tensor
-from identification import closed_checks, losing_a_sensor
+from identification import closed_checks, losing_a_sensor, trust
 from identification.closed_checks import Finding
 from identification.elastic.model import dynamic_mass
 from identification.elastic.study import BandStudy
@@ -44,13 +44,16 @@ def gathered(made: Ready, found: Identification, frame: Pose | None = None, stud
     checked = _checks(found)
     chosen = next(one for one in results if one.identified is best)
     said = [*made.warnings, *found.warnings, *(text for one in both for text in one.warnings), *_said(chosen, both)]
+    against = (*trust.contradictions(checked), *_of_tares(found))
+    failed = trust.failures(best)
     return Findings(
         article=above_fmd(request.campaign.article) if off else request.campaign.article,
         origin="F" if mount is None else "article",
         frame=frame,
         request=request,
         results=results,
-        verdict=_verdict(chosen, study, checked, rigid=request.modes == 0),
+        verdict=trust.judged(_verdict(chosen, study, rigid=request.modes == 0), against, failed),
+        doubts=(*against, *failed),
         study=None if study is None else band.maps(found, study, pose),
         checks=checked,
         losses=losing_a_sensor.without_each(found.article, gravity=request.campaign.gravity),
@@ -75,18 +78,22 @@ def _said(chosen: Reported, both: Sequence[Identified]) -> Iterator[str]:
         yield f"within their intervals only can a body have these moments: {body.text}"
 
 
-def _verdict(one: Reported, study: BandStudy | None, checked: Sequence[Finding], *, rigid: bool) -> Mapping[str, str]:
+def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[str, str]:
     told = one.quality.verdict
-    moved = told if study is None else band.verdicts(told, study, rigid=rigid)
-    broken = next((check for check in checked if not check.holds and check.suspects), None)
-    if broken is None:
-        return moved
-    return dict.fromkeys(moved, f"not identifiable from this data: {broken.text}; put that right first")
+    return told if study is None else band.verdicts(told, study, rigid=rigid)
 
 
 def _checks(found: Identification) -> tuple[Finding, ...]:
     request = found.request
     return closed_checks.checks(found.estimate.dynamic_mass, found.article, request.tolerances, gravity=request.campaign.gravity)
+
+
+def _of_tares(found: Identification) -> Iterator[str]:
+    """What contradicts itself in the tares, each with the tare's name."""
+    request = found.request
+    for tare, read in zip(request.tares, found.tares, strict=True):
+        checks = closed_checks.of_spectra(read, request.tolerances, gravity=tare.campaign.gravity)
+        yield from (f"{text}, in the tare {tare.campaign.article}" for text in trust.contradictions(checks))
 
 
 def rigid(found: Identification, one: Identified) -> Array:

@@ -37,11 +37,18 @@ def grids(found: Findings) -> list[Grid]:
     """All tables, in the order in which they are read."""
     elastic = found.result.identified.elastic
     return [
+        *([doubts(found.doubts)] if found.doubts else []),
         values(found),
         verdicts(found),
         *([modes(elastic)] if elastic is not None and len(elastic.frequency) else []),
         *([single_axis(found.crossed)] if found.crossed is not None else []),
     ]
+
+
+def doubts(said: tuple[str, ...]) -> Grid:
+    """What stands above every figure: why none of them is to be trusted."""
+    lines = tuple((str(k), text) for k, text in enumerate(said, start=1))
+    return Grid(header=("", "the data contradict themselves: do not trust these figures"), lines=lines, words=True)
 
 
 def values(found: Findings) -> Grid:
@@ -141,7 +148,7 @@ def _fit(one: Reported) -> str:
     found = one.identified
     terms = 0 if found.elastic is None else len(found.elastic.frequency)
     misfit = "" if np.isnan(found.misfit) else f", chi² per degree of freedom {found.misfit:.3g}"
-    surprise = f", sum z² of the tolerances {found.surprise:.3g}" if found.surprise else ""
+    surprise = f", sum z² of {found.tolerances} tolerances {found.surprise:.3g}" if found.surprise else ""
     stopped = "" if found.converged else "; it did not converge"
     by_spectra = "" if found.raw is None else f"; from raw spectra instead of H the mass is {found.raw[0]:.5g} kg"
     return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."

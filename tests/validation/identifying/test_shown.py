@@ -48,7 +48,7 @@ def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Findings) -
         "Without mass_kg of scale.toml the interval of m would be 4 times as wide.",
         "warning: the Cuboid's drawing is taken as it is.",
         "tare fmd+disc+cuboid",
-        "sum z² of the tolerances 31",
+        "sum z² of 40 tolerances 31",
         "from the article's own origin",
     ],
 )
