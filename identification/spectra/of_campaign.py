@@ -27,6 +27,7 @@ from identification.spectra import noise, quality, record_ends
 from identification.spectra.full_record import full_record
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.peak_hold import hann, peak_reference_hold
+from identification.spectra.redundant_noise import of_redundancy
 
 Progress = Callable[[float], None]
 
@@ -197,8 +198,12 @@ def _as_recorded(
         problem = f"the files do not hold the lines asked for, theirs lie from {given[0]:g} to {given[-1]:g} Hz"
         raise _refused(campaign, "frequency", problem, "Spectra are not interpolated: ask for lines of the files, or for a band")
     values = np.stack([one.values[at] for one in recorded])
-    unknown = "the files hold spectra, which have no quiet part: the noise is not known and counts as 0"
-    return _spectra(campaign, given[at], values, np.zeros(values.shape), "spectra", (unknown,))
+    made = _spectra(campaign, given[at], values, np.zeros(values.shape), "spectra", ())
+    sd = of_redundancy(made, campaign.gravity)
+    found = [q for q in ("acceleration", "force") if np.any(sd[:, :, list(campaign.table.select(quantity=q))] > 0)]
+    how = f"that of {' and '.join(found)} is told from redundant channels" if found else "it is not known and counts as 0"
+    said = f"the files hold spectra, which have no quiet part to take the noise from: {how}"
+    return replace(made, noise=sd, warnings=(*made.warnings, said))
 
 
 def _same(some: Array, others: Array, grid: Array | None = None) -> bool:

@@ -181,6 +181,7 @@ def test_what_its_truth_vouches_for_is_made_again_and_nothing_else_is_touched(ru
     assert folders.digests(made)["x.h5"] == before["x.h5"]
     simulated(run, "fmd+cuboid", "--out", "made", "--seed", "2")
     assert folders.digests(Path("made"))["x.h5"] != before["x.h5"]
+    assert "in place of the virtual test that was there" in run("simulate", "fmd+cuboid", "--out", "made", *FAST)[2]
     Path("made", "notes.txt").write_text("mine")
     code, out, err = run("simulate", "fmd+cuboid", "--out", "made", *FAST)
     assert (code, out) == (cli.BAD_INPUT, "")

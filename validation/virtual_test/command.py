@@ -20,13 +20,14 @@ from validation.virtual_test.simulate import VirtualTest
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Written:
-    """A virtual test that was written: as its file states it, where it lies, and where its truth does."""
+    """A virtual test that was written: as its file states it, where it lies and its truth, and whether it replaced another."""
 
     plan: Plan
     campaign: Campaign
     test: VirtualTest
     folder: Path
     truth: Path
+    replaced: bool
 
 
 def simulate(question: Question, *, as_json: bool) -> None:
@@ -50,7 +51,8 @@ def simulate(question: Question, *, as_json: bool) -> None:
     if as_json:
         print_json(summary.as_json(done, question))
     for one in done:
-        click.echo(f"massline: wrote {one.folder} and its truth {one.truth}.", err=True)
+        instead = " in place of the virtual test that was there" if one.replaced else ""
+        click.echo(f"massline: wrote {one.folder} and its truth {one.truth}{instead}.", err=True)
 
 
 def _require_free(question: Question) -> None:
@@ -75,9 +77,11 @@ def _written(question: Question, plan: Plan, words: str, *, quiet: bool) -> Writ
             raise _of_rig(error) from None
     _require_alive(test.campaign)
     campaign, folder, truth = in_units(test.campaign, question.units), question.folder(plan), question.truth(plan)
+    replaced = folder.exists() and any(folder.iterdir())
     with shown(f"{words}: writing {folder}", quiet=quiet):
         folders.write(folder, truth, test.truth, lambda new: campaign_file.write(new, campaign, ending=question.ending))
-    return Written(plan=plan, campaign=replace(campaign, source=str(folder)), test=test, folder=folder, truth=truth)
+    campaign = replace(campaign, source=str(folder))
+    return Written(plan=plan, campaign=campaign, test=test, folder=folder, truth=truth, replaced=replaced)
 
 
 def _of_rig(error: BadInput) -> BadInput:
