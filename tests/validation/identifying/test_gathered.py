@@ -57,7 +57,7 @@ def test_residuals_are_shares_of_what_channels_of_a_kind_read(found: Findings) -
 def test_a_channel_that_is_suspected_by_name_comes_before_every_verdict(found: Findings) -> None:
     (broken,) = (one for one in found.checks if not one.holds)
     assert _verdict(found.result, None, [broken], rigid=False) == found.result.quality.verdict  # nobody is suspected by name
-    suspected = replace(broken, suspects=(Suspect(mistakes=(), before=9.0, after=1.0),))
+    suspected = replace(broken, suspects=(Suspect(mistakes=(), before=9.0, after=1.0, explains=True),))
     said = _verdict(found.result, None, [suspected], rigid=False)
     assert set(said) == set(found.result.quality.verdict)
     assert all("fmd-z1 has the wrong sign" in text and "trustworthy" not in text for text in said.values())
