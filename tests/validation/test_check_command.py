@@ -94,6 +94,19 @@ def test_warnings_end_with_1_and_are_printed(run: Run, folder: Path) -> None:
     assert json.loads(out)["usable"]
 
 
+def test_a_channel_with_the_wrong_sign_is_suspected_and_a_quick_look_does_not_see_it(run: Run, folder: Path) -> None:
+    for path in folder.glob("*.h5"):
+        with h5py.File(path, "a") as file:
+            file["channels/cover-z1"][...] = -file["channels/cover-z1"][()]
+    code, out, _ = run("check", "own")
+    assert code == cli.FAILED_CHECK
+    assert "it looks as if cover-z1 has the wrong sign" in " ".join(out.split())
+    said = json.loads(run("check", "own", "--json")[1])
+    assert "polarity:cover-z1" in [name for one in said["checks"] for suspect in one["suspects"] for name in suspect["effects"]]
+    code, out, _ = run("check", "own", "--quick")
+    assert (code, "looks as if" in out) == (cli.DONE, False)
+
+
 def test_a_loud_channel_is_said(run: Run, campaign: Campaign, tmp_path: Path) -> None:
     quiet = tuple(replace(c, noise_rms=0.1) if c.name == "fmd-z1" else c for c in campaign.table.channels)
     campaign_file.write(tmp_path / "own", replace(campaign, table=replace(campaign.table, channels=quiet)))

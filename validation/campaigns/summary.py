@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.observability import Observability
-from identification.campaign import Campaign
+from identification import trust
+from identification.campaign import Campaign, Processing
 from identification.campaign_checks import observed
 from identification.campaign_file import Progress, examine
+from identification.closed_checks import Finding, of_spectra
+from identification.self_consistency import REACH
+from identification.spectra.of_campaign import spectra
 from identification.survey import Levels, levels, noise_floors
 
 LOUD = 1.5
@@ -31,6 +35,7 @@ class Summary:
     verdicts : which motions and resultants can be told, by what from what
     levels : by run, what the table did; runs without a level are left out
     noise : (c,) broadband rms of every channel in the quiet parts, in SI; None where there is none
+    checks : what the channels say of each other, without a model; empty where that was not asked for or cannot be told
     """
 
     folder: str
@@ -40,6 +45,7 @@ class Summary:
     verdicts: Mapping[str, Observability]
     levels: Mapping[str, Levels]
     noise: Array | None
+    checks: tuple[Finding, ...] = ()
 
     @property
     def usable(self) -> bool:
@@ -47,8 +53,8 @@ class Summary:
         return self.campaign is not None and not self.problems
 
 
-def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
-    """All about the campaign in `folder`.
+def summary(folder: str | Path, *, closed: bool = True, progress: Progress | None = None) -> Summary:
+    """All about the campaign in `folder`; `closed` also holds its channels against each other.
 
     Raises
     ------
@@ -60,7 +66,27 @@ def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
         return Summary(
             folder=str(folder), campaign=None, problems=found.problems, warnings=(), verdicts={}, levels={}, noise=None
         )
-    return of_campaign(folder, campaign, found.problems)
+    made = of_campaign(folder, campaign, found.problems)
+    if not closed or found.problems:
+        return made
+    checks = _checked(campaign)
+    said = (f"{campaign.source}: {text}" for text in trust.contradictions(checks))
+    return replace(made, checks=checks, warnings=(*said, *made.warnings))
+
+
+def _checked(campaign: Campaign) -> tuple[Finding, ...]:
+    """The closed checks at the lowest lines; none where the campaign is too poor for them, which its verdicts say."""
+    try:
+        return of_spectra(spectra(campaign, band=_lowest(campaign)), gravity=campaign.gravity)
+    except BadInput:
+        return ()
+
+
+def _lowest(campaign: Campaign) -> tuple[float, float]:
+    """[Hz] of the lines that closed checks use."""
+    lines = next(iter(campaign.recordings.values())).frequency
+    start = (campaign.processing or Processing()).start if lines is None else float(lines[0])
+    return start, REACH * start
 
 
 def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput, ...] = ()) -> Summary:

@@ -8,6 +8,7 @@ from geometry.errors import BadInput
 from geometry.observability import Observability
 from geometry.sensors import Channel
 from identification.campaign import Campaign, Run
+from identification.closed_checks import Finding
 from identification.recording import Recording
 from identification.survey import Levels
 from validation.campaigns.summary import Summary
@@ -26,7 +27,17 @@ def as_json(summary: Summary) -> dict[str, Any]:
             "runs": [_run(run, campaign.recordings.get(run.name), summary.levels.get(run.name)) for run in campaign.runs],
             "observability": {what: _verdict(one) for what, one in summary.verdicts.items()},
         }
+    found["checks"] = [check(one) for one in summary.checks]
     return found | {"problems": [_problem(one) for one in summary.problems], "warnings": list(summary.warnings)}
+
+
+def check(one: Finding) -> dict[str, Any]:
+    """A closed check."""
+    suspects = [
+        {"effects": [name for mistake in suspect.mistakes for name in mistake.identifiers], "text": suspect.text}
+        for suspect in one.suspects
+    ]
+    return {"name": one.name, "holds": one.holds, "tolerances": one.value, "text": one.text, "suspects": suspects}
 
 
 def _description(campaign: Campaign) -> dict[str, Any]:

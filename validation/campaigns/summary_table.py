@@ -38,6 +38,8 @@ def notes(summary: Summary) -> list[str]:
     campaign = summary.campaign
     about = [] if campaign is None else list(_about(campaign, summary))
     warnings = [f"warning: {text}." for text in summary.warnings]
+    if sound := [one.name for one in summary.checks if one.holds]:
+        about.append(f"Closed checks that hold: {', '.join(sound)}.")
     return [
         *about,
         *warnings,

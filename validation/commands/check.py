@@ -13,9 +13,12 @@ from validation.commands import options
 @click.argument("campaign")
 @options.JSON
 @click.option("--view", is_flag=True, help="Also draw pick-ups and load cells on the article, under out/.")
+@click.option("--quick", is_flag=True, help="Do not hold the channels against each other, which takes spectra of every run.")
 @click.pass_context
-def command(ctx: click.Context, campaign: str, as_json: bool, view: bool) -> None:
-    """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong.
+def command(ctx: click.Context, campaign: str, as_json: bool, view: bool, quick: bool) -> None:
+    """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong,
+    a channel with a wrong sign, a wrong unit or the plug of another among it: redundant channels must agree, and so must the
+    dynamic mass with that of a body.
 
     Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
     they are.
@@ -27,8 +30,8 @@ def command(ctx: click.Context, campaign: str, as_json: bool, view: bool) -> Non
     from validation.progress import shown
     from validation.tables.text import page
 
-    with shown(f"reading {campaign}", quiet=as_json):
-        found = summary(campaign)
+    with shown(f"reading and checking {campaign}", quiet=as_json):
+        found = summary(campaign, closed=not quick)
     if found.campaign is None and len(found.problems) == 1:
         raise found.problems[0]
     if as_json:

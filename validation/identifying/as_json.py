@@ -10,9 +10,9 @@ from geometry.arrays import Array
 from geometry.frames import Pose
 from geometry.inertia import PARAMETERS
 from identification.classical import QUANTITIES
-from identification.closed_checks import Finding
 from identification.elastic.terms import ElasticTerms
 from identification.request import Request
+from validation.campaigns.summary_json import check
 from validation.identifying.findings import Findings, Lines, Study
 from validation.identifying.reported import Reported
 from validation.output import inertia_json
@@ -35,7 +35,7 @@ def as_json(found: Findings) -> dict[str, Any]:
         "warnings": [*found.doubts, *found.warnings],
         "result": best.identified.way,
         **{one.identified.way.replace("-", "_"): _way(one) for one in found.results},
-        "checks": [_check(one) for one in found.checks],
+        "checks": [check(one) for one in found.checks],
         "cross_motion": [] if found.crossed is None else list(found.crossed.text),
         "lines": None if found.lines is None else _lines(found.lines),
         "study": None if found.study is None else _study(found.study),
@@ -52,14 +52,6 @@ def _interval(one: Reported) -> dict[str, Any]:
         "moi_cog_kgm2": pairs[4:7].tolist(),
         "poi_cog_kgm2": pairs[7:].tolist(),
     }
-
-
-def _check(one: Finding) -> dict[str, Any]:
-    suspects = [
-        {"effects": [name for mistake in suspect.mistakes for name in mistake.identifiers], "text": suspect.text}
-        for suspect in one.suspects
-    ]
-    return {"name": one.name, "holds": one.holds, "tolerances": one.value, "text": one.text, "suspects": suspects}
 
 
 def _way(one: Reported) -> dict[str, Any]:

@@ -12,10 +12,10 @@ import numpy as np
 from geometry.arrays import Array
 from validation.pictures.curves import Axes, finish, grid_lines, new_figure
 from validation.pictures.files import require_format
-from validation.pictures.palette import FAINT, INK, PAPER
+from validation.pictures.palette import FAINT, INK, PAPER, input_colours
 
 RUNS = ("#c8283c", "#1f8a4c", "#2456c4", "#d9541e", "#8e6fc0", "#c9a227", "#33373d", "#5f9ea0", "#b5838d")
-"""Of runs, and of inputs, in turn."""
+"""Of runs, in turn."""
 
 LIMIT = "#c8283c"
 LEFT_OUT = "#f6d9dc"
@@ -194,7 +194,7 @@ def draw_shares(title: str, drawn: Sequence[DrawnShares], path: Path, note: str 
     figure = new_figure(15.0, 7.2)
     grid = figure.add_gridspec(1, len(drawn), wspace=0.2, left=0.065, right=0.915, top=0.865, bottom=0.21)
     names = _important([one.shares for one in drawn])
-    colour = dict(zip(names, _turns(len(names)), strict=True))
+    colour = input_colours(names)
     for k, one in enumerate(drawn):
         axes = figure.add_subplot(grid[k])
         _bars(axes, one, colour)
