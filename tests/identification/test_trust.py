@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from geometry.inertia import Inertia
+from identification.campaign import Campaign
 from identification.closed_checks import Finding, of_spectra
-from identification.evidence import Evidence
 from identification.identified import Identified
-from identification.mistakes import Mistake, undone
-from identification.self_calibration.calibrated import calibrated
-from identification.spectra.line_spectra import Spectra
+from identification.spectra.of_campaign import spectra
 from identification.trust import BENT, BROKEN, MISFIT, contradictions, failures, judged
 
 SOUND = Identified(
@@ -55,8 +53,12 @@ def test_a_misfit_that_is_not_known_says_nothing() -> None:
     assert failures(replace(SOUND, misfit=float("nan"))) == ()
 
 
-def test_a_channel_in_a_wrong_unit_comes_first_in_every_verdict(unit_slip: Spectra) -> None:
-    against = contradictions(of_spectra(unit_slip))
+def test_a_channel_in_a_wrong_unit_comes_first_in_every_verdict(campaign: Campaign) -> None:
+    sound = spectra(campaign, band=(4.0, 6.0))
+    assert contradictions(of_spectra(sound)) == ()
+    factor = np.ones(len(sound.table))
+    factor[sound.table.names.index("fmd-z2")] = 1 / 4.4482216152605  # lbf taken for N
+    against = contradictions(of_spectra(replace(sound, values=sound.values * factor)))
     assert "fmd-z2 has the wrong unit" in against[0]
     for said in judged(TOLD, against, ("the fit did not converge",)).values():
         assert said.startswith("not trustworthy: it looks as if fmd-z2 has the wrong unit")

@@ -48,12 +48,13 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
     BadInput : the ending of `path` is unknown.
     """
     require_format(path)
-    columns = 2 if drawn.growth else 1
-    figure = new_figure(15.0 if drawn.growth else 9.0, 9.4)
-    grid = figure.add_gridspec(2, columns, hspace=0.27, wspace=0.2, width_ratios=(1, 1.15)[:columns], **_ROOM)
+    lost = bool(drawn.growth)
+    figure = new_figure(15.0 if lost else 9.0, 10.4)
+    room = _ROOM if lost else {**_ROOM, "left": 0.13}
+    grid = figure.add_gridspec(2, 2 if lost else 1, hspace=0.2, wspace=0.2, height_ratios=(1, 1.7), **room)
     _condition(figure.add_subplot(grid[0, 0]), drawn)
-    _intervals(figure.add_subplot(grid[1, 0]), drawn)
-    if drawn.growth:
+    _intervals(figure, grid[1, 0], drawn)
+    if lost:
         _growth(figure, figure.add_subplot(grid[:, 1]), drawn)
     finish(figure, title, note, path)
 
@@ -62,7 +63,7 @@ _ROOM = {"left": 0.085, "right": 0.975, "top": 0.9, "bottom": 0.09}
 
 
 def _condition(axes: Axes, drawn: DrawnPretest) -> None:
-    axes.semilogy(drawn.frequency, drawn.condition, color=CURVES[0], linewidth=1.4)
+    axes.semilogy(drawn.frequency, drawn.condition, color=CURVES[0], linewidth=1.4, label="condition number")
     axes.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
     axes.set_ylim(1.0, 2 * max(float(drawn.condition.max()), drawn.limit))
     axes.set_xlim(drawn.frequency[0], drawn.frequency[-1])
@@ -72,22 +73,33 @@ def _condition(axes: Axes, drawn: DrawnPretest) -> None:
     grid_lines(axes)
 
 
-def _intervals(axes: Axes, drawn: DrawnPretest) -> None:
-    count = len(drawn.intervals)
-    places = np.arange(len(drawn.quantities))
+def _intervals(figure: Any, place: Any, drawn: DrawnPretest) -> None:
+    """A panel for each unit, so that every bar has an axis that measures it."""
+    units = [name.rpartition("[")[2].rstrip("]") for name in drawn.quantities]
+    kinds = list(dict.fromkeys(units))
+    grid = place.subgridspec(len(kinds), 1, hspace=0.45, height_ratios=[1 + units.count(unit) for unit in kinds])
+    for k, unit in enumerate(kinds):
+        axes = figure.add_subplot(grid[k])
+        _bars(axes, drawn, [i for i, own in enumerate(units) if own == unit])
+        axes.set_xlabel(f"[{unit}]", fontsize=9, labelpad=1)
+        if not k:
+            axes.set_title("expected ± 95 %", fontsize=11, loc="left", color=INK)
+            axes.legend(fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2)
+
+
+def _bars(axes: Axes, drawn: DrawnPretest, chosen: list[int]) -> None:
+    count, places = len(drawn.intervals), np.arange(len(chosen))
     height = 0.8 / count
     for k, ((name, half), colour) in enumerate(zip(drawn.intervals.items(), CURVES, strict=False)):
         at = places + (k - (count - 1) / 2) * height
-        axes.barh(at, half, height=0.9 * height, color=colour, label=name)
-        for place, value in zip(at, half, strict=True):
+        axes.barh(at, half[chosen], height=0.9 * height, color=colour, label=name)
+        for place, value in zip(at, half[chosen], strict=True):
             axes.text(value, place, f" {value:.2g}", va="center", fontsize=7.5, color=INK)
     axes.set_xscale("log")
-    axes.set_yticks(places, drawn.quantities)
+    axes.set_yticks(places, [drawn.quantities[i].partition(" [")[0] for i in chosen])
     axes.invert_yaxis()
     low, high = axes.get_xlim()
-    axes.set_xlim(low / 1.5, high * 2.5)
-    axes.set_title("expected ± 95 %, in the unit of each", fontsize=11, loc="left", color=INK)
-    axes.legend(fontsize=8.5, loc="lower right", framealpha=0.9)
+    axes.set_xlim(low / 1.5, high * 1.6)
     grid_lines(axes)
     axes.grid(visible=False, axis="y")
 

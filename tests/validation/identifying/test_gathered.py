@@ -1,6 +1,5 @@
 """What is gathered from the evidence: the rigid body behind a measured dynamic mass, what redundant channels leave over."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,9 +7,8 @@ from numpy.testing import assert_allclose
 
 from geometry.inertia import Inertia
 from identification.identified import Identified
-from identification.mistakes import Suspect
 from validation.identifying.findings import Findings
-from validation.identifying.gathered import _verdict, residuals, rigid
+from validation.identifying.gathered import residuals, rigid
 
 
 def test_the_rigid_body_behind_a_dynamic_mass_is_found_whatever_was_left_out(found: Findings) -> None:
@@ -52,12 +50,3 @@ def test_residuals_are_shares_of_what_channels_of_a_kind_read(found: Findings) -
     assert drawn.channels == (*names, *cells)
     assert_allclose(drawn.share[..., : len(names)], 0.004)
     assert_allclose(drawn.share[..., len(names) :], 0.02)
-
-
-def test_a_channel_that_is_suspected_by_name_comes_before_every_verdict(found: Findings) -> None:
-    (broken,) = (one for one in found.checks if not one.holds)
-    assert _verdict(found.result, None, [broken], rigid=False) == found.result.quality.verdict  # nobody is suspected by name
-    suspected = replace(broken, suspects=(Suspect(mistakes=(), before=9.0, after=1.0, explains=True),))
-    said = _verdict(found.result, None, [suspected], rigid=False)
-    assert set(said) == set(found.result.quality.verdict)
-    assert all("fmd-z1 has the wrong sign" in text and "trustworthy" not in text for text in said.values())
