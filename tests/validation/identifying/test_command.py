@@ -51,7 +51,9 @@ def done(series: Path) -> Identification:
 @pytest.fixture
 def driven(done: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
     """The driver answers every request with what it found on the block."""
-    monkeypatch.setattr(running, "identify", lambda request, progress: replace(done, request=request, tares=(done.article,) * len(request.tares)))
+    monkeypatch.setattr(
+        running, "identify", lambda request, progress: replace(done, request=request, tares=(done.article,) * len(request.tares))
+    )
 
 
 @pytest.fixture
