@@ -18,6 +18,13 @@ from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 
 
+TILT = np.zeros((6, 6))
+"""E, the one place where its signs stand."""
+TILT[MOTIONS.index("x"), MOTIONS.index("beta")] = 1.0
+TILT[MOTIONS.index("y"), MOTIONS.index("alpha")] = -1.0
+TILT.setflags(write=False)
+
+
 def tilt(frequency: npt.ArrayLike, gravity: float) -> Array:
     """(n, 6, 6) apparent from kinematic accelerations at `frequency` (n,) [Hz], `gravity` [m/s²].
 
@@ -29,11 +36,8 @@ def tilt(frequency: npt.ArrayLike, gravity: float) -> Array:
     if gravity and not np.all(lines > 0):
         problem = f"a tilt follows from an acceleration above 0 Hz only, found {lines.min():g} Hz"
         raise BadInput(source="gravity", field="frequency", problem=problem, remedy="Leave the line out")
-    E = np.zeros((6, 6))
-    E[MOTIONS.index("x"), MOTIONS.index("beta")] = 1.0
-    E[MOTIONS.index("y"), MOTIONS.index("alpha")] = -1.0
     share = np.divide(gravity, (2 * np.pi * lines) ** 2, out=np.zeros_like(lines), where=lines > 0)
-    return np.asarray(np.eye(6) + share[:, None, None] * E)
+    return np.asarray(np.eye(6) + share[:, None, None] * TILT)
 
 
 def against_apparent(dynamic_mass: DynamicMass, gravity: float) -> DynamicMass:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from geometry.arrays import Array
+from identification.gravity import TILT
 
 STRUCTURE = "gravity"
 SENSOR = "accelerometer-tilt"
@@ -21,7 +22,4 @@ SENSOR = "accelerometer-tilt"
 
 def turned(rows: Array) -> Array:
     """``rows @ E`` of rows (..., 6)."""
-    out = np.zeros_like(rows)
-    out[..., 4] = rows[..., 0]
-    out[..., 3] = -rows[..., 1]
-    return out
+    return np.asarray(rows @ TILT)
