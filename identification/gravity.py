@@ -17,7 +17,6 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 
-
 TILT = np.zeros((6, 6))
 """E, the one place where its signs stand."""
 TILT[MOTIONS.index("x"), MOTIONS.index("beta")] = 1.0
