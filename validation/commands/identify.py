@@ -27,6 +27,13 @@ METHODS = ("full-record", "peak-reference-hold")
     help="What stands on the FMD in the tare, for each tare; its drawing gives its inertia.  [default: what the tare says it is]",
 )
 @click.option(
+    "--known-tolerance",
+    default="0.03 %",
+    show_default=True,
+    metavar="SHARE",
+    help="How well that inertia is known, one standard deviation; more where bolts and holes are not as drawn.",
+)
+@click.option(
     "--classical",
     multiple=True,
     metavar="FILE",
@@ -61,6 +68,7 @@ def command(
     campaign: str,
     tares: tuple[str, ...],
     known: tuple[str, ...],
+    known_tolerance: str,
     classical: tuple[str, ...],
     band: tuple[float, float] | None,
     spectra: str,
@@ -95,6 +103,7 @@ def command(
         campaign=campaign,
         tares=tares,
         known=known,
+        known_tolerance=known_tolerance,
         classical=classical,
         band=band,
         spectra=spectra,

@@ -34,6 +34,10 @@ DIMENSIONS = {"delay": "time", "position": "length", "angle": "angle"}
 Progress = Callable[[str], Callable[[float], None]]
 
 
+KNOWN = "0.03 %"
+"""Standard deviation of an article that was weighed and measured with care, as a share of its parameters."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Asked:
     """The options as typed.
@@ -43,6 +47,7 @@ class Asked:
     campaign, tares, known, classical : folders, articles, files
     band : [Hz]; None for that of the campaign
     spectra : of `METHODS`
+    known_tolerance : standard deviation of the known articles' parameters, a share
     modes : "auto" or a number
     condition_limit, tolerances, cell_stiffness, fmd : see `identification.request.Request`
     """
@@ -50,6 +55,7 @@ class Asked:
     campaign: str
     tares: tuple[str, ...] = ()
     known: tuple[str, ...] = ()
+    known_tolerance: str = KNOWN
     classical: tuple[str, ...] = ()
     band: tuple[float, float] | None = None
     spectra: str = METHODS[0]
@@ -83,6 +89,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     """
     modes, tolerances, stiffness = _modes(asked.modes), tolerances_of(asked.tolerances), _stiffness(asked.cell_stiffness)
     _require_limit(asked.condition_limit)
+    share = _share(asked.known_tolerance)
     _require_band(asked.band, study=asked.study)
     names = _known_names(asked)
     described = campaign_file.read_description(asked.campaign)
@@ -97,7 +104,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     words += [*said, *_band_within(asked.band, described)]
     campaign = _read(asked.campaign, progress)
     _require_lines(asked.band, campaign)
-    tares = [_tare(folder, name, progress) for folder, name in zip(asked.tares, names, strict=True)]
+    tares = [_tare(folder, name, share, progress) for folder, name in zip(asked.tares, names, strict=True)]
     request = Request(
         campaign=campaign,
         tares=tuple(tares),
@@ -120,10 +127,24 @@ def _read(folder: str, progress: Callable[[str, float], None] | None) -> Campaig
     return campaign_file.read(folder, progress=None if progress is None else lambda share: progress(folder, share))
 
 
-def _tare(folder: str, name: str, progress: Callable[[str, float], None] | None) -> Tare:
+def _tare(folder: str, name: str, share: float, progress: Callable[[str, float], None] | None) -> Tare:
     campaign = _read(folder, progress)
     inertia, _ = known(name or above_fmd(campaign.article) or "fmd", campaign, _source(name, campaign))
-    return Tare(campaign=campaign, known=inertia)
+    return Tare(campaign=campaign, known=inertia, relative_sd=share)
+
+
+def _share(text: str) -> float:
+    """The share behind ``--known-tolerance``.
+
+    Raises
+    ------
+    BadInput : no number, or one that is not between 0 and 1, both left out.
+    """
+    share = float(quantity(text, "ratio", source="--known-tolerance", field="").nominal_value)
+    if not 0 < share < 1:
+        problem = f"a share above 0 and below 1 is expected, found {text}"
+        raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
+    return share
 
 
 def _source(name: str, tare: Campaign) -> str:

@@ -56,6 +56,8 @@ REFUSED = [
     ({"tares": ("tare",), "known": ("clumod-4",)}, "--known", "is not what stands on the FMD"),
     ({"tares": ("tare",), "known": ("disc+cubiod",)}, "--known", "Did you mean disc+cuboid"),
     ({"tares": ("article",)}, "--tare", "is the campaign itself"),
+    ({"tares": ("tare",), "known_tolerance": "2"}, "--known-tolerance", "above 0 and below 1 is expected, found 2"),
+    ({"tares": ("tare",), "known_tolerance": "little"}, "--known-tolerance", "little"),
     ({"tares": ("strange",)}, "campaign.toml", "no built-in article is called 'mystery'"),
     ({"tares": ("other",)}, "campaign.toml", "another FMD"),
     ({"tares": ("nowhere",)}, "nowhere", ""),
@@ -85,6 +87,14 @@ def test_the_known_article_is_by_default_what_the_tare_says(folders: dict[str, s
     assert known[1] is not None
     np.testing.assert_array_equal(known[0].parameters, known[1].parameters)
     assert not by_default.warnings
+
+
+def test_how_well_a_known_article_is_known_can_be_said(folders: dict[str, str]) -> None:
+    usual, poor = (
+        ready(Asked(campaign=folders["article"], tares=(folders["tare"],), **said)).request.tares[0].relative_sd
+        for said in ({}, {"known_tolerance": "0.5 %"})
+    )
+    assert (usual, poor) == (3e-4, 5e-3)
 
 
 def test_a_tare_on_a_bare_fmd_knows_nothing_on_it(folders: dict[str, str]) -> None:
