@@ -124,9 +124,7 @@ def _marks(terms: ElasticTerms) -> _Terms:
 
 
 def _diagonal(found: Findings, H: DynamicMass, path: Path) -> None:
-    note = (
-        f"Blocked dynamic mass {POINT}. {_measured(found)} Dashed: the rigid body that was identified. Ticks: elastic terms [Hz]."
-    )
+    note = f"Blocked, {POINT}. {_measured(found)} Dashed: rigid body identified. Ticks: elastic terms [Hz]."
     diagonal(f"{_stack(found)}: dynamic mass", curves(found, H), path, note)
 
 
@@ -139,7 +137,7 @@ def _measured(found: Findings) -> str:
 
 
 def _full(found: Findings, H: DynamicMass, path: Path) -> None:
-    note = f"Blocked dynamic mass {POINT}. {_measured(found)} Dashed: the rigid body that was identified."
+    note = f"Blocked, {POINT}. {_measured(found)} Dashed: rigid body identified."
     full(f"{_stack(found)}: dynamic mass, rows loads, columns base motions", curves(found, H), path, note)
 
 
