@@ -14,7 +14,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -132,9 +132,7 @@ def taken_for_rigid(seed: int) -> Json:
 
 
 def _low(found: Spectra) -> Spectra:
-    at = (found.frequency >= RIGID_BAND[0]) & (found.frequency <= RIGID_BAND[1])
-    of = {name: getattr(found, name)[:, at] for name in ("values", "noise", "quality")}
-    return replace(found, frequency=found.frequency[at], **of)
+    return found.at((found.frequency >= RIGID_BAND[0]) & (found.frequency <= RIGID_BAND[1]))
 
 
 def _identified(case: Case, made: Mapping[str, tuple[Spectra, Inertia | None]], settings: Settings | None = None) -> Json:

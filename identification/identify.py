@@ -86,9 +86,9 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     _require_lines(driven, request.campaign)
     resonance = _resonance(request, estimate.dynamic_mass, driven)
     left_out = driven if resonance is None or request.band is not None else _nearly_rigid(driven, article.frequency, resonance)
-    used = _at(article, left_out.kept)
+    used = article.at(left_out.kept)
     highest = used.frequency[-1]
-    below = [_at(tare, tare.frequency <= highest) if left_out is not driven else tare for tare in tares]
+    below = [tare.at(tare.frequency <= highest) if left_out is not driven else tare for tare in tares]
     evidence = evidence_of(request, used, below)
     by_paper = plain(evidence, settings, progress=_between(tell, READ, PLAIN))
     jointly, failed = _jointly(evidence, settings, _between(tell, PLAIN, CALIBRATED))
@@ -163,17 +163,6 @@ def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
             problem=f"the base motions are told apart at hardly any line{why}",
             remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
         )
-
-
-def _at(spectra: Spectra, at: npt.NDArray[np.bool_]) -> Spectra:
-    """The lines `at` (n,) bool of `spectra`."""
-    return replace(
-        spectra,
-        frequency=spectra.frequency[at],
-        values=spectra.values[:, at],
-        noise=spectra.noise[:, at],
-        quality=spectra.quality[:, at],
-    )
 
 
 def _resonance(request: Request, H: DynamicMass, driven: Exclusions) -> float | None:

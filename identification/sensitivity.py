@@ -49,7 +49,7 @@ def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
     data = lines_of(found.estimate.dynamic_mass, found.noise, CHAIN_ERROR, None)
     chosen = kept(data)
     gain = _gain(found, data.at(chosen).frequency, data.at(chosen).deviation)
-    thin = _at(spectra, chosen)
+    thin = spectra.at(chosen)
     H = model.dynamic_mass(Inertia(parameters=found.ten).mass_matrix, found.terms, thin.frequency)
     inverse_motion = np.asarray(np.linalg.pinv(found.motion[:, chosen].transpose(1, 2, 0)), dtype=np.complex128)  # (n, r, 6)
     offsets = np.zeros(len(chain.parameters))
@@ -79,16 +79,6 @@ def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
     full[:, :, UPPER[0], UPPER[1]] += upper / 2  # the fit sees the mean of both halves
     full[:, :, UPPER[1], UPPER[0]] += upper / 2
     return full
-
-
-def _at(spectra: Spectra, chosen: np.typing.NDArray[np.intp]) -> Spectra:
-    return replace(
-        spectra,
-        frequency=spectra.frequency[chosen],
-        values=spectra.values[:, chosen],
-        noise=spectra.noise[:, chosen],
-        quality=spectra.quality[:, chosen],
-    )
 
 
 def _stacked(spectra: Spectra, values: list[ComplexArray]) -> Spectra:

@@ -16,11 +16,12 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
-from geometry.sensors import Channel, Summation
+from geometry.sensors import Summation
 from geometry.tolerances import Tolerances
 from identification.chain import factor
 from identification.chain.cells import Springs
 from identification.chain.parameter import Offsets, Parameter
+from identification.chain.placed import Placed
 
 AXES = "xyz"
 CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
@@ -31,31 +32,17 @@ OFFSETS = {"x": (4, 0, -1.0), "y": (3, 1, 1.0)}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Loads:
+class Loads(Placed):
     """The force side of a chain.
 
     Attributes
     ----------
-    channels : of the FMD
-    first : column of the first of them in the chain
     sums : their elements and sums about the reference point
     springs : the load cells
     """
 
-    channels: tuple[Channel, ...]
-    first: int
     sums: Summation
     springs: Springs
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the channels."""
-        return tuple(channel.name for channel in self.channels)
-
-    @property
-    def columns(self) -> tuple[int, ...]:
-        """Of the channels in the chain."""
-        return tuple(range(self.first, self.first + len(self.channels)))
 
 
 def parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:

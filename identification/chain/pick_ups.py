@@ -22,6 +22,7 @@ from geometry.tolerances import Tolerances
 from identification.chain import factor, tilt
 from identification.chain.cells import Springs
 from identification.chain.parameter import Offsets, Parameter
+from identification.chain.placed import Placed
 
 AXES = "xyz"
 BENDING = "cover-plate-flexibility"
@@ -33,35 +34,21 @@ Rows = tuple[ComplexArray, ComplexArray]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PickUps:
+class PickUps(Placed):
     """The accelerometers of one group.
 
     Attributes
     ----------
     group : "cover" or "table"
-    channels : of the group
-    first : column of the first of them in the chain
     point : (3,) [m] reference point, in the frame of the places
     springs : what the cover plate stands on
     gravity : [m/s²]
     """
 
     group: str
-    channels: tuple[Channel, ...]
-    first: int
     point: Array
     springs: Springs
     gravity: float
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the channels."""
-        return tuple(channel.name for channel in self.channels)
-
-    @property
-    def columns(self) -> tuple[int, ...]:
-        """Of the channels in the chain."""
-        return tuple(range(self.first, self.first + len(self.channels)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -181,7 +181,6 @@ def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
         damping=C,
         participation=np.vstack([terms.participation, pole.participation]),
         residual=terms.residual,
-        growth=terms.growth,
     )
     layout = _coupled(longer, at.layout)
     return refine(model.pack(parameters, longer, layout), layout, lines, iterations=12, accuracy=1e-3)

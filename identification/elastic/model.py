@@ -44,27 +44,26 @@ class Layout:
     ----------
     modes : number of poles
     pairs : (r, s), r < s, of the modes whose damping is coupled
-    residual, growth : whether the 21 of R, and of Q, are among the parameters; 0 when they are not
+    residual : whether the 21 of R are among the parameters; 0 when they are not
     """
 
     modes: int
     pairs: tuple[tuple[int, int], ...] = ()
     residual: bool = True
-    growth: bool = False
 
     @property
     def blocks(self) -> dict[str, slice]:
-        """Where inertia, frequency, damping, pairs, participation, residual and its growth stand."""
+        """Where inertia, frequency, damping, pairs, participation and residual stand."""
         m = self.modes
         counts = {"inertia": 10, "frequency": m, "damping": m, "pairs": len(self.pairs), "participation": 6 * m}
-        counts |= {"residual": 21 * self.residual, "growth": 21 * self.growth}
+        counts["residual"] = 21 * self.residual
         ends = np.cumsum([0, *counts.values()]).tolist()
         return {name: slice(ends[k], ends[k + 1]) for k, name in enumerate(counts)}
 
     @property
     def size(self) -> int:
         """Length of the vector."""
-        return int(self.blocks["growth"].stop)
+        return int(self.blocks["residual"].stop)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -77,7 +76,6 @@ class Layout:
             *(f"rho[{r + 1},{s + 1}]" for r, s in self.pairs),
             *(f"L[{r},{axis}]" for r in modes for axis in MOTIONS),
             *(f"R[{MOTIONS[i]},{MOTIONS[j]}]" for i, j in zip(*UPPER, strict=True) if self.residual),
-            *(f"Q[{MOTIONS[i]},{MOTIONS[j]}]" for i, j in zip(*UPPER, strict=True) if self.growth),
         )
 
 
@@ -93,15 +91,14 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> Layout:
     width = np.sqrt(np.diag(C)) / np.sqrt(2 * np.pi)
     near = C != 0 if widths is None else np.abs(f[:, None] - f) <= widths * np.outer(width, width)
     pairs = tuple((int(r), int(s)) for r, s in zip(*np.nonzero(np.triu(near, 1)), strict=True))
-    return Layout(modes=len(f), pairs=pairs, growth=bool(np.any(terms.growth)))
+    return Layout(modes=len(f), pairs=pairs)
 
 
 def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]."""
     w2 = _squares(frequency)
     X = _answers(terms, frequency)
-    beyond = terms.residual + w2 * terms.growth
-    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + beyond)
+    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
 
 
 def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout | None = None) -> ComplexArray:
@@ -121,8 +118,6 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Lay
     out[blocks["inertia"]] = inertia_basis()[:, None, UPPER[0], UPPER[1]]
     if layout.residual:
         out[blocks["residual"]] = w2 * residual_basis()[:, None, UPPER[0], UPPER[1]]
-    if layout.growth:
-        out[blocks["growth"]] = w2**2 / REFERENCE * residual_basis()[:, None, UPPER[0], UPPER[1]]
     _by_poles(out, terms, X, w2, layout)
     _by_participation(out[blocks["participation"]].reshape(layout.modes, 6, len(w2), 21), X, w2)
     return out
@@ -133,9 +128,7 @@ def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None =
     layout = layout or layout_of(terms)
     C, pairs = terms.damping, _pairs(layout)
     d = np.sqrt(np.diag(C))
-    R, Q = (
-        (of / np.outer(SCALE, SCALE) * unit)[UPPER] for of, unit in ((terms.residual, REFERENCE), (terms.growth, REFERENCE**2))
-    )
+    R = (terms.residual / np.outer(SCALE, SCALE) * REFERENCE)[UPPER]
     return np.concatenate(
         [
             np.asarray(parameters, dtype=np.float64) / inertia_scale(),
@@ -144,7 +137,6 @@ def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None =
             C[pairs] / (d[pairs[0]] * d[pairs[1]]),
             (terms.participation / SCALE).ravel(),
             R if layout.residual else R[:0],
-            Q if layout.growth else Q[:0],
         ]
     )
 
@@ -158,9 +150,8 @@ def unpack(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, ElasticTerms]:
     C = np.diag(d**2)
     C[pairs] = C[pairs[::-1]] = part["pairs"] * d[pairs[0]] * d[pairs[1]]
     R = _symmetric(part["residual"])
-    Q = _symmetric(part["growth"]) / REFERENCE
     L = part["participation"].reshape(-1, 6) * SCALE
-    return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R, growth=Q)
+    return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
 
 
 def _symmetric(entries: Array) -> Array:

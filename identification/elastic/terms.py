@@ -1,10 +1,9 @@
 """`ElasticTerms`: what elasticity adds to the rigid mass matrix, in the form of Eq. 8b with poles that all 36 entries share.
 
-    H(omega) = M_F + omega² L^T (Omega² - omega² + i omega C)^-1 L + omega² R + omega^4 Q
+    H(omega) = M_F + omega² L^T (Omega² - omega² + i omega C)^-1 L + omega² R
 
 L holds a row of participation for each mode, C is the modal damping - diagonal 2 zeta omega, but full within a cluster -
-and R, symmetric, is what all modes beyond the band answer statically; Q is how that grows when they are not far beyond.
-H(0) = M_F: that is the extrapolation to frequency 0.
+and R, symmetric, is what all modes beyond the band answer statically. H(0) = M_F: that is the extrapolation to frequency 0.
 """
 
 from __future__ import annotations
@@ -26,19 +25,16 @@ class ElasticTerms:
     damping : (m, m) symmetric, 2 zeta omega on the diagonal [rad/s]
     participation : (m, 6) [sqrt(kg)] and [sqrt(kg) m], order of `MOTIONS`
     residual : (6, 6) symmetric, [kg s²], [kg m s²], [kg m² s²]
-    growth : (6, 6) symmetric, sum of L L^T / omega_h^4 over the modes beyond, [kg s^4], [kg m s^4], [kg m² s^4]
     """
 
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     damping: Array = field(default_factory=lambda: np.zeros((0, 0)))
     participation: Array = field(default_factory=lambda: np.zeros((0, 6)))
     residual: Array = field(default_factory=lambda: np.zeros((6, 6)))
-    growth: Array = field(default_factory=lambda: np.zeros((6, 6)))
 
     def __post_init__(self) -> None:
         m = len(self.frequency)
-        square = dict.fromkeys(("residual", "growth"), (6, 6))
-        for name, shape in {"frequency": (m,), "damping": (m, m), "participation": (m, 6), **square}.items():
+        for name, shape in {"frequency": (m,), "damping": (m, m), "participation": (m, 6), "residual": (6, 6)}.items():
             object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
 
     @property

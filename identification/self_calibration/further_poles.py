@@ -109,7 +109,6 @@ def _extended(terms: ElasticTerms, frequency: float, participation: Array) -> El
         damping=C,
         participation=np.vstack([terms.participation, participation]),
         residual=terms.residual,
-        growth=terms.growth,
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import ComplexArray
@@ -48,3 +49,14 @@ class Spectra:
             raise ValueError(f"`values` must be finite and have shape {shape}, found {values.shape}")
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
+
+    def at(self, lines: npt.ArrayLike) -> Spectra:
+        """The same on some of the lines alone, (n,) bool or their indices."""
+        chosen = np.asarray(lines)
+        return replace(
+            self,
+            frequency=self.frequency[chosen],
+            values=self.values[:, chosen],
+            noise=self.noise[:, chosen],
+            quality=self.quality[:, chosen],
+        )

@@ -9,14 +9,11 @@ from pathlib import Path
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.observability import Observability
-from identification.base_motion import base_motion
 from identification.campaign import Campaign
 from identification.campaign_checks import observed
 from identification.campaign_file import Progress, examine
 from identification.campaign_runs import problems_of_runs, warnings_of_runs
-from identification.closed_checks import checks
-from identification.dynamic_mass import from_runs
-from identification.resultants import resultants
+from identification.closed_checks import of_spectra
 from identification.spectra.of_campaign import spectra
 from identification.survey import Levels, levels, noise_floors
 
@@ -88,12 +85,9 @@ def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput
 def _contradictions(campaign: Campaign) -> list[str]:
     """The closed checks that do not hold: channels that contradict each other, and which are suspected."""
     try:
-        read = spectra(campaign)
-        motion, load = base_motion(read, gravity=campaign.gravity).values, resultants(read).values
-        H = from_runs(load, motion, read.frequency, read.table.origin).dynamic_mass
+        found = of_spectra(spectra(campaign), gravity=campaign.gravity)
     except BadInput:  # no line to look at: that is for whoever wants a result
         return []
-    found = checks(H, read, gravity=campaign.gravity)
     return [f"{campaign.source}: {one.text}" for one in found if not one.holds]
 
 
