@@ -15,7 +15,8 @@ from types import MappingProxyType
 
 from geometry.errors import BadInput
 from geometry.keys import nearest
-from validation.effects.families import FAMILIES, Family, Size
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import Family, Size
 from validation.effects.targets import Vocabulary, built_in_places
 
 MISTAKEN_UNIT = "unit"

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.sensors import Channel, row, summation
-from validation.effects.families import FAMILIES
+from validation.effects.catalogue import FAMILIES
 from validation.effects.identifiers import parse_all
 from validation.virtual_test.effects.planting import PLANTS, planted
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from validation.effects.families import FAMILIES, Family, Size
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import Family, Size
 from validation.rows import NONE
 from validation.tables.grid import Grid
 from validation.virtual_test.effects.planting import PLANTS

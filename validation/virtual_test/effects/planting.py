@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from geometry.errors import BadInput
-from validation.effects.families import FAMILIES, PENDULUM
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import PENDULUM
 from validation.effects.identifiers import Named
 from validation.virtual_test.effects import of_chain, of_signals, of_structure
 from validation.virtual_test.hooks import Effect

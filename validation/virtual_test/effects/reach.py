@@ -8,7 +8,8 @@ from geometry.articles import changes_of
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
 from geometry.keys import nearest
-from validation.effects.families import FAMILIES, STRUCTURE
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import STRUCTURE
 from validation.effects.identifiers import Named
 from validation.effects.targets import PLACE
 from validation.virtual_test.plan import RIGID, Plan

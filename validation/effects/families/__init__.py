@@ -1,0 +1,1 @@
+"""Every family of the catalogue, one file each; `validation.effects.catalogue` finds them."""

@@ -1,0 +1,7 @@
+"""`rope-elasticity`."""
+
+from __future__ import annotations
+
+from validation.effects.family import PENDULUM, Family
+
+FAMILY = Family(name="rope-elasticity", side=PENDULUM, what="an error of a pendulum's period", example="rope-elasticity")

@@ -1,0 +1,49 @@
+"""`Parameter`: one number of a prediction that a fit may move, and what is known of it beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, inf, log
+
+IDENTIFIED, DECLARED, SENSOR, EFFECT = KINDS = ("identified", "declared", "sensor", "effect")
+"""What a laboratory legitimately has to identify (the FMD's inertia), what the model declares to know within a tolerance
+(frequencies, damping, moduli), tolerances of the measurement, and effects that were added."""
+
+NOMINAL: tuple[str, ...] = ()
+PLAIN = (IDENTIFIED, DECLARED, EFFECT)
+FITTED = KINDS
+"""Which kinds of parameters are free in the three fits behind the nominal, the plain and the fitted error."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One parameter. Fits move its offset; `value` says what an offset means.
+
+    Attributes
+    ----------
+    name : unique in a problem; the id of an effect where it is one, with ``[key]`` behind it for one of several sizes
+    unit : of the value, SI
+    tolerance : standard deviation of the offset beforehand
+    kind : of `KINDS`
+    nominal : value at offset 0
+    logarithmic : whether the offset is that of the logarithm: value = nominal * exp(offset)
+    start : offset at which a fit begins
+    within : greatest offset either way that a plain fit allows a declared one
+    """
+
+    name: str
+    unit: str
+    tolerance: float
+    kind: str = SENSOR
+    nominal: float = 0.0
+    logarithmic: bool = False
+    start: float = 0.0
+    within: float = inf
+
+    def value(self, offset: float) -> float:
+        """Value in `unit` at `offset`."""
+        return self.nominal * exp(offset) if self.logarithmic else self.nominal + offset
+
+    def offset(self, value: float) -> float:
+        """Offset at which the parameter has `value`."""
+        return log(value / self.nominal) if self.logarithmic else value - self.nominal

@@ -1,0 +1,1 @@
+"""Model files: the laboratory, the structure, and the effects that were added so far."""
