@@ -28,7 +28,8 @@ def parameters(nominal: Inertia, tolerance: float) -> tuple[Parameter, ...]:
         return ()
     ten = zip(names(), UNITS, nominal.parameters, tolerance * scales(nominal), strict=True)
     return tuple(
-        Parameter(name=name, unit=unit, tolerance=float(sd), kind=IDENTIFIED, nominal=float(value)) for name, unit, value, sd in ten
+        Parameter(name=name, unit=unit, tolerance=float(sd), kind=IDENTIFIED, nominal=float(value))
+        for name, unit, value, sd in ten
     )
 
 

@@ -186,4 +186,3 @@ def _of_user(recipe: _Recipe) -> tuple[Matrices, int]:
 
 def _damping(recipe: _Recipe) -> Damping | None:
     return None if recipe.damping_ratio is None else Damping(ratio=recipe.damping_ratio)
-
