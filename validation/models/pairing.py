@@ -12,16 +12,15 @@ from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES
 from validation.effects.identifiers import Named
+from validation.effects.reach import of_parts, on_article
 from validation.effects.targets import ACCELEROMETER, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.identifying.known import above_fmd
 from validation.models import same_channels
 from validation.models.model import RIGID, Model
-
-FMD = "fmd"
 
 GRAVITY = 0.05
 """[m/s²]: from the equator to the poles it varies by this much."""
 
-OF_PARTS = (PART, "part with a layer")
 OF_CHANNELS = (CHANNEL, FORCE, ACCELEROMETER)
 
 
@@ -54,11 +53,14 @@ def require_target(model: Model, campaigns: Sequence[Campaign], named: Named, so
     ------
     BadInput : its channel, place or part is in none of them, with the nearest.
     """
+    if on_article(named) and not any(above_fmd(campaign.article) for campaign in campaigns):
+        problem = f"nothing stands on the cover plate: {_articles(campaigns)}"
+        raise BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy="Name the campaign of an article")
     words = vocabulary(model, campaigns)
     for kind, target in zip(FAMILIES[named.family].targets, named.targets, strict=False):
-        legal = _legal(kind, words)
+        legal = words.parts if of_parts(named) else words.legal(kind) if kind in (*OF_CHANNELS, PLACE) else None
         if legal is not None and target not in legal:
-            raise _nowhere(model, campaigns, named, kind, target, legal, source)
+            raise _nowhere(model, campaigns, named, kind, legal, source)
 
 
 def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
@@ -81,7 +83,7 @@ def _places(model: Model, campaigns: Sequence[Campaign]) -> tuple[str, ...]:
     from geometry.articles import changes_of
     from geometry.articles.locations import locations
 
-    stacks = [above for campaign in campaigns if (above := _above(campaign.article))]
+    stacks = [above for campaign in campaigns if (above := above_fmd(campaign.article))]
     return tuple(dict.fromkeys(place for stack in stacks for place in locations(stack, changes_of(stack, model.changes))))
 
 
@@ -94,41 +96,30 @@ def _parts(model: Model, campaigns: Sequence[Campaign]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(part for c in campaigns for name in c.article.split("+") for part in known.get(name, ())))
 
 
-def _legal(kind: str, words: Vocabulary) -> tuple[str, ...] | None:
-    if kind not in (*OF_PARTS, *OF_CHANNELS, PLACE):
-        return None
-    return words.parts if kind in OF_PARTS else words.legal(kind)
-
-
 def _nowhere(
-    model: Model, campaigns: Sequence[Campaign], named: Named, kind: str, target: str, legal: tuple[str, ...], source: str
+    model: Model, campaigns: Sequence[Campaign], named: Named, kind: str, legal: tuple[str, ...], source: str
 ) -> BadInput:
-    if kind in OF_PARTS and model.kind == RIGID:
-        problem, remedy = "acts on a part, and the parts of a rigid model do not give", 'Choose kind = "beam" in [structure]'
+    """The refusal of `named`, which acts on a `kind` of which only the `legal` ones are there."""
+    target = next(one for one in named.targets if one not in legal)
+    near = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave the effect out"
+    if of_parts(named) and model.kind == RIGID:
+        problem, near = "acts on a part, and the parts of a rigid model do not give", 'Choose kind = "beam" in [structure]'
     elif kind in OF_CHANNELS:
         other = ", where one of another kind is" if any(target in campaign.table.names for campaign in campaigns) else ""
-        problem = f"no campaign has the {kind} {target!r}{other}: {_listed(campaigns)}"
-        remedy = f"{nearest(target, legal)}Channels of this kind are {', '.join(legal)}"
+        problem = f"no campaign has the {kind} {target!r}{other}: {', '.join(campaign.source for campaign in campaigns)}"
     else:
-        articles = ", ".join(dict.fromkeys(campaign.article for campaign in campaigns))
-        problem = f"no article here has the {PART if kind in OF_PARTS else kind} {target!r}: {articles}"
-        known = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave the effect out"
-        remedy = f"{known}, or add the campaign of the article that has it"
-    return BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy=remedy)
+        problem = f"no article here has the {PART if of_parts(named) else kind} {target!r}: {_articles(campaigns)}"
+        near = f"{near}, or add the campaign of the article that has it"
+    return BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy=near)
 
 
-def _listed(campaigns: Sequence[Campaign]) -> str:
-    return ", ".join(campaign.source for campaign in campaigns)
-
-
-def _above(article: str) -> str:
-    """What stands on the FMD; empty for the FMD alone."""
-    bottom, _, rest = article.partition("+")
-    return rest if bottom == FMD else article
+def _articles(campaigns: Sequence[Campaign]) -> str:
+    return ", ".join(dict.fromkeys(campaign.article for campaign in campaigns))
 
 
 def _own(model: Model, campaign: Campaign) -> bool:
-    return campaign.article in model.own
+    """Whether `model` names a file for what stands in `campaign`, by the whole stack or by what is on the FMD."""
+    return campaign.article in model.own or above_fmd(campaign.article) in model.own
 
 
 def _require_known(model: Model, campaign: Campaign) -> None:
@@ -158,7 +149,7 @@ def _require_common_part(model: Model, campaigns: Sequence[Campaign]) -> None:
 
 def _families(article: str) -> set[str]:
     """The parts above the FMD; Clumod with any blades is one."""
-    return {part.split("-")[0] if part in NAMES else part for part in _above(article).split("+") if part}
+    return {part.split("-")[0] if part in NAMES else part for part in above_fmd(article).split("+") if part}
 
 
 def _require_same_hardware(model: Model, campaign: Campaign, first: Campaign) -> None:

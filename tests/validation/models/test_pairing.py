@@ -90,6 +90,16 @@ def test_an_own_article_has_places_and_parts_that_nobody_knows(campaign: Callabl
     require_pair(own, [campaign("fmd+satellite"), campaign("fmd+disc+cuboid")])
 
 
+def test_a_file_may_be_named_for_what_stands_on_the_fmd(campaign: Callable[..., Campaign]) -> None:
+    require_pair(model("point-mass:antenna=0.1", article="fmd+satellite", own={"satellite": "s.h5"}), [campaign("fmd+satellite")])
+
+
+def test_what_acts_on_an_article_needs_one(campaign: Callable[..., Campaign]) -> None:
+    error = refused(model("appendage:z=m:0.1,f:20,zeta:0.01", article="fmd"), campaign("fmd"))
+    assert "nothing stands on the cover plate: fmd" in error.problem
+    require_pair(model("force-gain:fmd-z1=0.1", article="fmd"), [campaign("fmd")])
+
+
 def test_other_hardware_is_named(campaign: Callable[..., Campaign]) -> None:
     error = refused(model(), campaign(hardware="B"))
     assert (error.source, error.field) == ("fmd-clumod-1/campaign.toml", "campaign.hardware")
