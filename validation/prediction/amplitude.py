@@ -67,7 +67,7 @@ def _amplitude(excitation: Excitation, axis: str) -> Array:
         return np.array(levels, dtype=np.float64)
     if excitation.kind != "sine-sweep" or level is None or axis not in MOTIONS:
         return np.zeros(6)
-    return level * np.eye(6)[MOTIONS.index(axis)]
+    return np.asarray(level * np.eye(6)[MOTIONS.index(axis)])
 
 
 def _block(campaign: Campaign, run: Run, method: str) -> float:

@@ -96,6 +96,7 @@ def unexplained() -> Callable[..., dict[str, float]]:
         Q, _ = np.linalg.qr(rows)
         left = y / level - np.einsum("rnck,rnak,rna->rnc", Q, Q.conj(), y / level)
         rms = np.sqrt(np.mean(np.abs(left) ** 2, axis=(0, 1)))
-        return {group: float(max(r for r, name in zip(rms, of.measured.channels) if name.startswith(group))) for group in groups}
+        names = np.array(of.measured.channels)
+        return {group: float(rms[np.char.startswith(names, group)].max()) for group in groups}
 
     return made

@@ -1,6 +1,6 @@
 """Predictions of a series against virtual tests, which share nothing with them but geometry and the nominal beams."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from identification.recording import Recording
 from validation.engine.parameter import EFFECT
-from validation.models.model import Added
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.simulate import VirtualTest, simulate
 
