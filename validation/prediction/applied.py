@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -22,14 +23,11 @@ from geometry.dynamic_mass import ComplexArray
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, Size
 from validation.effects.identifiers import Named
+from validation.effects.reach import There, acts
 from validation.effects.stages import Matrices, Mounted, Reading
-from validation.effects.targets import PLACE
 from validation.engine.parameter import EFFECT, Parameter
 from validation.models.model import Added
 from validation.prediction.tangent import Tangent, between, plus
-
-LAYER = "-silicone"
-"""Ending of the part of a blade that is its layer."""
 
 COARSE = 1e-3
 """Step of matrices, as a share of the size: polynomials do not care, and rounding least."""
@@ -71,17 +69,16 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
             known[one.name] = one.offset(added.named.value)
         else:
             (size,) = added.named.sizes
-            left.append(replace(one, tolerance=size.plausible, kind=EFFECT, start=one.offset(added.named.value)))
+            start = one.offset(added.named.value)
+            left.append(replace(one, tolerance=size.plausible, kind=EFFECT, start=start, within=inf))
     return tuple(left), known
 
 
-def structure(
-    stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequence[Added]
-) -> tuple[Matrices, dict[str, Tangent]]:
+def structure(stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequence[Added]) -> tuple[Matrices, dict[str, Tangent]]:
     """The effects on reduced matrices, and by parameter their derivatives."""
     found = dict(tangents)
     for added in _of(effects, STRUCTURE_STAGE):
-        if not acts(added.named, stage):
+        if not acts(added.named, There(article="article", parts=tuple(stage.parts), places=tuple(stage.places))):
             continue
         after = _changed(added.named, stage)
         found = {key: _through(added.named, stage, after, tangent) for key, tangent in found.items()}
@@ -113,13 +110,6 @@ def channels(
         found = {key: _changed(added.named, replace(stage, rows=rows)).rows for key, rows in found.items()} | own
         stage = _changed(added.named, stage)
     return stage, found
-
-
-def acts(named: Named, stage: Matrices) -> bool:
-    """Whether `stage` has the places and parts that an effect names."""
-    there = {PLACE: stage.places, "part": stage.parts, "part with a layer": {k.removesuffix(LAYER) for k in stage.parts if LAYER in k}}
-    pairs = zip(_family(named).targets, named.targets, strict=False)
-    return all(kind not in there or target in there[kind] for kind, target in pairs)
 
 
 def _family(named: Named) -> Family:

@@ -54,7 +54,7 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> Answered:
     D = _dynamic(matrices, lines)
     answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
     H = D[:, :b, :b] + D[:, :b, b:] @ answer
-    T = np.concatenate([np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b)), answer], axis=1)
+    T = np.asarray(np.concatenate([np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b)), answer], axis=1)
     return Answered(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
 
 
@@ -72,7 +72,8 @@ def accelerance(matrices: Matrices, frequency: npt.ArrayLike, responses: npt.Arr
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
-    both = np.linalg.solve(_dynamic(matrices, lines), np.broadcast_to(np.vstack([rows, forces]).T.astype(np.complex128), (len(lines), rows.shape[1], len(rows) + len(forces))))
+    loads = np.vstack([rows, forces]).T.astype(np.complex128)
+    both: ComplexArray = np.linalg.solve(_dynamic(matrices, lines), np.broadcast_to(loads, (len(lines), *loads.shape)))
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return Answered(frequency=lines, matrix=rows @ right, left=left, right=right, sign=-1.0)
 
@@ -97,7 +98,12 @@ def _tangent(answered: Answered, change: Tangent) -> ComplexArray:
     left, right = (np.ascontiguousarray(side[:, change.at]) for side in (answered.left, answered.right))
     omega = (2 * np.pi * answered.frequency)[:, None, None]
     found = np.zeros_like(answered.matrix)
-    fields = ((change.mass, 1.0), (change.stiffness, -1 / omega**2), (change.viscous, -1j / omega), (change.structural, -1j / omega**2))
+    fields = (
+        (change.mass, 1.0),
+        (change.stiffness, -1 / omega**2),
+        (change.viscous, -1j / omega),
+        (change.structural, -1j / omega**2),
+    )
     for matrix, factor in fields:
         if np.any(matrix):
             found = found + factor * (left.transpose(0, 2, 1) @ (matrix @ right))

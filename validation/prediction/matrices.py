@@ -1,4 +1,4 @@
-"""`Matrices` of what stands on its base, or is held: the nominal modal basis that every effect changes and nothing re-diagonalises.
+"""`Matrices` of what stands on its base, or is held: the nominal modal basis, changed by effects and never re-diagonalised.
 
     x = (base, modes, static answers),  K = Phi^T K Phi,  M = | M_rigid  L |,  L = P^T Phi,
                                                               |   L^T    1 |
@@ -101,7 +101,12 @@ def of_structure(
 
 
 def held(
-    structure: Structure, modes: Modes, places: Places = NOWHERE, *, damping: Damping | None = None, article: Article | None = None
+    structure: Structure,
+    modes: Modes,
+    places: Places = NOWHERE,
+    *,
+    damping: Damping | None = None,
+    article: Article | None = None,
 ) -> Matrices:
     """`structure` with its base held still; static answers to forces at all `places` are among the coordinates.
 
@@ -143,14 +148,21 @@ def of_modes(modes: Modes, cog: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Matrices:
     stiffness[kept, kept] = np.diag((2 * np.pi * modes.frequency) ** 2)
     viscous[kept, kept], structural[kept, kept] = modes.viscous, modes.structural
     return Matrices(
-        base=BASE, mass=made.mass, stiffness=stiffness, viscous=viscous, structural=structural, cog=np.asarray(cog, dtype=np.float64)
+        base=BASE,
+        mass=made.mass,
+        stiffness=stiffness,
+        viscous=viscous,
+        structural=structural,
+        cog=np.asarray(cog, dtype=np.float64),
     )
 
 
 def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, rows: Rows) -> Array:
     """Kept modes and static answers beside them (f, n): to `loads` (f, k), then to what effects at parts and places will pull."""
     if len(modes.shapes) != structure.mass.shape[0]:
-        raise ValueError(f"`modes` must bring shapes on all {structure.mass.shape[0]} degrees of freedom, found {len(modes.shapes)}")
+        raise ValueError(
+            f"`modes` must bring shapes on all {structure.mass.shape[0]} degrees of freedom, found {len(modes.shapes)}"
+        )
     shapes = modes.shapes[free.free]
     shapes = np.hstack([shapes, static_shapes(free.stiffness, free.mass, loads, shapes)])
     swinging = modes.shapes[free.free][:, modes.frequency <= BAND]
@@ -171,9 +183,7 @@ def _noticed(free: HeldBase, forces: Array, shapes: Array) -> Array:
     return np.asarray(forces @ directions[:, square > (NOTICED * 2 * np.pi * BAND) ** 2])
 
 
-def _own(
-    structure: Structure, free: HeldBase, modes: Modes, shapes: Array, damping: Damping, rows: Rows
-) -> Matrices:
+def _own(structure: Structure, free: HeldBase, modes: Modes, shapes: Array, damping: Damping, rows: Rows) -> Matrices:
     """Matrices on `shapes` (f, n) alone, the base held still."""
     n = modes.frequency.size
     S, C_u = damped.structural_matrix(damping, structure), damped.viscous_matrix(damping, structure)

@@ -8,7 +8,7 @@ every parameter, stay symmetric, K and C positive, and a cluster of frequencies 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,8 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS
 from validation.effects.stages import Matrices
-from validation.engine.parameter import DECLARED, SENSOR, Parameter
+from validation.engine.parameter import DECLARED, Parameter
+from validation.engine.prediction import Offsets
 from validation.models.model import StructureTolerances
 from validation.prediction.matrices import sheet
 from validation.prediction.tangent import FIELDS, Tangent, of_arrays
@@ -56,7 +57,7 @@ class Nuisances:
         """All of them; a tolerance of 0 closes a family."""
         of, modes = self.tolerances, range(1, len(self.frequency) + 1)
         parts = self.nominal.parts if len(self.frequency) else ()
-        made = [_declared(f"modulus:{part}", of.modulus) for part in parts]
+        made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         made += [_declared(f"damping:{self.configuration}:{r}", of.damping) for r in modes]
         if self.nominal.base:
@@ -73,13 +74,8 @@ class Nuisances:
         pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
         return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
 
-    def at(self, offsets: Mapping[str, float], *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
-        """The matrices at `offsets` and their derivative by every parameter.
-
-        Raises
-        ------
-        ValueError : a part without stiffness.
-        """
+    def at(self, offsets: Offsets, *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
+        """The matrices at `offsets` and their derivative by every parameter."""
         now = _now(self, offsets)
         if not derivatives:
             return now.matrices, {}
@@ -122,17 +118,15 @@ class _Now:
     uncoupled: Array
 
 
-def _now(of: Nuisances, offsets: Mapping[str, float]) -> _Now:
+def _now(of: Nuisances, offsets: Offsets) -> _Now:
     m, name, b = of.nominal, of.configuration, of.nominal.base
     E, D = np.ones(len(m.mass)), np.ones(len(m.mass))
     for r in range(len(of.frequency)):
         E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
         D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
-    stiffer = {part: offsets[f"modulus:{part}"] for part in m.parts if offsets.get(f"modulus:{part}")}
+    stiffer = {part: float(np.expm1(offsets[f"modulus:{part}"])) for part in m.parts if offsets.get(f"modulus:{part}")}
     K, S, parts = m.stiffness, m.structural, dict(m.parts)
     for part, change in stiffer.items():
-        if change <= -1:
-            raise ValueError(f"`modulus:{part}` must stay above -1, found {change:g}")
         K, S = K + change * m.parts[part], S + change * of.losses.get(part, 0.0) * m.parts[part]
         parts[part] = (1 + change) * m.parts[part]
     C = D[:, None] * m.viscous * D
@@ -147,7 +141,7 @@ def _now(of: Nuisances, offsets: Mapping[str, float]) -> _Now:
     return _Now(matrices=made, E=E, D=D, uncoupled=C)
 
 
-def _participating(of: Nuisances, offsets: Mapping[str, float]) -> Array:
+def _participating(of: Nuisances, offsets: Offsets) -> Array:
     mass = np.array(of.nominal.mass)
     for r, axis in np.ndindex(len(of.frequency), of.nominal.base):
         change = offsets.get(f"participation:{of.configuration}:{r + 1}:{MOTIONS[axis]}", 0.0) * _largest(of, r, axis)
@@ -156,7 +150,7 @@ def _participating(of: Nuisances, offsets: Mapping[str, float]) -> Array:
     return mass
 
 
-def _coupled(of: Nuisances, offsets: Mapping[str, float]) -> Array:
+def _coupled(of: Nuisances, offsets: Offsets) -> Array:
     viscous, b = np.zeros_like(of.nominal.mass), of.nominal.base
     for r, s in of.neighbours:
         change = offsets.get(f"coupling:{of.configuration}:{r + 1}:{s + 1}", 0.0) * _geometric(of, r, s)
@@ -177,13 +171,16 @@ def _geometric(of: Nuisances, r: int, s: int) -> float:
     return float(np.sqrt(max(np.prod(own), 0.0)))
 
 
+_Maker = Callable[..., Tangent]
+
+
 def _tangent(of: Nuisances, now: _Now, parameter: str) -> Tangent:
     family, *names = parameter.split(":")
     return _TANGENTS[family](of, now, *names)
 
 
 def _of_modulus(of: Nuisances, now: _Now, part: str) -> Tangent:
-    K, E, DE = of.nominal.parts[part], now.E, now.D * now.E
+    K, E, DE = now.matrices.parts[part], now.E, now.D * now.E  # d / d ln: the part as it is now
     changes = {"stiffness": E[:, None] * K * E, "structural": of.losses.get(part, 0.0) * DE[:, None] * K * DE}
     return of_arrays(len(K), {part: K}, **changes)
 
@@ -208,7 +205,7 @@ def _of_coupling(of: Nuisances, now: _Now, configuration: str, one: str, other: 
     return _pair("viscous", b + r, b + s, _geometric(of, r, s))
 
 
-_TANGENTS = {
+_TANGENTS: Mapping[str, _Maker] = {
     "modulus": _of_modulus,
     "frequency": _of_frequency,
     "damping": _of_damping,
@@ -226,9 +223,11 @@ def _crossed(matrix: Array, r: int) -> Array:
 
 
 def _pair(field: str, i: int, j: int, value: float) -> Tangent:
-    changes = {name: np.zeros((2, 2)) for name in FIELDS}
+    changes: dict[str, Array] = {name: np.zeros((2, 2)) for name in FIELDS}
     changes[field] = np.array([[0.0, value], [value, 0.0]])
-    return Tangent(at=np.array([i, j], dtype=np.intp), **changes)
+    at = np.array([i, j], dtype=np.intp)
+    mass, stiffness, viscous, structural = (changes[name] for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural)
 
 
 def _declared(name: str, tolerance: float) -> Parameter:

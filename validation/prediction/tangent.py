@@ -42,8 +42,8 @@ def of_arrays(size: int, parts: Mapping[str, Array] = MappingProxyType({}), **ch
         moving |= np.any(change != 0, axis=0) | np.any(change != 0, axis=1)
     at = np.flatnonzero(moving)
     nothing = np.zeros((len(at), len(at)))
-    blocks = {name: changes[name][np.ix_(at, at)] if name in changes else nothing for name in FIELDS}
-    return Tangent(at=at, parts=parts, **blocks)
+    mass, stiffness, viscous, structural = (changes[name][np.ix_(at, at)] if name in changes else nothing for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts)
 
 
 def between(before: Matrices, after: Matrices, step: float) -> Tangent:
