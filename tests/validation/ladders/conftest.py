@@ -1,0 +1,65 @@
+"""Rungs made by hand."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from validation.ladders.nouns import Body, Errors, Rung, Size, Source
+
+MakeRung = Callable[..., Rung]
+
+
+def errors(plain: float, held_out: float | None = None) -> Errors:
+    return Errors(
+        nominal=2 * plain,
+        plain=plain,
+        held_out_nominal=None if held_out is None else 2 * held_out,
+        held_out=held_out,
+        chi2=812.5,
+        degrees_of_freedom=1000,
+        tolerance_z2=30.25,
+        tolerances=270,
+        log_evidence=-1234.5678901234567,
+        held_out_names=("a/x",),
+    )
+
+
+def body(shift: float = 0.0) -> Body:
+    reference = np.array([47.4, 1e-3, 0.0, 0.31, 2.3, 2.2, 0.4, 0.01, 0.02, -0.03])
+    deviation = np.array([0.05, 1e-4, 1e-4, 3e-4, 0.02, 0.02, 0.01, 0.001, 0.001, 0.001])
+    return Body(
+        article="clumod-1", origin="article", values=reference + shift * deviation, deviation=deviation, reference=reference
+    )
+
+
+@pytest.fixture
+def rung() -> MakeRung:
+    """``rung(number, parent, model, ...)`` with figures that mean nothing."""
+
+    def make(number: int = 0, parent: int | None = None, model: str = "a = 1\n", **more: object) -> Rung:
+        given: dict[str, object] = {
+            "cause": "start" if parent is None else "added",
+            "effect": "" if parent is None else "force-gain:fmd-z2",
+            "effects": {"force-gain:fmd-z2": (Size(key="", value=0.0801, unit="1", deviation=0.0013),)},
+            "data": (Source(path="../one", digest="ab" * 32),),
+            "errors": errors(4.1, 4.3),
+            "gain": None if parent is None else 27.3,
+            "bodies": (body(0.5),),
+            "offsets": {"fmd:m": 0.125, "force-gain:fmd-z2": 0.1 + 0.2},
+            "verdict": ("It is worth a parameter.",),
+            "settings": {"effects_from": ["mine"]},
+            "when": "2026-11-21T17:00:00+00:00",
+        }
+        return Rung(number=number, parent=parent, model=model, **{**given, **more})  # type: ignore[arg-type]
+
+    return make
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    """A model file."""
+    path = tmp_path / "model.toml"
+    path.write_bytes(b"# mine\r\na = 1\n")
+    return path

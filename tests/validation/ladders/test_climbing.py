@@ -1,0 +1,188 @@
+"""Up, down and aside: nothing is ever lost, and wherever an interruption falls the model file and its ladder agree."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from geometry.errors import BadInput
+from validation.ladders import climbing, file
+from validation.ladders.climbing import climbed, gone_to, kept, next_rung, standing, undone
+from validation.ladders.nouns import Ladder, Rung
+
+MakeRung = Callable[..., Rung]
+
+
+def grown(model: Path, rung: MakeRung, *texts: str) -> None:
+    """Rung 0 of the model as it is, then one more for each of `texts`, each on top of the last."""
+    at = standing(model)
+    if at.rung is None:
+        kept(at, rung(0, None, at.text))
+    for text in texts:
+        at = standing(model)
+        assert at.rung is not None
+        climbed(at, rung(99, at.rung.number, text))
+
+
+def tree(model: Path) -> list[str]:
+    return [f"{branch}{one.number}" for branch, one in standing(model).ladder.tree()]
+
+
+def test_a_model_without_a_ladder_has_its_first_rung_before_it(model: Path) -> None:
+    at = standing(model)
+    assert at.rung is None
+    assert not at.edited
+    first = next_rung(at)
+    assert (first.number, first.parent, first.cause, first.model) == (0, None, "start", "# mine\r\na = 1\n")
+
+
+def test_every_rung_carries_the_model_up_and_undo_brings_back_its_bytes(model: Path, rung: MakeRung) -> None:
+    before = model.read_bytes()
+    grown(model, rung, "a = 2\r\n", "a = 3")
+    assert model.read_bytes() == b"a = 3"
+    assert undone(standing(model)).text == "a = 2\r\n"
+    assert model.read_bytes() == b"a = 2\r\n"
+    undone(standing(model))
+    assert model.read_bytes() == before
+    assert len(standing(model).ladder.rungs) == 3  # what was there is kept
+    with pytest.raises(BadInput, match="nothing to undo"):
+        undone(standing(model))
+
+
+def test_adding_after_undo_branches(model: Path, rung: MakeRung) -> None:
+    grown(model, rung, "a = 2", "a = 3")
+    undone(standing(model))
+    grown(model, rung, "a = 4", "a = 5")
+    assert tree(model) == ["0", "1", "├─ 2", "└─ 3", "   4"]
+    assert [one.number for one in standing(model).ladder.path(4)] == [0, 1, 3, 4]
+    gone_to(standing(model), 2)
+    assert model.read_bytes() == b"a = 3"
+    found = standing(model)
+    assert found.rung is not None
+    assert (found.rung.number, found.ladder.current) == (2, 2)
+
+
+def test_a_rung_that_is_not_there_is_refused_by_the_numbers_that_are(model: Path, rung: MakeRung) -> None:
+    with pytest.raises(BadInput, match="has no ladder"):
+        gone_to(standing(model), 0)
+    grown(model, rung, "a = 2")
+    for number in (-1, 2):
+        with pytest.raises(BadInput, match=f"no rung {number}.*0 to 1"):
+            gone_to(standing(model), number)
+
+
+def test_an_edit_by_hand_is_seen_and_going_away_from_it_keeps_it_as_a_branch(model: Path, rung: MakeRung) -> None:
+    grown(model, rung, "a = 2")
+    model.write_text("a = 2  # mine\n", encoding="utf-8")
+    at = standing(model)
+    assert at.edited
+    assert next_rung(at).cause == "edited by hand"
+    undone(at)
+    assert model.read_bytes() == b"a = 2"
+    found = standing(model)
+    assert found.rung is not None
+    assert found.rung.number == 1
+    edit = found.ladder.rung(2)
+    assert (edit.parent, edit.errors, edit.model) == (1, None, "a = 2  # mine\n")
+    gone_to(found, 2)
+    assert model.read_bytes() == b"a = 2  # mine\n"
+
+
+def test_an_edit_that_was_put_aside_gets_its_figures_in_place(model: Path, rung: MakeRung) -> None:
+    grown(model, rung)
+    model.write_text("a = 7\n", encoding="utf-8")
+    undone(standing(model))
+    at = gone_to(standing(model), 1)
+    waiting = next_rung(at)
+    assert waiting.number == 1
+    kept(at, rung(1, 0, waiting.model))
+    found = standing(model).ladder
+    assert len(found.rungs) == 2
+    assert found.rung(1).errors is not None
+
+
+def test_rungs_made_meanwhile_stay_and_the_later_one_is_numbered_after_them(model: Path, rung: MakeRung) -> None:
+    grown(model, rung)
+    early = standing(model)
+    grown(model, rung, "a = 2")
+    gone_to(standing(model), 0)
+    climbed(early, rung(1, 0, "a = 3"))
+    found = standing(model)
+    assert [one.model for one in found.ladder.rungs[1:]] == ["a = 2", "a = 3"]
+    assert found.rung is not None
+    assert found.rung.number == 2
+
+
+def test_a_model_that_was_edited_while_a_fit_ran_is_left_alone_and_the_rung_is_kept(model: Path, rung: MakeRung) -> None:
+    grown(model, rung)
+    at = standing(model)
+    model.write_text("a = 9\n", encoding="utf-8")
+    climbed(at, rung(1, 0, "a = 2"))
+    assert model.read_text(encoding="utf-8") == "a = 9\n"
+    found = standing(model)
+    assert found.edited
+    assert found.below is not None
+    assert found.below.number == 0
+    assert found.ladder.rung(1).model == "a = 2"
+
+
+@pytest.mark.parametrize("act", ["climb", "undo", "go"])
+@pytest.mark.parametrize("writes", range(4))
+def test_wherever_an_interruption_falls_model_and_ladder_agree_and_no_rung_is_lost(
+    act: str, writes: int, model: Path, rung: MakeRung, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    grown(model, rung, "a = 2")
+    before, done = standing(model), []
+
+    def stopping(write: Callable[..., None]) -> Callable[..., None]:
+        def instead(*arguments: object) -> None:
+            if len(done) == writes:
+                raise KeyboardInterrupt
+            done.append(arguments)
+            write(*arguments)
+
+        return instead
+
+    monkeypatch.setattr(file, "write", stopping(file.write))
+    monkeypatch.setattr(climbing, "_write_model", stopping(climbing._write_model))
+    acts = {
+        "climb": lambda: climbed(before, rung(2, 1, "a = 3")),
+        "undo": lambda: undone(before),
+        "go": lambda: gone_to(before, 0),
+    }
+    try:
+        acts[act]()
+    except KeyboardInterrupt:
+        pass
+    else:
+        assert len(done) <= writes
+    after = standing(model)
+    assert after.rung is not None  # it stands on a rung
+    assert after.rung.model.encode() == model.read_bytes()
+    assert [one.model for one in after.ladder.rungs[:2]] == [one.model for one in before.ladder.rungs]
+
+
+def test_the_same_model_on_other_data_is_told_apart_by_the_ladder(model: Path, rung: MakeRung) -> None:
+    grown(model, rung)
+    at = standing(model)
+    kept(at, rung(1, 0, at.text, cause="other data"))
+    found = standing(model)
+    assert found.rung is not None
+    assert found.rung.number == 1
+    undone(found)
+    back = standing(model)
+    assert back.rung is not None
+    assert back.rung.number == 0
+
+
+def test_two_branches_at_the_foot_are_drawn_beside_each_other(rung: MakeRung) -> None:
+    ladder = Ladder(rungs=(rung(0), rung(1, 0), rung(2, 0), rung(3, 1), rung(4, 1)), current=4)
+    assert [branch + str(one.number) for branch, one in ladder.tree()] == ["0", "├─ 1", "│  ├─ 3", "│  └─ 4", "└─ 2"]
+
+
+@pytest.mark.parametrize(("content", "words"), [(None, "no such file"), (b"\xff\xfe", "not text")])
+def test_a_model_that_is_none_is_refused(content: bytes | None, words: str, tmp_path: Path) -> None:
+    if content is not None:
+        (tmp_path / "m.toml").write_bytes(content)
+    with pytest.raises(BadInput, match=words):
+        standing(tmp_path / "m.toml")
