@@ -22,7 +22,6 @@ from geometry.dynamic_mass import ComplexArray
 from validation.effects.stages import Matrices
 from validation.prediction.tangent import Tangent
 
-
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""
 
@@ -121,7 +120,7 @@ def _tangent(answered: Answered, change: Tangent) -> ComplexArray:
 
 
 def _product(left: ComplexArray, matrix: Array, right: ComplexArray) -> ComplexArray:
-    """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines, real parts and imaginary."""
+    """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
     k, n, d = right.shape
     pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
     if k <= FEW:

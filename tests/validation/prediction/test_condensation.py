@@ -27,7 +27,9 @@ def drawn(base: int = 6) -> Matrices:
     mass, K, C, S = definite(1.0), definite(4e3), definite(1.0), definite(10.0)
     for matrix in (K, C, S):
         matrix[:base] = matrix[:, :base] = 0.0
-    return Matrices(base=base, mass=mass, stiffness=K, viscous=C, structural=S, places={"tip": generator.standard_normal((3, SIZE))})
+    return Matrices(
+        base=base, mass=mass, stiffness=K, viscous=C, structural=S, places={"tip": generator.standard_normal((3, SIZE))}
+    )
 
 
 def changes(generator: np.random.Generator, at: Array) -> Tangent:

@@ -132,7 +132,9 @@ def test_a_structure_about_another_point_is_the_same_about_the_origin() -> None:
 def test_a_model_twice_as_large_of_the_same_material_scales() -> None:
     """Lengths x s: masses x s³, inertia x s⁵, frequencies / s; the axes of rotations count no length."""
     s, whole = 2.0, structure("clumod-1")
-    found = matrices.of_structure(scaled(whole, s), fixed_base(scaled(whole, s), 30), {"mast-top": s * locations("clumod-1")["mast-top"]})
+    found = matrices.of_structure(
+        scaled(whole, s), fixed_base(scaled(whole, s), 30), {"mast-top": s * locations("clumod-1")["mast-top"]}
+    )
     length = np.repeat([1.0, s], 3)
     expected = s**3 * np.outer(length, length) * condensation.dynamic_mass(made("clumod-1"), LINES).matrix
     assert apart(condensation.dynamic_mass(found, LINES / s).matrix, expected) < NOMINAL

@@ -46,7 +46,11 @@ def test_every_derivative_is_its_difference(one: Nuisances) -> None:
         assert scale > 0, parameter.name
         rounding = 1e-12 * np.abs(above).max() / step
         np.testing.assert_allclose(
-            found[parameter.name], (above - below) / (2 * step), rtol=0, atol=DIFFERENCE * scale + rounding, err_msg=parameter.name
+            found[parameter.name],
+            (above - below) / (2 * step),
+            rtol=0,
+            atol=DIFFERENCE * scale + rounding,
+            err_msg=parameter.name,
         )
 
 
