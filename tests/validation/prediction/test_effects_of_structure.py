@@ -15,6 +15,7 @@ import pytest
 
 from fem import beam
 from fem.base_excitation import rig_structure
+from fem.base_excitation.rig import Rig
 from fem.damping import Damping
 from fem.dynamic_mass import direct
 from fem.modes import fixed_base
@@ -26,6 +27,7 @@ from geometry.frames import rigid_transformation_6
 from geometry.multibody import inertia
 from validation.effects.catalogue import FAMILIES
 from validation.effects.identifiers import Named, parse
+from validation.effects.reach import of_parts
 from validation.effects.stages import Mounted, Reading
 from validation.engine.parameter import Parameter
 from validation.models.model import Added
@@ -105,10 +107,18 @@ def model(article: str, damping: Damping | None = RATIO) -> Model:
 @cache
 def rig(article: str, *effects: str, damping: Damping | None = RATIO) -> ComplexArray:
     """Dynamic mass of the changed rig of a virtual test about F, its load cells rigid."""
+    named = [parse(text) for text in effects]
+    on_parts = tuple(text for text, one in zip(effects, named, strict=True) if of_parts(one))
+    changed = changed_rig(standing(article, on_parts, damping), planted(named))
+    return rig_structure.dynamic_mass(changed, LINES).matrix
+
+
+@cache
+def standing(article: str, on_parts: tuple[str, ...], damping: Damping | None) -> Rig:
+    """What stands on the table, with effects on parts, which are in the structure before it is reduced."""
     plan = exact(Plan(article=f"{FMD}+{article}", seed=1, damping=damping))
-    plan = replace(plan, effects=planted([parse(text) for text in effects]))
-    stands = replace(set_up.set_up(plan, ChainTruth()).rig, cells=())
-    return rig_structure.dynamic_mass(changed_rig(stands, plan.effects), LINES).matrix
+    plan = replace(plan, effects=planted([parse(text) for text in on_parts]))
+    return replace(set_up.set_up(plan, ChainTruth()).rig, cells=())
 
 
 def apart(found: ComplexArray, truth: ComplexArray, size: ComplexArray | None = None) -> float:
