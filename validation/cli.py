@@ -33,6 +33,7 @@ COMMANDS = {
     "identify": "Mass, CoG and inertia from a recorded campaign, with intervals and verdicts.",
     "model": "A commented model file to start from: laboratory, structure, tolerances, effects.",
     "compare": "Where a model fails: errors, maps and worst spots beside a series of campaigns.",
+    "correct": "A corrected copy of a campaign: a gain, delay, polarity or place of the measurement taken out.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 
