@@ -61,7 +61,7 @@ def refitted(at: Solved, fold: Fold) -> dict[str, float]:
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
     step = _bounded_step(rest, at.x, gradient, matrix)
     offsets = rest.offsets(at.x + step)
-    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size, 1))))
+    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size(at.x), 1))))
     if float(step @ matrix @ step) < (NEAR * excess) ** 2:
         return offsets
     return _further(rest, offsets)
