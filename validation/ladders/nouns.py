@@ -13,11 +13,15 @@ from types import MappingProxyType
 import numpy as np
 
 from geometry.arrays import Array, frozen
-from identification.quality import NORMAL_95
+from identification.quality import NORMAL_95, sizes
+from validation.statement import COG, inertia_of
 
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
 """Why there is a rung: the model as it was first, an effect that was added, the user's own change of the file, the same model on
 other data or with other runs held out."""
+
+SHOWN = ("%", *3 * ("mm",), *6 * ("%",))
+"""Units in which distances to the reference are told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +103,13 @@ class Body:
     def distance(self) -> Array:
         """(10,) from the reference to what was identified."""
         return self.values - self.reference
+
+    @property
+    def shown(self) -> Array:
+        """(10,) distance as `SHOWN` tells it: CoG in mm, mass and moments in per cent, products in per cent of √(Θii Θjj)."""
+        size = sizes(inertia_of(self.reference))
+        size[COG] = 0.1  # [m] of which a millimetre is one per cent
+        return 100 * self.distance / size
 
     @property
     def sigmas(self) -> Array:
