@@ -57,6 +57,7 @@ class Chain:
     columns : indices in the channel table of the chain's channels, in the order of its rows
     names : (c,) of these
     parameters : that may move
+    possible : names of every parameter that it could have, open or not
     left_out : names of channels of the table that the chain does not predict
     remarks : sentences: what was left out and why, what was assumed of the load cells
     cover, table, forces : its parts
@@ -66,6 +67,7 @@ class Chain:
     columns: tuple[int, ...]
     names: tuple[str, ...]
     parameters: tuple[Parameter, ...]
+    possible: tuple[str, ...]
     left_out: tuple[str, ...]
     remarks: tuple[str, ...]
     cover: PickUps
@@ -179,6 +181,7 @@ def chain(
         columns=columns,
         names=tuple(table.names[k] for k in columns),
         parameters=opened(candidates, overrides),
+        possible=tuple(one.name for one in candidates),
         left_out=tuple(name for k, name in enumerate(table.names) if k not in columns),
         remarks=(*_left_out(table, columns), *_assumed(springs, bool(below), stiffness is None)),
         cover=parts[0],

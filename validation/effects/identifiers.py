@@ -187,7 +187,8 @@ def _as_factor(text: str, channel: str, words: Vocabulary, name: str, source: st
     """`text`, and where it is a unit of what `channel` measures, the factor by which numbers in it differ from SI."""
     from identification.units import UNITS
 
-    quantities = ("force", "moment") if channel in words.forces else ("acceleration",)
+    measured = ("force", "moment") if channel in (words.forces or ()) else ("acceleration",)
+    quantities = measured if words.forces is not None else tuple(UNITS)
     sizes = {unit: size for quantity in quantities for unit, size in UNITS[quantity].items()}
     if text in sizes:
         return repr(1 / sizes[text])

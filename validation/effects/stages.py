@@ -38,8 +38,8 @@ class Matrices:
     stiffness: Array
     viscous: Array
     structural: Array
-    places: Mapping[str, Array] = NOTHING
-    parts: Mapping[str, Array] = NOTHING
+    places: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
+    parts: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     cog: Array = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:

@@ -31,12 +31,11 @@ FIXED = {
     "joint": ("flange",),
     "board": ("force", "cover", "table"),
     "parameter": PARAMETERS,
-    "part": PARTS,
     "part with a layer": ("upper-short",),
 }
 """Targets that are the same whatever was tested, by kind."""
 
-CHANNEL, FORCE, ACCELEROMETER, PLACE = "channel", "force channel", "accelerometer", "place"
+CHANNEL, FORCE, ACCELEROMETER, PLACE, PART = "channel", "force channel", "accelerometer", "place", "part"
 """Kinds of target that depend on what was tested, and with what."""
 
 
@@ -46,21 +45,24 @@ class Vocabulary:
 
     Attributes
     ----------
-    accelerometers, forces : names of the channels
-    places : named places of what was tested; None where they are not known and any name will do
+    accelerometers, forces : names of the channels; None where they are not known and any name will do
+    places : named places of what was tested; None likewise
+    parts : of what was tested; None likewise
     """
 
-    accelerometers: tuple[str, ...] = (*TABLE, *COVER)
-    forces: tuple[str, ...] = FMD
+    accelerometers: tuple[str, ...] | None = (*TABLE, *COVER)
+    forces: tuple[str, ...] | None = FMD
     places: tuple[str, ...] | None = None
+    parts: tuple[str, ...] | None = PARTS
 
     def legal(self, kind: str) -> tuple[str, ...] | None:
         """All targets of a `kind`; None where any name will do."""
         own = {
-            CHANNEL: (*self.accelerometers, *self.forces),
+            CHANNEL: None if self.accelerometers is None or self.forces is None else (*self.accelerometers, *self.forces),
             FORCE: self.forces,
             ACCELEROMETER: self.accelerometers,
             PLACE: self.places,
+            PART: self.parts,
         }
         return own[kind] if kind in own else FIXED[kind]
 

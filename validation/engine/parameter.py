@@ -26,7 +26,8 @@ class Parameter:
     tolerance : standard deviation of the offset beforehand
     kind : of `KINDS`
     nominal : value at offset 0
-    logarithmic : whether the offset is that of the logarithm: value = nominal * exp(offset)
+    logarithmic : whether the offset is that of the logarithm: value = nominal * exp(offset) + above
+    above : what a logarithmic value has on top, -1 for a relative change of something that stays positive
     start : offset at which a fit begins
     within : greatest offset either way that a plain fit allows a declared one
     """
@@ -37,13 +38,18 @@ class Parameter:
     kind: str = SENSOR
     nominal: float = 0.0
     logarithmic: bool = False
+    above: float = 0.0
     start: float = 0.0
     within: float = inf
 
     def value(self, offset: float) -> float:
         """Value in `unit` at `offset`."""
-        return self.nominal * exp(offset) if self.logarithmic else self.nominal + offset
+        return self.nominal * exp(offset) + self.above if self.logarithmic else self.nominal + offset
 
     def offset(self, value: float) -> float:
         """Offset at which the parameter has `value`."""
-        return log(value / self.nominal) if self.logarithmic else value - self.nominal
+        return log((value - self.above) / self.nominal) if self.logarithmic else value - self.nominal
+
+    def slope(self, offset: float) -> float:
+        """d value / d offset: how a standard deviation of the offset reads in `unit`."""
+        return self.nominal * exp(offset) if self.logarithmic else 1.0

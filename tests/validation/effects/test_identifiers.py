@@ -37,7 +37,7 @@ def test_the_catalogue_of_the_shared_page_is_whole() -> None:
 
 def test_every_family_says_what_it_is_of_kinds_that_are_known() -> None:
     kinds = {kind for family in FAMILIES.values() for kind in family.targets}
-    assert kinds <= {*FIXED, "channel", "force channel", "accelerometer", "place"}
+    assert kinds <= {*FIXED, "channel", "force channel", "accelerometer", "place", "part"}
     assert all(family.what and family.side for family in FAMILIES.values())
     assert all(not family.targets for family in FAMILIES.values() if family.side == PENDULUM)
 

@@ -1,0 +1,78 @@
+"""From a campaign to `Measured`: the complex lines of the channels that the chain predicts; forces are judged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array
+from identification.campaign import Campaign, Processing
+from identification.measurement_chain import Chain
+from identification.spectra import noise
+from identification.spectra.line_spectra import Spectra
+from identification.spectra.of_campaign import spectra
+from identification.spectra.peak_hold import hann
+from validation.engine.measured import Measured
+
+Progress = Callable[[float], None]
+
+
+def measured(
+    campaign: Campaign,
+    of: Chain,
+    name: str,
+    *,
+    band: tuple[float, float] | None = None,
+    method: str = "full-record",
+    lines: npt.ArrayLike | None = None,
+    progress: Progress | None = None,
+) -> tuple[Measured, str]:
+    """The data set `name` of `campaign`, and by which method its spectra were made.
+
+    Raises
+    ------
+    BadInput : as `identification.spectra.of_campaign.spectra`.
+    """
+    found = spectra(campaign, method=method, band=band, frequency=lines, progress=progress)
+    return _measured(campaign, found, of, name), found.method
+
+
+def names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
+    """What the data sets are called: after their folders, or after what was tested where there is none; each its own."""
+    called: list[str] = []
+    for one in campaigns:
+        stem = Path(one.source).name if Path(one.source).is_dir() else one.article
+        same = [f"{stem}-{k}" for k in range(2, len(campaigns) + 2)]
+        called.append(next(name for name in (stem, *same) if name not in called))
+    return tuple(called)
+
+
+def per_rms(campaign: Campaign, method: str) -> Array:
+    """(r,) standard deviation of a line for broadband noise of 1 SI unit rms in the record; zeros of stored spectra."""
+    recorded = [campaign.recordings[run.name] for run in campaign.runs]
+    rates = np.array([one.sampling_rate or 0.0 for one in recorded])
+    if not np.all(rates > 0):
+        return np.zeros(len(recorded))
+    density = (1 / rates)[:, None, None]
+    if method == "full-record":
+        return noise.of_full_record(density, np.array([one.duration for one in recorded])).ravel()
+    return noise.of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
+
+
+def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:
+    columns = list(of.columns)
+    return Measured(
+        name=name,
+        configuration=campaign.article,
+        hardware=campaign.hardware,
+        runs=found.runs,
+        axes=found.axes,
+        channels=of.names,
+        judged=np.isin(np.arange(len(columns)), of.forces.columns),
+        frequency=found.frequency,
+        values=found.values[:, :, columns],
+        noise=found.noise[:, :, columns],
+    )

@@ -1,0 +1,189 @@
+"""`Standing`: what stands on the cover plate in one campaign, as a model describes it, before any effect.
+
+The campaign's `article` picks it: nothing for an FMD alone, a built-in stack of beams or rigid, or a user's own model. Where it is
+mounted is what the campaign states, else the seat of the built-in FMD.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from fem.damping import Damping, per_mode
+from fem.modes import fixed_base
+from fem.structure import Structure
+from fem.users_model.reading import is_model, load
+from geometry import multibody
+from geometry.articles import NAMES, built_in, changes_of
+from geometry.articles.locations import locations
+from geometry.errors import BadInput
+from geometry.frames import Pose
+from geometry.inertia import Inertia
+from identification.campaign import Campaign
+from validation.effects.reach import There
+from validation.effects.stages import Matrices
+from validation.identifying.known import FMD, above_fmd, mounted
+from validation.models.model import RIGID, Model
+from validation.prediction import matrices as of
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Standing:
+    """What stands on the cover plate.
+
+    Attributes
+    ----------
+    article : its name; empty for an FMD alone
+    matrices : about its own origin and in its own axes; None where there is nothing
+    modes : how many of its coordinates behind the base are modes; the others answer statically
+    pose : where its frame sits, seen from F
+    remarks : what was assumed, sentences
+    """
+
+    article: str
+    matrices: Matrices | None
+    modes: int = 0
+    pose: Pose
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def there(self) -> There:
+        """What effects can act on."""
+        if self.matrices is None:
+            return There()
+        return There(article=self.article, parts=tuple(self.matrices.parts), places=tuple(self.matrices.places))
+
+
+def standing(model: Model, campaign: Campaign) -> Standing:
+    """What stands on the cover plate of `campaign`.
+
+    Raises
+    ------
+    BadInput : an article that `model` cannot describe, or a model of the user's own that cannot be used.
+    CheckFailed : as `fem.modes.fixed_base`.
+    """
+    article = above_fmd(campaign.article)
+    if not article:
+        return Standing(article="", matrices=None, pose=Pose())
+    pose, said = mounted(campaign)
+    made, modes = _made(_recipe(model, campaign, article))
+    return Standing(article=article, matrices=made, modes=modes, pose=pose, remarks=said)
+
+
+def moving_part(model: Model) -> Inertia:
+    """The FMD's moving part about F as `model` knows it beforehand: as it states, else as drawn.
+
+    Raises
+    ------
+    BadInput : dimensions that make no FMD.
+    """
+    if model.fmd is not None:
+        return model.fmd.about(np.zeros(3))
+    return multibody.inertia(built_in(FMD, changes_of(FMD, model.changes)))
+
+
+def drawn_inertia(model: Model, article: str) -> Inertia:
+    """The `article` above the FMD about its own origin, as drawn or as a user's own model has it.
+
+    Raises
+    ------
+    BadInput : as `standing`.
+    """
+    own = _own(model, article, f"{FMD}+{article}")
+    return _inertia(_Recipe(article=article, kind=model.kind, own=own, stamp=_stamp(own), changes=_changes(model, article)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Recipe:
+    """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten."""
+
+    article: str
+    kind: str
+    own: str = ""
+    stamp: int = 0
+    modes: int = 30
+    damping_ratio: float | None = None
+    changes: tuple[tuple[str, float], ...] = ()
+
+
+def _recipe(model: Model, campaign: Campaign, article: str) -> _Recipe:
+    own = _own(model, article, campaign.article)
+    if not own and not set(article.split("+")) <= set(NAMES):
+        raise BadInput(
+            source=model.source,
+            field="own",
+            problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
+            remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
+        )
+    return _Recipe(
+        article=article,
+        kind=model.kind,
+        own=own,
+        stamp=_stamp(own),
+        modes=model.modes,
+        damping_ratio=model.damping_ratio,
+        changes=() if own else _changes(model, article),
+    )
+
+
+def _own(model: Model, article: str, whole: str) -> str:
+    """Path of the user's own model of `article`; empty where a built-in one is meant."""
+    stated = model.own.get(article, model.own.get(whole, ""))
+    return stated or (article if is_model(article) else "")
+
+
+def _changes(model: Model, article: str) -> tuple[tuple[str, float], ...]:
+    return tuple(sorted(changes_of(article, model.changes).items())) if set(article.split("+")) <= set(NAMES) else ()
+
+
+def _stamp(path: str) -> int:
+    return Path(path).stat().st_mtime_ns if path and Path(path).is_file() else 0
+
+
+@lru_cache(maxsize=16)
+def _made(recipe: _Recipe) -> tuple[Matrices, int]:
+    """The matrices of an article, and how many of their coordinates are modes."""
+    if recipe.own:
+        return _of_user(recipe)
+    changes = dict(recipe.changes)
+    places = locations(recipe.article, changes)
+    if recipe.kind == RIGID:
+        return of.of_inertia(_inertia(recipe), places), 0
+    from fem import beam
+
+    structure = beam.structure(recipe.article, changes)
+    damping = _damping(recipe)
+    modes = fixed_base(structure, recipe.modes, damping=damping)
+    drawn = built_in(recipe.article, changes)
+    found = of.of_structure(structure, modes, places, _inertia(recipe).cog, damping=damping, article=drawn)
+    return found, len(modes.frequency)
+
+
+def _inertia(recipe: _Recipe) -> Inertia:
+    if not recipe.own:
+        return multibody.inertia(built_in(recipe.article, dict(recipe.changes)))
+    found = load(recipe.own).model
+    return Inertia.from_mass_matrix(found.rigid_mass, found.reference_point).about(np.zeros(3))
+
+
+def _of_user(recipe: _Recipe) -> tuple[Matrices, int]:
+    """Of a user's own model: matrices with their modes, or modal data alone."""
+    found = load(recipe.own)
+    inertia = _inertia(recipe)
+    if recipe.kind == RIGID:
+        return of.of_inertia(inertia, {}), 0
+    damping = _damping(recipe) or found.damping
+    if isinstance(found.model, Structure):
+        modes = fixed_base(found.model, recipe.modes, damping=damping)
+        return of.of_structure(found.model, modes, {}, inertia.cog, damping=damping), len(modes.frequency)
+    omega = 2 * np.pi * found.model.frequency
+    modal = found.model if damping is None else replace(found.model, viscous=per_mode(damping, omega))
+    return of.of_modes(modal, inertia.cog), len(omega)
+
+
+def _damping(recipe: _Recipe) -> Damping | None:
+    return None if recipe.damping_ratio is None else Damping(ratio=recipe.damping_ratio)
+
