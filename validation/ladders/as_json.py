@@ -95,7 +95,6 @@ def _both(before: Errors | None, after: Errors | None) -> dict[str, Any]:
 def _body(body: Body) -> dict[str, Any]:
     return {
         "article": body.article,
-        "origin": body.origin,
         "identified": file.ten_json(body.values),
         "half_width95": file.ten_json(body.half_width),
         "reference": file.ten_json(body.reference),

@@ -77,8 +77,10 @@ def _inertia(at: Standing, article: str, seen: Sequence[tuple[Rung, Body]], path
         )
         for k, one in enumerate(QUANTITIES)
     ]
-    where = "the article's own origin" if seen[-1][1].origin == "article" else "F"
-    note = f"CoG from {where}; moments and products about the CoG. The reference is the model with the effects of each rung."
+    note = (
+        "CoG from the article's own origin; moments and products about the CoG. "
+        "The reference is the model with the effects of each rung."
+    )
     pages.draw_inertia(
         f"{article}: identified inertia", [f"{one.number}  {one.title}" for one, _ in seen], quantities, path, note
     )

@@ -13,10 +13,12 @@ nothing is ever written over it.
                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
                            "held_out": [NAME]} or null; what was not held out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
-                "inertia": [{"article", "origin": "article"|"F", "identified": TEN, "sd": TEN, "reference": TEN}],
+                "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN}],
                 "data": [{"path", "sha256"}], "hold_out": [NAME], "when", "versions": {}, "settings": {},
-                "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
+                "plain_offsets": {PARAMETER: number}, "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
     TEN    {"mass_kg", "cog_mm": [x, y, z], "moi_cog_kgm2": [xx, yy, zz], "poi_cog_kgm2": [xy, xz, yz]}
+
+The CoG is given from the article's own origin, moments and products about the CoG.
 """
 
 from __future__ import annotations
@@ -135,7 +137,8 @@ def _rung_json(one: Rung) -> dict[str, Any]:
         "when": one.when,
         "versions": dict(one.versions),
         "settings": dict(one.settings),
-        "fitted_offsets": dict(one.offsets),
+        "plain_offsets": dict(one.plain_offsets),
+        "fitted_offsets": dict(one.fitted_offsets),
         "model": one.model.split("\n"),
     }
 
@@ -147,7 +150,6 @@ def _size_json(size: Size) -> dict[str, Any]:
 def _body_json(body: Body) -> dict[str, Any]:
     return {
         "article": body.article,
-        "origin": body.origin,
         "identified": ten_json(body.values),
         "sd": ten_json(body.deviation),
         "reference": ten_json(body.reference),
@@ -205,7 +207,8 @@ def _rung(table: Mapping[str, Any]) -> Rung:
         when=str(table["when"]),
         versions={str(name): str(value) for name, value in table["versions"].items()},
         settings=dict(table["settings"]),
-        offsets={str(name): _number(value) for name, value in table["fitted_offsets"].items()},
+        plain_offsets=_numbers(table["plain_offsets"]),
+        fitted_offsets=_numbers(table["fitted_offsets"]),
         model="\n".join(_strings(table["model"])),
     )
 
@@ -236,7 +239,6 @@ def _errors(table: Mapping[str, Any]) -> Errors:
 def _body(table: Mapping[str, Any]) -> Body:
     return Body(
         article=str(table["article"]),
-        origin=str(table["origin"]),
         values=_ten(table["identified"]),
         deviation=_ten(table["sd"]),
         reference=_ten(table["reference"]),
@@ -251,6 +253,10 @@ def _strings(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
         raise TypeError(f"a list of texts is expected, found {value!r:.60}")
     return tuple(value)
+
+
+def _numbers(table: Mapping[str, Any]) -> dict[str, float]:
+    return {str(name): _number(value) for name, value in table.items()}
 
 
 def _number_or_none(value: Any) -> float | None:

@@ -77,15 +77,13 @@ class Body:
 
     Attributes
     ----------
-    article : what stands on the FMD, or the whole stack where that is unknown
-    origin : "article" or "F", from where the CoG is given
-    values : (10,) identified: mass [kg], CoG [m], moments and products [kg m²] about the CoG
+    article : what stands on the FMD
+    values : (10,) identified: mass [kg], CoG [m] from the article's own origin, moments and products [kg m²] about the CoG
     deviation : (10,) standard deviations of these
     reference : (10,) of the model with its effects
     """
 
     article: str
-    origin: str
     values: Array
     deviation: Array
     reference: Array
@@ -151,7 +149,7 @@ class Rung:
     errors : the four errors; None of a model that was put aside before anybody held it against data
     gain : evidence [nats] over the parent; None where both do not stand on the same data
     bodies : identified inertia of every article
-    offsets : where the fit ended, by parameter: the next rung begins there
+    plain_offsets, fitted_offsets : where both fits ended, by parameter: the next rung begins there
     verdict : in sentences
     when : ISO 8601, UTC
     versions : of the programs
@@ -169,7 +167,8 @@ class Rung:
     errors: Errors | None = None
     gain: float | None = None
     bodies: tuple[Body, ...] = ()
-    offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    plain_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    fitted_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     verdict: tuple[str, ...] = ()
     when: str = ""
     versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))

@@ -30,7 +30,7 @@ def body(shift: float = 0.0) -> Body:
     reference = np.array([47.4, 1e-3, 0.0, 0.31, 2.3, 2.2, 0.4, 0.01, 0.02, -0.03])
     deviation = np.array([0.05, 1e-4, 1e-4, 3e-4, 0.02, 0.02, 0.01, 0.001, 0.001, 0.001])
     return Body(
-        article="clumod-1", origin="article", values=reference + shift * deviation, deviation=deviation, reference=reference
+        article="clumod-1", values=reference + shift * deviation, deviation=deviation, reference=reference
     )
 
 
@@ -47,7 +47,8 @@ def rung() -> MakeRung:
             "errors": errors(4.1, 4.3),
             "gain": None if parent is None else 27.3,
             "bodies": (body(0.5),),
-            "offsets": {"fmd:m": 0.125, "force-gain:fmd-z2": 0.1 + 0.2},
+            "plain_offsets": {"fmd:m": 0.125},
+            "fitted_offsets": {"fmd:m": 0.1, "force-gain:fmd-z1": 0.1 + 0.2},
             "verdict": ("It is worth a parameter.",),
             "settings": {"effects_from": ["mine"]},
             "when": "2026-11-21T17:00:00+00:00",

@@ -1,0 +1,110 @@
+"""What the data say of an article's inertia when its ten parameters are free beside what the plain fit frees.
+
+The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell the FMD
+from it. Tolerances of the measurement are not fitted; their share of the interval is propagated (`validation.ladders.considered`).
+The reference is the model's own inertia with its effects, at the sizes of the model file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.inertia import PARAMETERS
+from identification.classical import jacobian, quantities
+from identification.self_calibration.structure import ten_matrices
+from validation.effects.family import STRUCTURE_STAGE
+from validation.effects.identifiers import Named
+from validation.engine.cost import cost_of
+from validation.engine.fit import fit, floor_of
+from validation.engine.parameter import FITTED, PLAIN, SENSOR
+from validation.engine.prediction import Offsets, Prediction
+from validation.engine.problem import Problem
+from validation.ladders import considered
+from validation.ladders.nouns import Body
+from validation.models.model import Added
+from validation.prediction import acting, applied, nuisances
+from validation.prediction.series import SeriesPrediction
+
+FAMILY = "rigid-inertia"
+
+LARGEST = 0.5
+"""Share of a lever of a metre at which a product of the base is no rotation."""
+
+
+def identified(
+    problem: Problem, article: str, plain: Offsets, progress: Callable[[float], None] | None = None
+) -> Body | None:
+    """Inertia of `article` from the data of `problem`; None where no data set has it.
+
+    Parameters
+    ----------
+    problem : whose predictions are `SeriesPrediction`
+    article : what stands on the FMD
+    plain : where the plain fit of the model ended
+
+    Raises
+    ------
+    CheckFailed : the fit does not converge.
+    """
+    freed, of = _freed(problem, article)
+    if of is None:
+        return None
+    found = fit(freed, PLAIN, start=plain, progress=progress)
+    offsets = {**freed.start, **found.by_name}
+    free = freed.free(FITTED)
+    cost = cost_of(freed, free, floor_of(PLAIN))
+    normal, _, _ = cost.total(cost.at({**{one.name: 0.0 for one in free if one.kind == SENSOR}, **found.by_name}))
+    estimated = np.array([one.kind != SENSOR for one in free])
+    C = considered.covariance(normal.matrix, estimated, np.array([one.tolerance for one in free]))
+    ten, slopes = inertia(of, offsets)
+    J = np.stack([slopes.get(one.name, np.zeros(10)) for one in free if one.kind != SENSOR], axis=1)
+    through = jacobian(ten) @ J
+    reference, _ = inertia(of, freed.start)
+    return Body(
+        article=article,
+        values=quantities(ten),
+        deviation=np.sqrt(np.einsum("ij,jk,ik->i", through, C, through)),
+        reference=quantities(reference),
+    )
+
+
+def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict[str, Array]]:
+    """Ten parameters of what stands on the FMD about its own origin, with its effects at `offsets`, and their derivatives (10,).
+
+    What an effect adds that no rigid body has, such as a mass that follows one axis only, counts as the rigid body nearest to it.
+    """
+    carried = prediction.tested.carried
+    matrices, tangents = nuisances.changed(carried.nuisances, offsets)
+    effects = [one for one in acting.acting(prediction.effects_here, offsets) if one.stage == STRUCTURE_STAGE]
+    matrices, tangents = applied.structure(matrices, tangents, effects)
+    return _nearest(matrices.mass), {name: _nearest(one.mass) for name, one in tangents.items() if one.mass is not None}
+
+
+def _nearest(mass: Array) -> Array:
+    """(10,) of the rigid body whose mass matrix is nearest to the base's share of `mass`."""
+    basis = ten_matrices().reshape(10, 36).T
+    return np.asarray(np.linalg.lstsq(basis, mass[:6, :6].ravel(), rcond=None)[0])
+
+
+def _freed(problem: Problem, article: str) -> tuple[Problem, SeriesPrediction | None]:
+    """`problem` with the ten parameters of `article` free, and a prediction that has it."""
+    predictions: list[Prediction] = []
+    found = None
+    for one in problem.predictions:
+        if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == article:
+            found = one.with_effects(_with_ten(one.effects))
+            predictions.append(found)
+        else:
+            predictions.append(one)
+    return replace(problem, predictions=tuple(predictions)), found
+
+
+def _with_ten(effects: Sequence[Added]) -> tuple[Added, ...]:
+    """`effects` and what they lack of the ten."""
+    there = {one.named.id for one in effects}
+    ten = (Named(family=FAMILY, targets=(name,), values={"": 0.0}) for name in PARAMETERS)
+    return (*effects, *(Added(named=one) for one in ten if one.id not in there))
