@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
 
 NOTHING: Mapping[str, Array] = MappingProxyType({})
 
@@ -83,15 +84,26 @@ class Reading:
     channels : (c,) names
     rows : (n, c, k) complex
     amplitude : (n, c) what each channel reads of the run's motion in time, amplitude in its SI unit; zeros where not stated
+    peak : (c,) largest amplitude of each channel in the run that was driven at nominal level; empty where not stated: then the
+        largest of `amplitude`
     """
 
     frequency: Array
     channels: tuple[str, ...]
     rows: ComplexArray
     amplitude: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    peak: Array = field(default_factory=lambda: np.zeros(0))
 
     def column(self, channel: str) -> int:
-        """Where `channel` stands in `rows`."""
+        """Where `channel` stands in `rows`.
+
+        Raises
+        ------
+        BadInput : there is no such channel.
+        """
+        if channel not in self.channels:
+            problem = "an effect acts on this channel, and the data have none of that name"
+            raise BadInput(source="effect", field=channel, problem=problem, remedy=f"Known are {', '.join(self.channels)}")
         return self.channels.index(channel)
 
 
@@ -106,6 +118,7 @@ class Floor:
     quantities : (c,) "acceleration", "force" or "moment"
     deviation : (n, c) standard deviation of the complex noise of a line, in the unit of the spectra
     per_rms : (c,) `deviation` for a broadband noise of 1 SI unit rms in the time record; zeros where records are not known
+    hum : (n, c) what the mains' ordinary hum leaves at a line, in the unit of the spectra; empty where it is not known
     """
 
     frequency: Array
@@ -113,6 +126,7 @@ class Floor:
     quantities: tuple[str, ...]
     deviation: Array
     per_rms: Array
+    hum: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -125,7 +139,7 @@ class Swing:
     amplitude : [rad] of the swing, 0 where not stated
     damping_ratio : [1], 0 where not stated
     mass, inertia : [kg], [kg m²] of what hangs on the ropes, the latter about the axis of the swing
-    ropes : number of ropes
+    ropes : number of ropes; 0 for a body on a pivot
     length : [m] of a rope
     radii : (ropes,) [m] of the attachments from the axis
     gravity : [m/s²]

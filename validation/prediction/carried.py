@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +12,10 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Pose, rigid_transformation_6
 from geometry.inertia import Inertia
 from identification.self_calibration.structure import ten_matrices
-from validation.effects.family import BODY_STAGE, STRUCTURE_STAGE
 from validation.effects.stages import Mounted
 from validation.engine.prediction import Offsets
-from validation.prediction import applied, condensation, fmd, nuisances
-from validation.prediction.acting import Acting
+from validation.models.model import Added
+from validation.prediction import applied, condensation, fmd
 from validation.prediction.amplitude import Drive
 from validation.prediction.nuisances import Nuisances
 from validation.prediction.set_up import Standing
@@ -34,16 +33,16 @@ class Carried:
     standing : on the cover plate
     moving : the FMD's moving part beforehand, about F
     exact : whether it is known exactly
-    nuisances : what is not known of the structure
+    nuisances : what is not known of the structure; None where nothing stands there
     """
 
     standing: Standing
     moving: Inertia
     exact: bool
-    nuisances: Nuisances
+    nuisances: Nuisances | None
 
     def at(
-        self, offsets: Offsets, effects: Sequence[Acting], frequency: Array, drive: Drive, *, derivatives: bool
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[ComplexArray, Tangents]:
         """Dynamic mass (n, 6, 6) about F, and how it answers to every parameter.
 
@@ -56,18 +55,17 @@ class Carried:
         found: Tangents = {}
         if derivatives and not self.exact:
             found = {name: _constant(E, len(frequency)) for name, E in zip(fmd.names(), ten_matrices(), strict=True)}
-        if self.standing.matrices is None:
+        if self.nuisances is None:
             return H, found
-        mounted, changes = self._mounted(offsets, effects, frequency, drive, derivatives=derivatives)
+        mounted, changes = self._mounted(self.nuisances, offsets, effects, frequency, drive, derivatives=derivatives)
         T = rigid_transformation_6(mounted.seat)
         return H + T.T @ mounted.matrix @ T, {**found, **{name: T.T @ change @ T for name, change in changes.items()}}
 
     def _mounted(
-        self, offsets: Offsets, effects: Sequence[Acting], frequency: Array, drive: Drive, *, derivatives: bool
+        self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[Mounted, Tangents]:
-        matrices, tangents = nuisances.changed(self.nuisances, offsets)
-        structural = [one for one in effects if one.stage == STRUCTURE_STAGE]
-        matrices, tangents = applied.structure(matrices, tangents, structural)
+        matrices, tangents = of.at(offsets, derivatives=derivatives)
+        matrices, tangents = applied.structure(matrices, tangents, effects)
         answered = condensation.dynamic_mass(matrices, frequency)
         changes = condensation.tangents(answered, tangents) if derivatives else {}
         R = _turned(self.standing.pose)
@@ -81,7 +79,7 @@ class Carried:
             block=drive.block,
         )
         turned = {name: R @ change @ R.T for name, change in changes.items()}
-        return applied.body(mounted, turned, [one for one in effects if one.stage == BODY_STAGE])
+        return applied.body(mounted, turned, effects)
 
 
 def _turned(pose: Pose) -> Array:

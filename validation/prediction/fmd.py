@@ -26,9 +26,10 @@ def parameters(nominal: Inertia, tolerance: float) -> tuple[Parameter, ...]:
     """The ten, of a moving part that is `nominal` about F within `tolerance`; none of one that is known exactly."""
     if tolerance == 0:
         return ()
-    ten = zip(names(), UNITS, nominal.parameters, tolerance * scales(nominal), strict=True)
+    ten = zip(names(), UNITS, nominal.parameters.tolist(), (tolerance * scales(nominal)).tolist(), strict=True)
     return tuple(
-        Parameter(name=name, unit=unit, tolerance=float(sd), kind=IDENTIFIED, nominal=float(value)) for name, unit, value, sd in ten
+        Parameter(name=name, unit=unit, tolerance=float(sd), kind=IDENTIFIED, nominal=float(value))
+        for name, unit, value, sd in ten
     )
 
 

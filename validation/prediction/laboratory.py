@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from identification.campaign import Campaign
 from identification.chain.parameter import Parameter as OfChain
 from identification.measurement_chain import Chain, chain
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import OPENED
 from validation.engine.parameter import SENSOR, Parameter
 from validation.models.model import Added, Model
-from validation.prediction.acting import is_opened
-from validation.prediction.opened import plausible
 
 HELD = 1.0
-"""Standard deviation with which a parameter is opened that is then held at its size: any will do."""
+"""Standard deviation by which the chain opens what an effect needs; `validation.prediction.applied.opened` says which it has."""
 
 
 def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Chain:
@@ -24,8 +24,8 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
     BadInput : as `identification.measurement_chain.chain`.
     """
     drawn = _chain(model, campaign, {})
-    needed = {one.named.id: plausible(one) or HELD for one in effects if is_opened(one)}
-    overrides = {name: sd for name, sd in needed.items() if name in drawn.possible}
+    needed = [one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED]
+    overrides = {name: HELD for name in needed if name in drawn.possible}
     return _chain(model, campaign, overrides) if overrides else drawn
 
 

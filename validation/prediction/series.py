@@ -12,8 +12,8 @@ as well, and to the modes of a configuration. A structural effect acts wherever 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,22 +25,20 @@ from geometry.errors import BadInput
 from identification.campaign import Campaign
 from identification.measurement_chain import Chain
 from validation.effects.catalogue import FAMILIES
-from validation.effects.family import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, PERIOD_STAGE, PROCESSING, STRUCTURE_STAGE
+from validation.effects.family import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, PROCESSING, STRUCTURE_STAGE
 from validation.effects.reach import acts
 from validation.effects.stages import Floor, Reading
 from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
 from validation.engine.prediction import Change, Lines, Offsets, Predicted
 from validation.models.model import Added, Model
-from validation.prediction import acting, applied, fmd, nuisances
+from validation.prediction import applied, fmd, nuisances
 from validation.prediction import measured as data
-from validation.prediction.acting import Acting
 from validation.prediction.amplitude import Drive, drives
 from validation.prediction.carried import Carried
 from validation.prediction.laboratory import laboratory
 from validation.prediction.laboratory import parameters as parameters_of_chain
-from validation.prediction.opened import opened
-from validation.prediction.set_up import moving_part, standing
+from validation.prediction.set_up import Standing, moving_part, standing
 
 Progress = Callable[[float], None]
 
@@ -163,33 +161,33 @@ class SeriesPrediction:
         return _joined(found, order, noise)
 
     @cached_property
-    def _acting(self) -> tuple[Added, ...]:
+    def _reaching(self) -> tuple[Added, ...]:
         """The effects that reach this campaign."""
         there = self.tested.carried.standing.there
         return tuple(one for one in self.effects if acts(one.named, there))
 
     @cached_property
     def _chain(self) -> Chain:
-        return laboratory(self.tested.model, self.tested.campaign, self._acting)
+        return laboratory(self.tested.model, self.tested.campaign, self._reaching)
 
     @cached_property
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
         carried, model = self.tested.carried, self.tested.model
         own = [
-            *nuisances.parameters(carried.nuisances),
+            *(() if carried.nuisances is None else carried.nuisances.parameters),
             *fmd.parameters(carried.moving, model.fmd_tolerance),
             *parameters_of_chain(self._chain),
         ]
-        left, given = opened(own, self._acting)
-        equations = [one for one in self._acting if _stage(one) in EQUATIONS]
-        return (*left, *(parameter for one in equations for parameter in acting.parameters(one))), given
+        left, given = applied.opened(own, self._reaching)
+        equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
+        return (*left, *applied.parameters(equations)), given
 
     @cached_property
     def _variants(self) -> tuple[tuple[Drive, tuple[int, ...]], ...]:
         """Runs that are read alike: all of them, unless an effect asks how they were driven."""
         drives = self.tested.drives
-        if not any(_asks(one) for one in self._acting):
+        if not any(_asks(one) for one in self._reaching):
             return ((Drive(), tuple(range(len(drives)))),)
         return tuple((drive, (k,)) for k, drive in enumerate(drives))
 
@@ -202,7 +200,7 @@ class SeriesPrediction:
     def _carried(
         self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        effects = acting.acting(self._acting, at)
+        effects = applied.at(self._reaching, at)
         return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
 
     def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool) -> Predicted:
@@ -219,17 +217,25 @@ class SeriesPrediction:
                 changes[one.name] = Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
         reading = Reading(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=np.abs(rows @ drive.amplitude))
-        read, changes = applied.channels(reading, changes, self._effects(at, CHANNEL_STAGE))
+        reading, changes = self._written(reading, changes, applied.at(self._reaching, at))
         for name in self._opened[1]:
             changes.pop(name, None)
-        return Predicted(rows=read.rows, changes=changes)
+        return Predicted(rows=reading.rows, changes=changes)
 
-    def _effects(self, at: Offsets, stage: str) -> tuple[Acting, ...]:
-        return tuple(one for one in acting.acting(self._acting, at) if one.stage == stage)
+    def _written(
+        self, reading: Reading, changes: dict[str, Change], effects: Sequence[Added]
+    ) -> tuple[Reading, dict[str, Change]]:
+        """What the file holds of what the channels read."""
+        if not any(_stage(one) == CHANNEL_STAGE for one in effects):
+            return reading, changes
+        every = tuple(range(len(reading.channels)))
+        tangents = {name: _on(change, every) for name, change in changes.items()}
+        written, tangents = applied.channels(reading, tangents, effects)
+        return written, {name: _changing(rows) for name, rows in tangents.items()}
 
     def _noise(self, at: Offsets, lines: Lines | None, frequency: Array) -> Array | None:
         """(r, n, c) where an effect on it acts."""
-        effects, of = self._effects(at, NOISE_STAGE), self.measured
+        effects, of = [one for one in applied.at(self._reaching, at) if _stage(one) == NOISE_STAGE], self.measured
         if not effects:
             return None
         chosen = of.noise if lines is None else of.noise[:, lines]
@@ -259,19 +265,25 @@ def _tested(
     lines: npt.ArrayLike | None,
     progress: Progress | None,
 ) -> Tested:
-    stands, exact = standing(model, campaign), model.fmd_tolerance == 0
+    stands = standing(model, campaign)
     of = laboratory(model, campaign, ())
     measured, made = data.measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
-    of_structure = nuisances.nuisances(stands.matrices, stands.modes, campaign.article, model.structure)
     driven = drives(campaign, made)
     return Tested(
         model=model,
         campaign=replace(campaign, recordings={}),
         measured=measured,
-        carried=Carried(standing=stands, moving=moving_part(model), exact=exact, nuisances=of_structure),
+        carried=_carried(model, campaign, stands),
         drives=tuple(driven[run] for run in measured.runs),
         per_rms=data.per_rms(campaign, made),
     )
+
+
+def _carried(model: Model, campaign: Campaign, stands: Standing) -> Carried:
+    of_structure = None
+    if stands.matrices is not None:
+        of_structure = nuisances.of(campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure)
+    return Carried(standing=stands, moving=moving_part(model), exact=model.fmd_tolerance == 0, nuisances=of_structure)
 
 
 def _joined(found: Sequence[Predicted], order: npt.NDArray[np.int64], noise: Array | None) -> Predicted:
@@ -289,6 +301,12 @@ def _on(change: Change, channels: tuple[int, ...]) -> ComplexArray:
     rows = np.zeros((len(change.rows), len(channels), change.rows.shape[-1]), dtype=np.complex128)
     rows[:, [channels.index(k) for k in change.channels]] = change.rows
     return rows
+
+
+def _changing(rows: ComplexArray) -> Change:
+    """A change of the rows (n, c, k) of all channels as one of those that do change."""
+    channels = tuple(int(k) for k in np.flatnonzero(np.any(rows != 0, axis=(0, 2))))
+    return Change(channels=channels, rows=rows[:, channels])
 
 
 def _stage(added: Added) -> str:

@@ -1,22 +1,26 @@
 """`Standing`: what stands on the cover plate in one campaign, as a model describes it, before any effect.
 
-The campaign's `article` picks it: nothing for an FMD alone, a built-in stack of beams or rigid, or a user's own model. Where it is
-mounted is what the campaign states, else the seat of the built-in FMD.
+The campaign's `article` picks it: nothing for an FMD alone, a built-in stack of beams or rigid, or a user's own model. Where it
+is mounted is what the campaign states, else the seat of the built-in FMD.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
-from fem.damping import Damping, per_mode
+from fem.damping import Damping, default, per_mode
 from fem.modes import fixed_base
 from fem.structure import Structure
 from fem.users_model.reading import is_model, load
 from geometry import multibody
+from geometry.arrays import Array
+from geometry.article import Article
 from geometry.articles import NAMES, built_in, changes_of
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
@@ -38,14 +42,16 @@ class Standing:
     ----------
     article : its name; empty for an FMD alone
     matrices : about its own origin and in its own axes; None where there is nothing
-    modes : how many of its coordinates behind the base are modes; the others answer statically
+    frequency : (m,) [Hz] of the coordinates behind the base that are modes; the others answer statically
+    losses : loss factor by part of the structure; none where damping is given by mode
     pose : where its frame sits, seen from F
     remarks : what was assumed, sentences
     """
 
     article: str
     matrices: Matrices | None
-    modes: int = 0
+    frequency: Array = field(default_factory=lambda: np.zeros(0))
+    losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
     remarks: tuple[str, ...] = ()
 
@@ -69,8 +75,7 @@ def standing(model: Model, campaign: Campaign) -> Standing:
     if not article:
         return Standing(article="", matrices=None, pose=Pose())
     pose, said = mounted(campaign)
-    made, modes = _made(_recipe(model, campaign, article))
-    return Standing(article=article, matrices=made, modes=modes, pose=pose, remarks=said)
+    return replace(_made(_recipe(model, campaign, article)), pose=pose, remarks=said)
 
 
 def moving_part(model: Model) -> Inertia:
@@ -144,22 +149,46 @@ def _stamp(path: str) -> int:
 
 
 @lru_cache(maxsize=16)
-def _made(recipe: _Recipe) -> tuple[Matrices, int]:
-    """The matrices of an article, and how many of their coordinates are modes."""
+def _made(recipe: _Recipe) -> Standing:
+    """An article, not yet mounted."""
     if recipe.own:
         return _of_user(recipe)
     changes = dict(recipe.changes)
     places = locations(recipe.article, changes)
     if recipe.kind == RIGID:
-        return of.of_inertia(_inertia(recipe), places), 0
+        return Standing(article=recipe.article, matrices=of.of_inertia(_inertia(recipe), places), pose=Pose())
     from fem import beam
 
-    structure = beam.structure(recipe.article, changes)
-    damping = _damping(recipe)
-    modes = fixed_base(structure, recipe.modes, damping=damping)
     drawn = built_in(recipe.article, changes)
-    found = of.of_structure(structure, modes, places, _inertia(recipe).cog, damping=damping, article=drawn)
-    return found, len(modes.frequency)
+    return _of_structure(recipe, beam.structure(recipe.article, changes), _damping(recipe), places, drawn)
+
+
+def _of_user(recipe: _Recipe) -> Standing:
+    """A user's own model: matrices with their modes, or modal data alone."""
+    found = load(recipe.own)
+    if recipe.kind == RIGID:
+        return Standing(article=recipe.article, matrices=of.of_inertia(_inertia(recipe), {}), pose=Pose())
+    damping = _damping(recipe) or found.damping
+    if isinstance(found.model, Structure):
+        return _of_structure(recipe, found.model, damping, {}, None)
+    frequency = found.model.frequency
+    modal = found.model if damping is None else replace(found.model, viscous=per_mode(damping, 2 * np.pi * frequency))
+    matrices = of.of_modes(modal, _inertia(recipe).cog)
+    return Standing(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
+
+
+def _of_structure(
+    recipe: _Recipe, structure: Structure, damping: Damping | None, places: of.Places, drawn: Article | None
+) -> Standing:
+    used = damping or default(structure)
+    modes = fixed_base(structure, recipe.modes, damping=used)
+    return Standing(
+        article=recipe.article,
+        matrices=of.of_structure(structure, modes, places, _inertia(recipe).cog, damping=used, article=drawn),
+        frequency=modes.frequency,
+        losses=used.loss_factors,
+        pose=Pose(),
+    )
 
 
 def _inertia(recipe: _Recipe) -> Inertia:
@@ -186,4 +215,3 @@ def _of_user(recipe: _Recipe) -> tuple[Matrices, int]:
 
 def _damping(recipe: _Recipe) -> Damping | None:
     return None if recipe.damping_ratio is None else Damping(ratio=recipe.damping_ratio)
-

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import ACCELERATIONS, Family
+from validation.effects.plants import at
 from validation.effects.sizes import DELAY
 from validation.effects.targets import ACCELEROMETER
 
@@ -13,4 +15,12 @@ FAMILY = Family(
     targets=(ACCELEROMETER,),
     sizes=DELAY,
     example="accelerometer-delay:cover-z3=200e-6",
+    tolerance=Tolerances().delay,
+    equation="y' = y exp(-i omega tau)",
+    mistaken_for=("board-delay", "force-delay", "structural-damping"),
+    confirmed_by="one generator on all inputs at once; a phase against its neighbours that grows in proportion to frequency",
+    reference="shift theorem of the Fourier transform",
+    sentence="The accelerometer {target} is recorded a little later than the others: its filter lags, or it rings at a resonance "
+    "of its mounting far above the band.",
+    plant=at("chain", "of_chain.delay"),
 )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import ACCELERATIONS, Family
+from validation.effects.plants import at
 from validation.effects.sizes import ANGLE
 from validation.effects.targets import ACCELEROMETER
 
@@ -13,4 +15,12 @@ FAMILY = Family(
     targets=(ACCELEROMETER, "axis"),
     sizes=ANGLE,
     example="accelerometer-misalignment:cover-z3:x=0.02",
+    tolerance=Tolerances().angle,
+    equation="y' = (d + v e x d)^T [G(p)] u",
+    mistaken_for=("accelerometer-position", "orientation", "force-crosstalk"),
+    confirmed_by="the pick-up turned by 180 degrees about its own axis: cross-sensitivity turns with it, a slanted surface does not",
+    reference="paper Eq. 3; transverse sensitivity of an accelerometer is the same equation (ISO 16063-31)",
+    sentence="The accelerometer {target} does not point quite along its axis: it reads a share of the motion across it. The "
+    "transverse sensitivity of its data sheet does exactly the same.",
+    plant=at("chain", "of_chain.misalignment"),
 )

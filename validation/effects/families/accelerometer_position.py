@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import ACCELERATIONS, Family
+from validation.effects.plants import at
 from validation.effects.sizes import LENGTH
 from validation.effects.targets import ACCELEROMETER
 
@@ -13,4 +15,12 @@ FAMILY = Family(
     targets=(ACCELEROMETER, "axis"),
     sizes=LENGTH,
     example="accelerometer-position:cover-z3:x=0.01",
+    tolerance=Tolerances().position,
+    equation="y' = d^T [G(p + dp)] u, that is y + d^T (theta x dp)",
+    mistaken_for=("accelerometer-gain", "accelerometer-misalignment", "force-plane-offset"),
+    confirmed_by="a ruler; rotation sweeps, which alone show it; more pick-ups on the same plate",
+    reference="paper Eq. 3: acceleration of a point of a rigid body, with small rotations",
+    sentence="The accelerometer {target} is not where the channel table says. When the plate rotates it reads too much or too "
+    "little; when the plate only shifts nothing is seen.",
+    plant=at("chain", "of_chain.position"),
 )

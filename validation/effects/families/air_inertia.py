@@ -2,6 +2,22 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, Family
+from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
+from validation.effects.swings import carried
 
-FAMILY = Family(name="air-inertia", side=PENDULUM, what="an error of a pendulum's period", example="air-inertia")
+FAMILY = Family(
+    name="air-inertia",
+    side=PENDULUM,
+    what="moment of inertia of the air that swings along with a pendulum",
+    sizes=(Size(unit="kg m^2", low=0.0, high=100.0, plausible=0.005),),
+    example="air-inertia=0.002",
+    stage=PERIOD_STAGE,
+    change=carried,
+    equation="T = T_0 sqrt(1 + I_air / I)",
+    mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity", "off-centre-suspension"),
+    confirmed_by="the same swing with light plates of cardboard added; the identified inertia, which feels the air as well",
+    reference="added mass of a body in an ideal fluid (Lamb, Hydrodynamics, chapter VI); of a disc of radius a turning about "
+    "its diameter 16/45 rho a^5",
+    sentence="Wide flat parts, such as blades, take air along when they swing, and the air's inertia is measured with the "
+    "article's.",
+)

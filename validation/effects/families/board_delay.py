@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import FORCES, Family
+from validation.effects.plants import at
 from validation.effects.sizes import DELAY
 
 FAMILY = Family(
@@ -12,4 +14,12 @@ FAMILY = Family(
     targets=("board",),
     sizes=DELAY,
     example="board-delay:force=200e-6",
+    tolerance=Tolerances().delay,
+    equation="y' = y exp(-i omega tau) in every channel of the board",
+    mistaken_for=("force-delay", "accelerometer-delay", "structural-damping"),
+    confirmed_by="one generator on an input of every board; all channels of one board lag alike",
+    reference="shift theorem of the Fourier transform",
+    sentence="All channels of the {target} board are recorded a little later than those of the other boards: the boards are not "
+    "started or clocked together. If all boards lag alike, nobody can see it, and it does no harm.",
+    plant=at("chain", "of_chain.board_delay"),
 )

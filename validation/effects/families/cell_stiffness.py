@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import FORCES, Family
+from validation.effects.plants import at
 from validation.effects.sizes import relative
 
 FAMILY = Family(
@@ -10,6 +12,14 @@ FAMILY = Family(
     side=FORCES,
     what="relative change of one cell's stiffness",
     targets=("cell and axis",),
-    sizes=relative(-0.99, 99.0),
+    sizes=relative(-0.99, 99.0, 0.5),
     example="cell-stiffness:1x=0.3",
+    tolerance=Tolerances().cell_stiffness,
+    equation="cells carry K_c B (B^T K_c B)^-1 F, k of one cell times (1 + v)",
+    mistaken_for=("force-gain", "gap", "force-crosstalk"),
+    confirmed_by="the sums fmd-z1 + fmd-z3 and fmd-z2 + fmd-z4, which share the load by stiffness alone; torque of that cell's bolt",
+    reference="statically indeterminate plate on springs: loads share by stiffness, and none is lost",
+    sentence="One load cell, {target} by number and axis, is softer or stiffer than the other three and takes another share of "
+    "the load. The resultants stay right: only the single channels, and the balance between them, tell.",
+    plant=at("chain", "of_chain.cell_stiffness"),
 )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.family import MISTAKE, Family
+from validation.effects.channels import swapped
+from validation.effects.family import CHANNEL_STAGE, MISTAKE, Family
+from validation.effects.plants import at
 from validation.effects.targets import CHANNEL
 
 FAMILY = Family(
@@ -11,4 +13,12 @@ FAMILY = Family(
     what="the plugs of two channels are swapped",
     targets=(CHANNEL, CHANNEL),
     example="channel-swap:cover-z1:cover-z2",
+    stage=CHANNEL_STAGE,
+    change=swapped,
+    equation="y_A' = y_B, y_B' = y_A",
+    mistaken_for=("polarity", "accelerometer-position"),
+    confirmed_by="a tap on one pick-up at a time",
+    reference="definition of the channels in the campaign file",
+    sentence="Two plugs were crossed: what {target} is said to be was measured by another channel, and the other way round.",
+    plant=at("record", "of_signals.swap"),
 )

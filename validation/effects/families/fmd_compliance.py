@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from validation.effects.family import FORCES, Family, Size
+from validation.effects.plants import at
 
 FAMILY = Family(
     name="fmd-compliance",
     side=FORCES,
     what="factor on the compliance of all load cells",
     targets=("direction of the FMD",),
-    sizes=(Size(unit="1", low=1e-3, high=1e3),),
+    sizes=(Size(unit="1", low=1e-3, high=1e3, null=1.0, plausible=2.0, logarithmic=True),),
     example="fmd-compliance:lateral=3",
+    tolerance=0.3,
+    equation="table reads G (u - omega² K^-1 H u), K^-1 times the factor along the direction",
+    mistaken_for=("accelerometer-gain", "joint-compliance", "cell-stiffness"),
+    confirmed_by="accelerometers on the table against those on the cover plate, over frequency: the difference grows with omega²",
+    reference="springs in series: a cover plate on K moves by K^-1 F against the table",
+    sentence="The load cells give more or less than their data sheet says, {target} to the table's plane or across it, so table "
+    "and cover plate do not move alike. Only the pick-ups on the table can be misled by it.",
+    plant=at("chain", "of_chain.compliance"),
 )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import FORCES, Family
+from validation.effects.plants import at
 from validation.effects.sizes import DELAY
 from validation.effects.targets import FORCE
 
@@ -13,4 +15,12 @@ FAMILY = Family(
     targets=(FORCE,),
     sizes=DELAY,
     example="force-delay:fmd-z2=200e-6",
+    tolerance=Tolerances().delay,
+    equation="y' = y exp(-i omega tau)",
+    mistaken_for=("board-delay", "force-highpass", "structural-damping"),
+    confirmed_by="one generator on all inputs at once; a phase that grows in proportion to frequency",
+    reference="shift theorem of the Fourier transform",
+    sentence="The force channel {target} is recorded a little later than the others: its filter or its sampling board lags. "
+    "Forces and accelerations then turn against each other, which looks like damping that grows with frequency.",
+    plant=at("chain", "of_chain.delay"),
 )

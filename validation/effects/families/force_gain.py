@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from geometry.tolerances import Tolerances
 from validation.effects.family import FORCES, Family
+from validation.effects.plants import at
 from validation.effects.sizes import GAIN
 from validation.effects.targets import FORCE
 
@@ -13,4 +15,12 @@ FAMILY = Family(
     targets=(FORCE,),
     sizes=GAIN,
     example="force-gain:fmd-z2=0.08",
+    tolerance=Tolerances().gain,
+    equation="y' = (1 + g) y",
+    mistaken_for=("load-path-shunt", "rigid-inertia", "cell-stiffness", "point-mass", "unit"),
+    confirmed_by="a calibration mass on the cover plate, or a known force beside that cell",
+    reference="paper Eq. 7: resultants are sums of channels, so a gain of one channel is a false force and a false moment",
+    sentence="The force channel {target} reads too much or too little by a constant share: its charge amplifier, its cell or its "
+    "calibration value is off. Near a mass line this looks like another mass and a shifted centre of gravity.",
+    plant=at("chain", "of_chain.gain"),
 )

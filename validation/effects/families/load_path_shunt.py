@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from validation.effects.family import FORCES, Family
+from validation.effects.plants import at
 from validation.effects.sizes import relative
 
 FAMILY = Family(
@@ -10,6 +11,13 @@ FAMILY = Family(
     side=FORCES,
     what="share of the force along an axis that passes the cells by",
     targets=("axis",),
-    sizes=relative(0.0, 0.95),
+    sizes=relative(0.0, 0.95, 0.05),
     example="load-path-shunt:x=0.03",
+    equation="y' = (1 - s) y in every channel along the axis",
+    mistaken_for=("force-gain", "rigid-inertia"),
+    confirmed_by="a calibration mass: all channels of the axis are short by one share; loosen bolts, cables and seals beside the cells",
+    reference="parallel springs: a path of stiffness k_s beside cells of k takes the share k_s / (k + k_s)",
+    sentence="Part of the force along {target} goes from the article to the table without passing a load cell: through the "
+    "pre-stressing bolts, a cable or a seal. The article looks lighter along this axis than along the others.",
+    plant=at("chain", "of_chain.shunt"),
 )

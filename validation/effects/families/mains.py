@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PROCESSING, Family, Size
+from validation.effects.family import NOISE_STAGE, PROCESSING, Family, Size
+from validation.effects.floors import humming
+from validation.effects.plants import at
 
 FAMILY = Family(
     name="mains",
     side=PROCESSING,
     what="mains hum in every channel, as a factor on the ordinary one",
-    sizes=(Size(unit="1", low=0.0, high=1e4),),
+    sizes=(Size(unit="1", low=0.0, high=1e4, null=1.0),),
     example="mains=5",
+    stage=NOISE_STAGE,
+    change=humming,
+    equation="sigma'² = sigma² + (factor² - 1) h², h = a / (2 pi |f - f_m|) the leak of the ordinary hum into a line",
+    mistaken_for=("noise",),
+    confirmed_by="a narrow line at 50 or 60 Hz and its odd multiples, also while nothing moves",
+    reference="leakage of a sine into a rectangular record (Harris, Proc. IEEE 66 (1978) 51-83)",
+    sentence="The mains hum gets into the channels more than usual: an earth loop or a missing screen. Inside the band only its "
+    "leak is seen, weak and the same whatever is driven.",
+    plant=at("chain", "of_chain.mains"),
 )

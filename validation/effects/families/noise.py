@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PROCESSING, Family, Size
+from validation.effects.family import NOISE_STAGE, PROCESSING, Family, Size
+from validation.effects.floors import louder
+from validation.effects.plants import at
 from validation.effects.targets import CHANNEL
 
 FAMILY = Family(
@@ -12,4 +14,13 @@ FAMILY = Family(
     targets=(CHANNEL,),
     sizes=(Size(unit="m/s^2 or N", low=0.0, high=1e6),),
     example="noise:cover-z3=0.05",
+    stage=NOISE_STAGE,
+    change=louder,
+    equation="sigma'² = sigma² + n² S_1, S_1 that of a broadband noise of 1 rms",
+    mistaken_for=("mains", "force-highpass"),
+    confirmed_by="the quiet part of the record; the same run twice",
+    reference="variances of independent noise add; Bendat and Piersol, Random Data, chapter 9",
+    sentence="The channel {target} is noisier than its noise floor says: a bad cable, a range too large, a loose screw. It shifts "
+    "nothing on average, but what is concluded from it is less certain.",
+    plant=at("chain", "of_chain.noise"),
 )

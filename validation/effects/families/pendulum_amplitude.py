@@ -2,6 +2,23 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, Family
+from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
+from validation.effects.swings import wide
 
-FAMILY = Family(name="pendulum-amplitude", side=PENDULUM, what="an error of a pendulum's period", example="pendulum-amplitude")
+FAMILY = Family(
+    name="pendulum-amplitude",
+    side=PENDULUM,
+    what="the peak angle of a pendulum's swing, which Eq. 5 takes for small",
+    sizes=(Size(unit="rad", low=0.0, high=2.5, plausible=0.2),),
+    example="pendulum-amplitude=0.2",
+    stage=PERIOD_STAGE,
+    change=wide,
+    equation="T = T_0 2 K(sin(A/2)) / pi for long ropes or a pivot; ropes of length l: T_0 (1 + A² (1/16 - 3/16 e + k e / "
+    "4)), e = s²/l², k = m s² / I",
+    mistaken_for=("pendulum-damping", "rope-mass", "rope-elasticity", "air-inertia", "off-centre-suspension"),
+    confirmed_by="two amplitudes of one pendulum: the period falls with the square of the amplitude as it decays",
+    reference="energy of a body on ropes over a quarter swing (validation.pendulum_corrections); Landau and Lifshitz, "
+    "Mechanics, § 11",
+    sentence="The pendulum swings so wide that its period is longer than that of small swings: 0.07 % at 0.1 rad, and the "
+    "inertia is twice that too large.",
+)

@@ -2,7 +2,24 @@
 
 from __future__ import annotations
 
-from validation.effects.family import MISTAKE, Family
+from validation.effects.channels import inverted
+from validation.effects.family import CHANNEL_STAGE, MISTAKE, Family
+from validation.effects.plants import at
 from validation.effects.targets import CHANNEL
 
-FAMILY = Family(name="polarity", side=MISTAKE, what="a channel is inverted", targets=(CHANNEL,), example="polarity:fmd-z2")
+FAMILY = Family(
+    name="polarity",
+    side=MISTAKE,
+    what="a channel is inverted",
+    targets=(CHANNEL,),
+    example="polarity:fmd-z2",
+    stage=CHANNEL_STAGE,
+    change=inverted,
+    equation="y' = -y",
+    mistaken_for=("channel-swap",),
+    confirmed_by="a push by hand in a known direction; the sign of one line of one sweep",
+    reference="definition of the channel's direction in the campaign file",
+    sentence="The channel {target} has the wrong sign: the pick-up is mounted the other way round, or its direction was typed "
+    "with the other sign.",
+    plant=at("chain", "of_chain.polarity"),
+)

@@ -2,6 +2,21 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, Family
+from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
+from validation.effects.swings import stretched
 
-FAMILY = Family(name="rope-elasticity", side=PENDULUM, what="an error of a pendulum's period", example="rope-elasticity")
+FAMILY = Family(
+    name="rope-elasticity",
+    side=PENDULUM,
+    what="by how much one rope of a pendulum stretches for a newton",
+    sizes=(Size(unit="m/N", low=0.0, high=1e-2, plausible=5e-6),),
+    example="rope-elasticity=2e-6",
+    stage=PERIOD_STAGE,
+    change=stretched,
+    equation="T = T_0 sqrt(1 + c m g / (n l)): each of n ropes is longer by c m g / n",
+    mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "air-inertia", "off-centre-suspension"),
+    confirmed_by="a ruler, with and without the load: a length measured under load holds it already",
+    reference="Hooke's law, c = l / (E A), in paper Eq. 5",
+    sentence="The ropes are longer under the load than they were measured without it. A length that was measured with the "
+    "article on them holds it already.",
+)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.family import MISTAKE, Family, Size
+from validation.effects.channels import scaled
+from validation.effects.family import CHANNEL_STAGE, MISTAKE, Family, Size
+from validation.effects.plants import at
 from validation.effects.targets import CHANNEL
 
 FAMILY = Family(
@@ -10,6 +12,14 @@ FAMILY = Family(
     side=MISTAKE,
     what="factor by which the numbers of a channel are wrong, or the unit that they really are in",
     targets=(CHANNEL,),
-    sizes=(Size(unit="1", low=1e-6, high=1e6),),
+    sizes=(Size(unit="1", low=1e-6, high=1e6, null=1.0, plausible=5.0, logarithmic=True),),
     example="unit:cover-z3=0.102, or unit:cover-z3=g",
+    stage=CHANNEL_STAGE,
+    change=scaled,
+    equation="y' = factor y",
+    mistaken_for=("force-gain", "accelerometer-gain"),
+    confirmed_by="the factor itself: 9.81, 1000, 4.45 and their inverses are units, 1.07 is a gain",
+    reference="definition of the units (SI brochure); g_n = 9.80665 m/s², 1 lbf = 4.4482216 N",
+    sentence="The numbers of {target} are in another unit than the file says: g taken for m/s², mm for m, pounds for newtons.",
+    plant=at("record", "of_signals.unit"),
 )

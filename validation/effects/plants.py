@@ -1,0 +1,46 @@
+"""How a family is planted in a virtual test: ``plant=at("signals", "of_signals.saturation")``.
+
+The makers of the package are named, not imported: `validation.virtual_test` needs the catalogue to read what it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from validation.effects.identifiers import Named
+    from validation.virtual_test.hooks import Effect
+
+Place = Literal["chain", "parts", "rig", "signals", "record"]
+"""Those of `validation.virtual_test.hooks.Effect`."""
+
+Maker = Callable[["Named"], Callable[[Any], Any]]
+"""Given the effect with its size, the change at its place."""
+
+
+def at(place: Place, maker: Maker | str) -> Callable[[Named], Effect]:
+    """The plant that changes a virtual test at `place`.
+
+    Parameters
+    ----------
+    maker : a function, or ``module.function`` in `validation.virtual_test.effects`
+    """
+    return partial(_planted, place, maker)
+
+
+def _planted(place: Place, maker: Maker | str, named: Named) -> Effect:
+    from validation.virtual_test.hooks import Effect
+
+    changes: dict[str, Any] = {place: _made(maker)(named)}
+    return Effect(id=named.id, value=dict(named.values), **changes)
+
+
+def _made(maker: Maker | str) -> Maker:
+    if not isinstance(maker, str):
+        return maker
+    module, _, function = maker.partition(".")
+    found: Maker = getattr(import_module(f"validation.virtual_test.effects.{module}"), function)
+    return found

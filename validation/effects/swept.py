@@ -1,0 +1,63 @@
+"""What blocks of a Hann window make of a dynamic mass while a sweep passes (peak-reference-hold).
+
+Around the moment at which a logarithmic sweep passes f it is a chirp of s = f ln 2 rate [Hz/s], with the spectrum
+exp(-i pi (nu - f)² / s) by stationary phase. A block of length T around that moment reads at f, of a load H u,
+
+    H'(f) = int H(nu) W(f - nu) exp(-i pi (nu - f)² / s) dnu / the same without H,
+
+W the transform of the window, real for a window that is even about its middle. Linear in H, so derivatives pass through it. Between
+lines H is interpolated by cubic splines: they must lie closer than a third of the half-power width of what is to be seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from validation.effects.family import Values
+from validation.effects.stages import Mounted
+
+LOBES = 12.0
+"""Widths 1 / T of the window to either side that count: beyond, its transform has fallen to 1e-4."""
+
+FINER = 16
+"""Points of the kernel for every width 1 / T."""
+
+
+def held(mounted: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+    """`mounted` as peak-reference-hold shows it; unchanged where the run states no blocks or no sweep."""
+    if mounted.block <= 0 or mounted.sweep_rate <= 0 or len(mounted.frequency) < 2:
+        return mounted
+    S = _operator(mounted.frequency.tobytes(), mounted.sweep_rate, mounted.block)
+    return replace(mounted, matrix=np.einsum("nm,mij->nij", S, mounted.matrix))
+
+
+@lru_cache(maxsize=8)
+def _operator(frequency: bytes, rate: float, block: float) -> ComplexArray:
+    return operator(np.frombuffer(frequency), rate, block)
+
+
+def operator(frequency: Array, rate: float, block: float) -> ComplexArray:
+    """(n, n) from H at the lines `frequency` (n,) [Hz] to what blocks of `block` [s] read in a sweep of `rate` [octaves/s].
+
+    Beyond the first and the last line H is taken to stay as it is there.
+    """
+    from scipy.interpolate import CubicSpline
+
+    between = CubicSpline(frequency, np.eye(len(frequency)), bc_type="natural" if len(frequency) < 4 else "not-a-knot")
+    offsets = np.arange(-LOBES * FINER, LOBES * FINER + 1) / (FINER * block)
+    speed = frequency * np.log(2) * rate
+    kernel = window(offsets * block) * np.exp(-1j * np.pi * offsets**2 / speed[:, None])
+    kernel /= kernel.sum(axis=1, keepdims=True)
+    at = np.clip(frequency[:, None] + offsets, frequency[0], frequency[-1])
+    return np.asarray(np.stack([k @ between(points) for k, points in zip(kernel, at, strict=True)]), dtype=np.complex128)
+
+
+def window(x: Array) -> Array:
+    """Transform of a Hann window of length 1, over that at 0, at x = f T: sinc x / (1 - x²)."""
+    safe = np.where(np.isclose(np.abs(x), 1.0), 0.5, x)
+    return np.asarray(np.where(np.isclose(np.abs(x), 1.0), 0.5, np.sinc(safe) / (1 - safe**2)))

@@ -1,0 +1,234 @@
+"""What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
+
+    K' = E K E,  S' = D E S E D,  C' = D C D + c,  M_br' = M_br + l          E = diag(e^ln f),  D = diag(e^(ln zeta / 2))
+
+on the nominal modal basis, K and S with the moduli of the parts in them. Nothing is re-diagonalised: the matrices are smooth in
+every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import MOTIONS
+from validation.effects.stages import Matrices
+from validation.engine.parameter import DECLARED, Parameter
+from validation.engine.prediction import Offsets
+from validation.models.model import StructureTolerances
+from validation.prediction.matrices import sheet
+from validation.prediction.tangent import FIELDS, Tangent, of_arrays
+
+WITHIN = 2.5
+"""Tolerances by which a plain fit may move what the model declares."""
+
+NEIGHBOURS = 0.1
+"""Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
+other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
+
+HIGHEST = 50.0
+"""[Hz] Modes above it answer quietly: their frequency, damping and participation are what was computed."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Nuisances:
+    """The uncertain numbers of one article.
+
+    Attributes
+    ----------
+    configuration : name of the article, which stands in the names of what is its own
+    nominal : the matrices at offset 0
+    losses : loss factor of every part as the model has it, by which its share of K enters S
+    frequency : (m,) [Hz] of the modes that are uncertain, the first of the article's own coordinates
+    tolerances : how well they are known
+    """
+
+    configuration: str
+    nominal: Matrices
+    losses: Mapping[str, float]
+    frequency: Array
+    tolerances: StructureTolerances
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All of them; a tolerance of 0 closes a family."""
+        of, modes = self.tolerances, range(1, len(self.frequency) + 1)
+        parts = self.nominal.parts if len(self.frequency) else ()
+        made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
+        made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
+        made += [_declared(f"damping:{self.configuration}:{r}", of.damping) for r in modes]
+        if self.nominal.base:
+            names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
+            made += [Parameter(name=name, unit="1", tolerance=of.participation) for name in names]
+        names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
+        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling) for name in names]
+        return tuple(one for one in made if one.tolerance > 0)
+
+    @property
+    def neighbours(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of modes, from 0, whose damping may be coupled."""
+        f = self.frequency
+        pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
+        return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
+
+    def at(self, offsets: Offsets, *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
+        """The matrices at `offsets` and their derivative by every parameter."""
+        now = _now(self, offsets)
+        if not derivatives:
+            return now.matrices, {}
+        return now.matrices, {one.name: _tangent(self, now, one.name) for one in self.parameters}
+
+
+def of(
+    configuration: str,
+    matrices: Matrices,
+    frequency: Array,
+    losses: Mapping[str, float],
+    tolerances: StructureTolerances | None = None,
+    *,
+    highest: float = HIGHEST,
+) -> Nuisances:
+    """The nuisances of `matrices`.
+
+    Parameters
+    ----------
+    frequency : (n,) [Hz] of the kept modes, the first of the article's own coordinates
+    losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
+    highest : [Hz] modes above are taken as computed
+    """
+    return Nuisances(
+        configuration=configuration,
+        nominal=matrices,
+        losses={sheet(part): eta for part, eta in losses.items()},
+        frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
+        tolerances=tolerances or StructureTolerances(),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Now:
+    """Matrices at some offsets, and what they are made of: E and D (k,), K and S before them, C before the coupling."""
+
+    matrices: Matrices
+    E: Array
+    D: Array
+    uncoupled: Array
+
+
+def _now(of: Nuisances, offsets: Offsets) -> _Now:
+    m, name, b = of.nominal, of.configuration, of.nominal.base
+    E, D = np.ones(len(m.mass)), np.ones(len(m.mass))
+    for r in range(len(of.frequency)):
+        E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
+        D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
+    stiffer = {part: float(np.expm1(offsets[f"modulus:{part}"])) for part in m.parts if offsets.get(f"modulus:{part}")}
+    K, S, parts = m.stiffness, m.structural, dict(m.parts)
+    for part, change in stiffer.items():
+        K, S = K + change * m.parts[part], S + change * of.losses.get(part, 0.0) * m.parts[part]
+        parts[part] = (1 + change) * m.parts[part]
+    C = D[:, None] * m.viscous * D
+    made = replace(
+        m,
+        mass=_participating(of, offsets),
+        stiffness=E[:, None] * K * E,
+        structural=(D * E)[:, None] * S * (D * E),
+        viscous=C + _coupled(of, offsets),
+        parts=parts,
+    )
+    return _Now(matrices=made, E=E, D=D, uncoupled=C)
+
+
+def _participating(of: Nuisances, offsets: Offsets) -> Array:
+    mass = np.array(of.nominal.mass)
+    for r, axis in np.ndindex(len(of.frequency), of.nominal.base):
+        change = offsets.get(f"participation:{of.configuration}:{r + 1}:{MOTIONS[axis]}", 0.0) * _largest(of, r, axis)
+        mass[axis, of.nominal.base + r] += change
+        mass[of.nominal.base + r, axis] += change
+    return mass
+
+
+def _coupled(of: Nuisances, offsets: Offsets) -> Array:
+    viscous, b = np.zeros_like(of.nominal.mass), of.nominal.base
+    for r, s in of.neighbours:
+        change = offsets.get(f"coupling:{of.configuration}:{r + 1}:{s + 1}", 0.0) * _geometric(of, r, s)
+        viscous[b + r, b + s] = viscous[b + s, b + r] = change
+    return viscous
+
+
+def _largest(of: Nuisances, r: int, axis: int) -> float:
+    """Largest participation of mode `r` as a share of the body's own mass there, in the unit of `axis`."""
+    size = np.sqrt(np.diag(of.nominal.mass)[:6])
+    return float(size[axis] * np.max(np.abs(of.nominal.mass[:6, 6 + r]) / size))
+
+
+def _geometric(of: Nuisances, r: int, s: int) -> float:
+    """Geometric mean of the damping [rad/s] of two modes, structural damping counted as it acts at resonance."""
+    at, omega = of.nominal.base + np.array([r, s]), 2 * np.pi * of.frequency[[r, s]]
+    own = np.diag(of.nominal.viscous)[at] + np.diag(of.nominal.structural)[at] / omega
+    return float(np.sqrt(max(np.prod(own), 0.0)))
+
+
+_Maker = Callable[..., Tangent]
+
+
+def _tangent(of: Nuisances, now: _Now, parameter: str) -> Tangent:
+    family, *names = parameter.split(":")
+    return _TANGENTS[family](of, now, *names)
+
+
+def _of_modulus(of: Nuisances, now: _Now, part: str) -> Tangent:
+    K, E, DE = now.matrices.parts[part], now.E, now.D * now.E  # d / d ln: the part as it is now
+    changes = {"stiffness": E[:, None] * K * E, "structural": of.losses.get(part, 0.0) * DE[:, None] * K * DE}
+    return of_arrays(len(K), {part: K}, **changes)
+
+
+def _of_frequency(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
+    r, m = of.nominal.base + int(mode) - 1, now.matrices
+    return of_arrays(len(m.mass), stiffness=_crossed(m.stiffness, r), structural=_crossed(m.structural, r))
+
+
+def _of_damping(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
+    r, m = of.nominal.base + int(mode) - 1, now.matrices
+    return of_arrays(len(m.mass), viscous=_crossed(now.uncoupled, r) / 2, structural=_crossed(m.structural, r) / 2)
+
+
+def _of_participation(of: Nuisances, now: _Now, configuration: str, mode: str, axis: str) -> Tangent:
+    r, a = int(mode) - 1, MOTIONS.index(axis)
+    return _pair("mass", a, of.nominal.base + r, _largest(of, r, a))
+
+
+def _of_coupling(of: Nuisances, now: _Now, configuration: str, one: str, other: str) -> Tangent:
+    r, s, b = int(one) - 1, int(other) - 1, of.nominal.base
+    return _pair("viscous", b + r, b + s, _geometric(of, r, s))
+
+
+_TANGENTS: Mapping[str, _Maker] = {
+    "modulus": _of_modulus,
+    "frequency": _of_frequency,
+    "damping": _of_damping,
+    "participation": _of_participation,
+    "coupling": _of_coupling,
+}
+
+
+def _crossed(matrix: Array, r: int) -> Array:
+    """d (E matrix E) / d ln e_r: row and column `r`, twice where they meet."""
+    changed = np.zeros_like(matrix)
+    changed[r] += matrix[r]
+    changed[:, r] += matrix[:, r]
+    return changed
+
+
+def _pair(field: str, i: int, j: int, value: float) -> Tangent:
+    changes: dict[str, Array] = {name: np.zeros((2, 2)) for name in FIELDS}
+    changes[field] = np.array([[0.0, value], [value, 0.0]])
+    at = np.array([i, j], dtype=np.intp)
+    mass, stiffness, viscous, structural = (changes[name] for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural)
+
+
+def _declared(name: str, tolerance: float) -> Parameter:
+    return Parameter(name=name, unit="1", tolerance=tolerance, kind=DECLARED, within=WITHIN * tolerance)
