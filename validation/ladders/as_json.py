@@ -38,7 +38,7 @@ def of_rung(one: Rung) -> dict[str, Any]:
         "inertia": [_body(body) for body in one.bodies],
         "verdict": list(one.verdict),
         "worth_a_parameter": worth(one) if one.effect else None,
-        "data": [source.path for source in one.data],
+        "data": [source.path for source in one.conditions.data],
         "when": one.when,
     }
 

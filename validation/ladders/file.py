@@ -14,7 +14,8 @@ nothing is ever written over it.
                            "held_out": [NAME]} or null; what was not held out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
                 "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN}],
-                "data": [{"path", "sha256"}], "hold_out": [NAME], "when", "versions": {}, "settings": {},
+                "conditions": {"data": [{"path", "sha256"}], "hold_out": [NAME], "band_hz": [lo, hi]|null, "method"},
+                "when", "versions": {}, "settings": {},
                 "plain_offsets": {PARAMETER: number}, "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
     TEN    {"mass_kg", "cog_mm": [x, y, z], "moi_cog_kgm2": [xx, yy, zz], "poi_cog_kgm2": [xy, xz, yz]}
 
@@ -35,7 +36,7 @@ from geometry import toml_file
 from geometry.arrays import Array
 from geometry.atomic import write_text
 from geometry.errors import BadInput
-from validation.ladders.nouns import CAUSES, Body, Errors, Ladder, Rung, Size, Source
+from validation.ladders.nouns import CAUSES, Body, Conditions, Errors, Ladder, Rung, Size, Source
 from validation.output import json_text
 
 FORMAT = 1
@@ -132,14 +133,22 @@ def _rung_json(one: Rung) -> dict[str, Any]:
         "evidence_gain_nats": _finite(one.gain),
         "verdict": list(one.verdict),
         "inertia": [_body_json(body) for body in one.bodies],
-        "data": [{"path": source.path, "sha256": source.digest} for source in one.data],
-        "hold_out": list(one.hold_out),
+        "conditions": _conditions_json(one.conditions),
         "when": one.when,
         "versions": dict(one.versions),
         "settings": dict(one.settings),
         "plain_offsets": dict(one.plain_offsets),
         "fitted_offsets": dict(one.fitted_offsets),
         "model": one.model.split("\n"),
+    }
+
+
+def _conditions_json(of: Conditions) -> dict[str, Any]:
+    return {
+        "data": [{"path": source.path, "sha256": source.digest} for source in of.data],
+        "hold_out": list(of.hold_out),
+        "band_hz": None if of.band is None else list(of.band),
+        "method": of.method,
     }
 
 
@@ -202,14 +211,25 @@ def _rung(table: Mapping[str, Any]) -> Rung:
         gain=_number_or_none(table["evidence_gain_nats"]),
         verdict=_strings(table["verdict"]),
         bodies=tuple(map(_body, table["inertia"])),
-        data=tuple(Source(path=str(one["path"]), digest=str(one["sha256"])) for one in table["data"]),
-        hold_out=_strings(table["hold_out"]),
+        conditions=_conditions(table["conditions"]),
         when=str(table["when"]),
         versions={str(name): str(value) for name, value in table["versions"].items()},
         settings=dict(table["settings"]),
         plain_offsets=_numbers(table["plain_offsets"]),
         fitted_offsets=_numbers(table["fitted_offsets"]),
         model="\n".join(_strings(table["model"])),
+    )
+
+
+def _conditions(table: Mapping[str, Any]) -> Conditions:
+    band = None if table["band_hz"] is None else tuple(map(_number, table["band_hz"]))
+    if band is not None and len(band) != 2:
+        raise ValueError(f"a band has two ends, found {len(band)}")
+    return Conditions(
+        data=tuple(Source(path=str(one["path"]), digest=str(one["sha256"])) for one in table["data"]),
+        hold_out=_strings(table["hold_out"]),
+        band=None if band is None else (band[0], band[1]),
+        method=str(table["method"]),
     )
 
 

@@ -1,13 +1,13 @@
 """What the data say of an article's inertia when its ten parameters are free beside what the plain fit frees.
 
-The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell the FMD
-from it. Tolerances of the measurement are not fitted; their share of the interval is propagated (`validation.ladders.considered`).
-The reference is the model's own inertia with its effects, at the sizes of the model file.
+The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell the
+FMD from it. Tolerances of the measurement are not fitted; their share of the interval is propagated
+(`validation.ladders.considered`). The reference is the model's own inertia with its effects, at the sizes of the model file.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,6 @@ from geometry.arrays import Array
 from geometry.inertia import PARAMETERS
 from identification.classical import jacobian, quantities
 from identification.self_calibration.structure import ten_matrices
-from validation.effects.family import STRUCTURE_STAGE
 from validation.effects.identifiers import Named
 from validation.engine.cost import cost_of
 from validation.engine.fit import fit, floor_of
@@ -26,18 +25,14 @@ from validation.engine.problem import Problem
 from validation.ladders import considered
 from validation.ladders.nouns import Body
 from validation.models.model import Added
-from validation.prediction import acting, applied, nuisances
+from validation.prediction import applied
 from validation.prediction.series import SeriesPrediction
+from validation.prediction.tangent import full
 
 FAMILY = "rigid-inertia"
 
-LARGEST = 0.5
-"""Share of a lever of a metre at which a product of the base is no rotation."""
 
-
-def identified(
-    problem: Problem, article: str, plain: Offsets, progress: Callable[[float], None] | None = None
-) -> Body | None:
+def identified(problem: Problem, article: str, plain: Offsets, progress: Callable[[float], None] | None = None) -> Body | None:
     """Inertia of `article` from the data of `problem`; None where no data set has it.
 
     Parameters
@@ -77,11 +72,12 @@ def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict
 
     What an effect adds that no rigid body has, such as a mass that follows one axis only, counts as the rigid body nearest to it.
     """
-    carried = prediction.tested.carried
-    matrices, tangents = nuisances.changed(carried.nuisances, offsets)
-    effects = [one for one in acting.acting(prediction.effects_here, offsets) if one.stage == STRUCTURE_STAGE]
-    matrices, tangents = applied.structure(matrices, tangents, effects)
-    return _nearest(matrices.mass), {name: _nearest(one.mass) for name, one in tangents.items() if one.mass is not None}
+    nuisances = prediction.tested.carried.nuisances
+    if nuisances is None:
+        raise ValueError("`prediction` must be of an article, found an FMD alone")
+    drawn, _ = nuisances.at(offsets, derivatives=False)
+    made, tangents = applied.structure(drawn, {}, applied.at(prediction.effects, offsets))
+    return _nearest(made.mass), {name: _nearest(full(one, "mass", len(made.mass))) for name, one in tangents.items()}
 
 
 def _nearest(mass: Array) -> Array:

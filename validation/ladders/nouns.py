@@ -6,13 +6,14 @@ is never changed and no rung is taken away; undoing goes back to an older one, a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from geometry.arrays import Array, frozen
+from identification.campaign import METHODS
 from identification.quality import NORMAL_95, sizes
 from validation.statement import COG, inertia_of
 
@@ -36,6 +37,29 @@ class Source:
 
     path: str
     digest: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """What a rung was held against, and how: errors and evidence of two rungs compare only where these are the same.
+
+    Attributes
+    ----------
+    data : campaigns and measurements
+    hold_out : runs, campaigns and files that were never fitted, as the user named them; empty for the default
+    band : (low, high) [Hz]; None for that of the campaigns
+    method : of `identification.campaign.METHODS`
+    """
+
+    data: tuple[Source, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    method: str = METHODS[0]
+
+    def same(self, other: Conditions) -> bool:
+        """Whether both are, in whatever order the data were named."""
+        mine, its = (replace(one, data=tuple(sorted(one.data, key=lambda source: source.path))) for one in (self, other))
+        return mine == its
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,8 +168,7 @@ class Rung:
     effect : id of the effect that was added; empty where none was
     effects : by id the sizes of every effect of the model
     model : text of the model file
-    data : what it was held against
-    hold_out : as the user named it; empty for the default
+    conditions : what it was held against, and how
     errors : the four errors; None of a model that was put aside before anybody held it against data
     gain : evidence [nats] over the parent; None where both do not stand on the same data
     bodies : identified inertia of every article
@@ -162,8 +185,7 @@ class Rung:
     effect: str = ""
     effects: Mapping[str, tuple[Size, ...]] = field(default_factory=lambda: MappingProxyType({}))
     model: str
-    data: tuple[Source, ...] = ()
-    hold_out: tuple[str, ...] = ()
+    conditions: Conditions = field(default_factory=Conditions)
     errors: Errors | None = None
     gain: float | None = None
     bodies: tuple[Body, ...] = ()
@@ -179,9 +201,9 @@ class Rung:
         """What distinguishes it from its parent, in a few words."""
         return self.effect or {START: "the model at first"}.get(self.cause, self.cause)
 
-    def stands_on(self, data: Sequence[Source], hold_out: Sequence[str]) -> bool:
-        """Whether it was held against the same `data`, with the same held out: only then its errors compare."""
-        return self.errors is not None and set(self.data) == set(data) and self.hold_out == tuple(hold_out)
+    def stands_on(self, conditions: Conditions) -> bool:
+        """Whether it was held against these."""
+        return self.errors is not None and self.conditions.same(conditions)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
