@@ -145,7 +145,7 @@ def _errors(of: Evaluation) -> Errors:
 
 
 def _kept(fit: Fit) -> dict[str, float]:
-    """Offsets from which another fit may begin; a logarithmic size of an effect counts from what the model file says next time."""
+    """Offsets from which another fit may begin; a logarithmic size of an effect will count from what the model file says."""
     return {name: x for name, x in fit.by_name.items() if not _counts_anew(_named(fit, name))}
 
 
