@@ -1,9 +1,9 @@
 """Weighing, CoG and pendulum files as facts: single numbers that a model must meet beside its spectra.
 
-A fact is a mass, a coordinate of the centre of gravity from the article's origin, or a moment of inertia about an axis through it.
-A pendulum says the last by its period. Effects of the pendulum change the period that is predicted, by a factor: the inertia that
-the measured period stands for is then that of the period without them. Tolerances are half-widths of 95 % intervals, as everywhere
-in massline; results of one file count as independent.
+A fact is a mass, a coordinate of the centre of gravity from the article's origin, or a moment of inertia about an axis through
+it. A pendulum says the last by its period. Effects of the pendulum change the period that is predicted, by a factor: the
+inertia that the measured period stands for is then that of the period without them. Tolerances are half-widths of 95 % intervals,
+as everywhere in massline; results of one file count as independent.
 """
 
 from __future__ import annotations
@@ -205,5 +205,3 @@ def _stage(swing: Swing) -> Stage:
         radii=radii,
         gravity=gravity,
     )
-
-

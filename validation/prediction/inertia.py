@@ -1,7 +1,7 @@
 """The inertia of an article on its own, with the effects that a balance, a crane or a pendulum would notice.
 
-Those are the effects on reduced matrices that weigh: the block of the base is then still the mass matrix of a body. What swings on
-a spring of its own, or hangs beside the article on the shaker, is not there when the article is weighed.
+Those are the effects on reduced matrices that weigh: the block of the base is then still the mass matrix of a body. What swings
+on a spring of its own, or hangs beside the article on the shaker, is not there when the article is weighed.
 """
 
 from __future__ import annotations
