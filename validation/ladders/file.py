@@ -11,7 +11,8 @@ nothing is ever written over it.
                 "effects": {ID: [{"key", "value", "sd": number|null, "unit"}]},
                 "errors": {"nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2",
                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
-                           "held_out": [NAME]} or null; what was not held out is null,
+                           "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number}} or null; what was not held
+                           out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
                 "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN}],
                 "conditions": {"data": [{"path", "sha256"}], "hold_out": [NAME], "band_hz": [lo, hi]|null, "method"},
@@ -55,6 +56,7 @@ _ERRORS = {
     "log_evidence": "log_evidence_nats",
     "converged": "converged",
     "held_out_names": "held_out",
+    "by_channel": "plain_percent_by_channel",
 }
 """Keys of `Errors` in the file."""
 
@@ -119,7 +121,8 @@ def ten_json(values: Array) -> dict[str, Any]:
 def errors_json(errors: Errors) -> dict[str, Any]:
     """The errors of a rung; what was not held out, or cannot be told, is null."""
     found = {key: getattr(errors, name) for name, key in _ERRORS.items()}
-    return {key: _finite(list(value) if isinstance(value, tuple) else value) for key, value in found.items()}
+    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in found.items()}
+    return {key: _finite(value) for key, value in plain.items()} | {_ERRORS["by_channel"]: dict(errors.by_channel)}
 
 
 def _rung_json(one: Rung) -> dict[str, Any]:
@@ -245,6 +248,8 @@ def _errors(table: Mapping[str, Any]) -> Errors:
         value = found[one.name]
         if one.name == "held_out_names":
             found[one.name] = _strings(value)
+        elif one.name == "by_channel":
+            found[one.name] = _numbers(value)
         elif one.name == "converged":
             found[one.name] = bool(value)
         elif one.type == "int":

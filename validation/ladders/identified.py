@@ -17,9 +17,8 @@ from geometry.inertia import PARAMETERS
 from identification.classical import jacobian, quantities
 from identification.self_calibration.structure import ten_matrices
 from validation.effects.identifiers import Named
-from validation.engine.cost import cost_of
-from validation.engine.fit import fit, floor_of
-from validation.engine.parameter import FITTED, PLAIN, SENSOR
+from validation.engine.fit import fit
+from validation.engine.parameter import PLAIN
 from validation.engine.prediction import Offsets, Prediction
 from validation.engine.problem import Problem
 from validation.ladders import considered
@@ -50,13 +49,9 @@ def identified(problem: Problem, article: str, plain: Offsets, progress: Callabl
         return None
     found = fit(freed, PLAIN, start=plain, progress=progress)
     offsets = {**freed.start, **found.by_name}
-    free = freed.free(FITTED)
-    cost = cost_of(freed, free, floor_of(PLAIN))
-    normal, _, _ = cost.total(cost.at({**{one.name: 0.0 for one in free if one.kind == SENSOR}, **found.by_name}))
-    estimated = np.array([one.kind != SENSOR for one in free])
-    C = considered.covariance(normal.matrix, estimated, np.array([one.tolerance for one in free]))
+    names, C = considered.of_plain(freed, found)
     ten, slopes = inertia(of, offsets)
-    J = np.stack([slopes.get(one.name, np.zeros(10)) for one in free if one.kind != SENSOR], axis=1)
+    J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
     through = jacobian(ten) @ J
     reference, _ = inertia(of, freed.start)
     return Body(

@@ -141,6 +141,7 @@ def _errors(of: Evaluation) -> Errors:
         log_evidence=of.fitted.log_evidence,
         converged=of.plain_fit.converged and of.fitted.converged,
         held_out_names=of.held_out_names,
+        by_channel=dict(of.plain.by_channel),
     )
 
 

@@ -75,6 +75,7 @@ class Errors:
     log_evidence : [nats], up to a constant of the data
     converged : whether both fits ended by themselves
     held_out_names : what was held out
+    by_channel : plain error of every judged channel on the data that were fitted, their squares adding to its own
     """
 
     nominal: float
@@ -88,6 +89,7 @@ class Errors:
     log_evidence: float
     converged: bool = True
     held_out_names: tuple[str, ...] = ()
+    by_channel: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def chi2_per_dof(self) -> float:

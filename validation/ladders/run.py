@@ -201,10 +201,9 @@ def _with_data(at: Standing) -> Rung | None:
 
 def _words(data: Data) -> Vocabulary:
     """Channels of these campaigns; places and parts are those of whatever article, as in a model file."""
-    accelerometers, forces = [], []
-    for campaign in data.campaigns:
-        for channel in campaign.table.channels:
-            (accelerometers if channel.quantity == "acceleration" else forces).append(channel.name)
+    channels = [channel for campaign in data.campaigns for channel in campaign.table.channels]
+    accelerometers = [one.name for one in channels if one.quantity == "acceleration"]
+    forces = [one.name for one in channels if one.quantity != "acceleration"]
     return Vocabulary(accelerometers=tuple(dict.fromkeys(accelerometers)), forces=tuple(dict.fromkeys(forces)), places=None)
 
 

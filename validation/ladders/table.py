@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from validation.ladders.climbing import Standing
 from validation.ladders.nouns import SHOWN, Body, Errors, Rung, Size
@@ -14,7 +14,7 @@ from validation.tables.grid import Grid, aligned
 HERE, NOT_HERE = "→ ", "  "
 """Before the rung on which the model stands, and before the others."""
 
-ERRORS = (
+ERRORS: tuple[tuple[str, Callable[[Errors], str]], ...] = (
     ("nominal error", lambda e: percent(e.nominal)),
     ("plain error, fitted data", lambda e: percent(e.plain)),
     ("plain error, held out", lambda e: percent(e.held_out)),

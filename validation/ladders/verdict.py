@@ -42,6 +42,7 @@ def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls
         yield "A fit did not converge: none of these figures is the last word."
     yield _evidence(after.gain)
     yield _fall(old, new)
+    yield from _most(old, new)
     yield from _held_out(old, new)
     for size in after.effects.get(after.effect, ()):
         yield from _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
@@ -59,6 +60,15 @@ def _evidence(gain: float | None) -> str:
 
 def _fall(old: Errors, new: Errors) -> str:
     return f"The plain error {_change(old.plain, new.plain)} on the data it was fitted to."
+
+
+def _most(old: Errors, new: Errors) -> Iterator[str]:
+    """The channel that gained most, where others hide it in the whole."""
+    known = [name for name in new.by_channel if name in old.by_channel]
+    gained = {name: old.by_channel[name] ** 2 - new.by_channel[name] ** 2 for name in known}
+    best = max(gained, key=lambda name: gained[name], default="")
+    if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
+        yield f"Most of that is {best}, {percent(old.by_channel[best])} before and {percent(new.by_channel[best])} after."
 
 
 def _held_out(old: Errors, new: Errors) -> Iterator[str]:
