@@ -30,8 +30,8 @@ class NamedMode:
     damping_ratio: float
 
 
-def named(matrices: Matrices, count: int) -> tuple[NamedMode, ...]:
-    """The lowest `count` modes of `matrices` with the base held, ascending."""
+def named(matrices: Matrices) -> tuple[NamedMode, ...]:
+    """The modes of `matrices` with the base held, ascending; the last of them stand for the static answer of all others."""
     from scipy.linalg import eigh
 
     own = np.arange(matrices.base, len(matrices.mass))
@@ -39,7 +39,7 @@ def named(matrices: Matrices, count: int) -> tuple[NamedMode, ...]:
         return ()
     K, M, C, S = (one[np.ix_(own, own)] for one in (matrices.stiffness, matrices.mass, matrices.viscous, matrices.structural))
     squares, shapes = eigh(K, M)
-    omega, shapes = np.sqrt(np.maximum(squares, 0.0))[:count], shapes[:, :count]
+    omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
     zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
     names = in_order(_holders(matrices, own, shapes))
     return tuple(

@@ -21,9 +21,6 @@ AXES = dict(zip(MOTIONS, ("x", "y", "z", "rotation about x", "rotation about y",
 NAMED = 3
 """Rows or runs that are listed by name; of more, their number is."""
 
-STANDS_OUT = 4.0
-"""Sigmas from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three."""
-
 
 def text(spot: Spot, configurations: int = 2) -> str:
     """One spot; the configuration is left out where there is only one."""
