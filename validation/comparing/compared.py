@@ -77,7 +77,9 @@ def compared(
 
 def meant(problem: Problem, data: Data, names: Sequence[str]) -> tuple[str, ...]:
     """`names` as the engine knows them: a campaign may be named by its folder, a fact by its file."""
-    folders = {Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=True)}
+    folders = {
+        Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=True)
+    }
     found: list[str] = []
     for name in names:
         of_file = [fact.name for fact in problem.facts if name in data.classical and fact.name.startswith(name)]
@@ -122,7 +124,11 @@ def _modes(prediction: SeriesPrediction) -> tuple[NamedMode, ...]:
 def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:
     said = [text for one in made for text in (*one.tested.campaign.warnings, *one.tested.carried.standing.remarks)]
     said += [text for one in maps for text in one.remarks]
-    said += [_unconverged(name, of) for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted)) if not of.converged]
+    said += [
+        _unconverged(name, of)
+        for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted))
+        if not of.converged
+    ]
     return tuple(dict.fromkeys(text.rstrip(".") for text in said))
 
 

@@ -145,9 +145,7 @@ def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str,
     marks = _Marks(frequency=np.array(_frequencies(modes)), effective_mass=np.full((len(modes), 6), np.inf))
     both = ((of.predicted, "predicted", ""), (of.measured, "measured", MEASURED))
     curves = tuple(
-        Curve(
-            name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots
-        )
+        Curve(name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots)
         for matrix, name, dots in both
     )
     return f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz", pair.load, pair.motion, curves

@@ -84,7 +84,9 @@ def _require_once(paths: Sequence[str]) -> None:
         where = Path(path).resolve()
         if where in seen:
             same = "is named twice" if seen[where] == path else f"is the same as {seen[where]}"
-            raise BadInput(source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once")
+            raise BadInput(
+                source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once"
+            )
         seen[where] = path
 
 

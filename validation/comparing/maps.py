@@ -163,7 +163,9 @@ def _explained(measured: Measured, part: Chunk, S: ComplexArray) -> Array:
     seen, judged = observed(measured, part.lines), measured.judged
     weight = np.sqrt(2) / part.noise
     gains = [left_of_run(seen, A, judged, w, run).gain for run, (A, w) in enumerate(zip(part.rows, weight, strict=True))]
-    spread = np.stack([own if gain is None else gain @ own @ gain.conj().swapaxes(-1, -2) for gain, own in zip(gains, S, strict=True)])
+    spread = np.stack(
+        [own if gain is None else gain @ own @ gain.conj().swapaxes(-1, -2) for gain, own in zip(gains, S, strict=True)]
+    )
     expected = np.diagonal(spread, axis1=-2, axis2=-1).real[..., judged].sum(axis=-1)
     level = np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1)
     return np.asarray(np.sqrt(expected / np.maximum(level, np.finfo(np.float64).tiny)))

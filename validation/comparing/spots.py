@@ -107,9 +107,7 @@ def _take(left: Array, sigma: Array, row: int, first: int, last: int, frequency:
     left[reach.any(axis=1), row] = 0.0
 
 
-def _spot(
-    of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[int, int], modes: Sequence[NamedMode]
-) -> Spot:
+def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[int, int], modes: Sequence[NamedMode]) -> Spot:
     first, last = stretch
     band = (float(of.frequency[first]), float(of.frequency[last]))
     peaks = sigma[first : last + 1].max(axis=0)

@@ -1,6 +1,6 @@
 """Spots in words: what is wrong, where, by how much, and what it follows.
 
-    moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9 sigma, 4 % of the dynamic mass, follows the first mast mode
+moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9 sigma, 4 % of the dynamic mass, follows the first mast mode
 """
 
 from __future__ import annotations
@@ -12,7 +12,11 @@ from geometry.observability import LOADS
 from validation.comparing.spots import Spot
 
 SENSED = dict(
-    zip(LOADS, ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z"), strict=True)
+    zip(
+        LOADS,
+        ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z"),
+        strict=True,
+    )
 )
 """A load in words."""
 

@@ -227,7 +227,9 @@ VERDICTS = {"": "#7c8798", "good": "#2456c4", "doubtful": "#f39b2c", "failed": "
 """Blue against orange and red-purple: told apart by everybody."""
 
 
-def draw_errors(title: str, bars: Sequence[DrawnError], explained: float, prices: Sequence[DrawnError], path: Path, note: str = "") -> None:
+def draw_errors(
+    title: str, bars: Sequence[DrawnError], explained: float, prices: Sequence[DrawnError], path: Path, note: str = ""
+) -> None:
     """Write errors in per cent, and below them chi² and z² over what is expected of them.
 
     Parameters
