@@ -1,4 +1,5 @@
-"""A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted may move it.
+"""A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted
+may move it.
 
 All tangents of a series on all lines are more than a laptop holds; a chunk of lines is soon done and forgotten.
 """

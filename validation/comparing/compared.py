@@ -41,7 +41,8 @@ def compared(
 
     Parameters
     ----------
-    hold_out : names of runs, campaigns and files that are predicted and never fitted; each run and configuration in turn by default
+    hold_out : names of runs, campaigns and files that are predicted and never fitted; by default each run and configuration in
+        turn
     band : (low, high) [Hz]; that of the campaigns by default
     method : of `identification.campaign.METHODS`
 

@@ -1,12 +1,12 @@
 """What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
 
-A gain that is off by its tolerance moves the inertia of the FMD that a plain fit identifies, and so what that fit leaves over. To first
-order the fit answers to an offset s of a tolerance by
+A gain that is off by its tolerance moves the inertia of the FMD that a plain fit identifies, and so what that fit leaves
+over. To first order the fit answers to an offset s of a tolerance by
 
     d theta = -N_ff^-1 N_fs ds
 
-with N the second derivatives of its cost, so that one standard deviation of every tolerance moves a whole vector of offsets. What the
-fitted parameters keep of their own uncertainty is a further doubt, its square root a vector for each of them.
+with N the second derivatives of its cost, so that one standard deviation of every tolerance moves a whole vector of offsets.
+What the fitted parameters keep of their own uncertainty is a further doubt, its square root a vector for each of them.
 """
 
 from __future__ import annotations

@@ -137,7 +137,7 @@ def _pairs(of: Pairs, modes: Sequence[NamedMode], path: Path) -> None:
 def _dynamic_mass(found: Comparison, path: Path) -> None:
     by_name = {of.data_set: (of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None}
     panels = [_entry(pair, *by_name[pair.data_set]) for pair in worst_pairs(found.maps, PAIRS)]
-    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: the model at the plain fit, made likewise."
+    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: model, plain fit, made likewise."
     chosen(f"{found.title}: predicted beside measured", panels, path, note)
 
 

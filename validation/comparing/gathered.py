@@ -1,7 +1,7 @@
 """The data of a comparison: campaign folders and classical measurement files together, told apart and read.
 
-What contradicts itself is refused before the first signal is read: the same folder twice, one article on two FMDs, files without any
-campaign. What a model has to do with them is `validation.models.pairing`.
+What contradicts itself is refused before the first signal is read: the same folder twice, one article on two FMDs, files
+without any campaign. What a model has to do with them is `validation.models.pairing`.
 """
 
 from __future__ import annotations

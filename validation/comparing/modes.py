@@ -1,4 +1,5 @@
-"""Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its modes."""
+"""Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its
+modes."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from validation.effects.stages import Matrices
-from validation.flexible.places import family
+from validation.flexible.places import Integers, family
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
@@ -58,7 +59,7 @@ def ordinal(number: int) -> str:
     return ORDINALS[number - 1] if number <= len(ORDINALS) else f"{number}th"
 
 
-def _holders(matrices: Matrices, own: Array, shapes: Array) -> list[str]:
+def _holders(matrices: Matrices, own: Integers, shapes: Array) -> list[str]:
     """By mode the part with the largest share of strain energy; empty words where the model does not say."""
     shares: dict[str, Array] = {}
     for part, K in matrices.parts.items():
@@ -70,4 +71,4 @@ def _holders(matrices: Matrices, own: Array, shapes: Array) -> list[str]:
 
 
 def _energy(matrix: Array, shapes: Array) -> Array:
-    return np.einsum("im,ij,jm->m", shapes, matrix, shapes)
+    return np.asarray(np.einsum("im,ij,jm->m", shapes, matrix, shapes))

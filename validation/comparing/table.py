@@ -1,12 +1,10 @@
-"""The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes, tolerances, facts."""
+"""The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes,
+tolerances, facts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from geometry.dynamic_mass import MOTIONS
 from validation.comparing.comparison import Comparison, worst_pairs
 from validation.comparing.maps import Map
 from validation.comparing.verdicts import ABSURD, STANDS_OUT, absurd
@@ -115,8 +113,8 @@ def notes(found: Comparison) -> Iterator[str]:
     elif below := sum(one.sigma < STANDS_OUT for one in found.worst):
         yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
     yield (
-        "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let expect. "
-        "A channel's is from what all other channels and the model say of it."
+        "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let "
+        "expect. A channel's is from what all other channels and the model say of it."
     )
     yield from _resonances(found)
     if found.evaluation.held_out_names:

@@ -1,8 +1,10 @@
-"""The four errors, each with what it means and what is to be thought of it. Figures come from the engine, thresholds are stated here.
+"""The four errors, each with what it means and what is to be thought of it. Figures come from the engine, thresholds are
+stated here.
 
-A chi² can be bought: tolerances swallow a fault without a trace in it, at an absurd price in themselves. So chi² and the sum of squares
-of the tolerances are judged together. What tolerances cost when nothing is wrong is known: each moves from its prior to its posterior,
-so that the sum of z² is expected to be sum(1 - sd²/tolerance²), the number of tolerances that the data really tell.
+A chi² can be bought: tolerances swallow a fault without a trace in it, at an absurd price in themselves. So chi² and the sum
+of squares of the tolerances are judged together. What tolerances cost when nothing is wrong is known: each moves from its
+prior to its posterior, so that the sum of z² is expected to be sum(1 - sd²/tolerance²), the number of tolerances that the
+data really tell.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Pictures of a comparison: maps of deviations in sigmas, predicted beside measured dynamic mass, the four errors.
 
-One scale of colours for all maps: what chance reaches stays pale, beyond the threshold the colour changes at once from blue-grey to
-yellow and darkens towards purple. Lightness falls throughout, so the scale reads without colours, too.
+One scale of colours for all maps: what chance reaches stays pale, beyond the threshold the colour changes at once from blue-
+grey to yellow and darkens towards purple. Lightness falls throughout, so the scale reads without colours, too.
 """
 
 from __future__ import annotations
