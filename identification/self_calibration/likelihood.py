@@ -24,14 +24,8 @@ import numpy.typing as npt
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import ComplexArray
 from identification.measurement_chain import Derivative
+from identification.self_calibration.elimination import SILENT, Normal, eliminated, level_of_groups, smoothed_level
 from identification.spectra.line_spectra import Spectra
-
-SMOOTHED = 0.2
-"""[Hz] to either side over which the level of a channel is averaged."""
-
-SILENT = 1 / 15
-"""Share of what channels of its quantity read at which a channel counts as silent: its floor falls no lower. With the model-error
-floor of 0.15 % that is 1e-4 of them; a channel that reads nothing would otherwise be trusted without bound."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,18 +67,12 @@ def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.in
 
 def level(spectra: Spectra) -> Array:
     """(r, n, c) root mean square of every channel over the lines within `SMOOTHED` of each line."""
-    power = np.cumsum(np.square(np.abs(spectra.values)), axis=1)
-    power = np.concatenate([np.zeros_like(power[:, :1]), power], axis=1)
-    low = np.searchsorted(spectra.frequency, spectra.frequency - SMOOTHED * (1 + 1e-9))
-    high = np.searchsorted(spectra.frequency, spectra.frequency + SMOOTHED * (1 + 1e-9), side="right")
-    return np.asarray(np.sqrt((power[:, high] - power[:, low]) / (high - low)[:, None]))
+    return smoothed_level(spectra.frequency, spectra.values)
 
 
 def kind(spectra: Spectra) -> Array:
     """(c,) what channels of the quantity of each channel read: the median of their rms over the runs, at the median line."""
-    by_channel = np.median(np.sqrt(np.mean(np.square(np.abs(spectra.values)), axis=0)), axis=0)
-    quantities = np.array([one.quantity for one in spectra.table.channels])
-    return np.array([np.median(by_channel[quantities == one]) for one in quantities])
+    return level_of_groups(spectra.values, np.array([one.quantity for one in spectra.table.channels]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -106,28 +94,19 @@ class Rows:
     structure: ComplexArray | None = None
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Normal:
-    """Half the sum of squares of residuals, its gradient (k,) and J^T J (k, k); chain parameters first, then structural ones."""
-
-    cost: float
-    gradient: Array
-    matrix: Array
-
-
 def residual(observed: Observed, rows: Rows) -> ComplexArray:
     """(r, n, c) whitened residual of every run and line."""
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
-    return np.stack([_eliminated(A, y, w)[0] for y, w in zip(observed.values, observed.weight, strict=True)])
+    return np.stack([eliminated(A, y, w)[0] for y, w in zip(observed.values, observed.weight, strict=True)])
 
 
 def normal(observed: Observed, rows: Rows) -> Normal:
-    """The normal equations of the campaign, run by run."""
+    """The normal equations of the campaign, run by run; chain parameters first, then structural ones."""
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
     count = len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1])
     cost, gradient, matrix = 0.0, np.zeros(count), np.zeros((count, count))
     for y, w in zip(observed.values, observed.weight, strict=True):
-        r, Q, u = _eliminated(A, y, w)
+        r, Q, u = eliminated(A, y, w)
         V = _changes(rows, w, u)
         V -= Q @ (Q.conj().transpose(0, 2, 1) @ V)
         J = np.concatenate([V.real.reshape(-1, count), V.imag.reshape(-1, count)])
@@ -143,17 +122,9 @@ def gradients(observed: Observed, rows: Rows) -> Array:
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
     found = []
     for y, w in zip(observed.values, observed.weight, strict=True):
-        r, _, u = _eliminated(A, y, w)
+        r, _, u = eliminated(A, y, w)
         found.append(-np.einsum("nc,nck->nk", r.conj(), _changes(rows, w, u)).real)
     return np.stack(found)
-
-
-def _eliminated(A: ComplexArray, y: ComplexArray, w: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Residual (n, c), Q (n, c, 6) and base motion (n, 6) of one run."""
-    Q, R = np.linalg.qr(w[..., None] * A)
-    white = (w * y)[..., None]
-    b = Q.conj().transpose(0, 2, 1) @ white
-    return np.asarray(white - Q @ b)[..., 0], np.asarray(Q), np.asarray(np.linalg.solve(R, b))[..., 0]
 
 
 def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:

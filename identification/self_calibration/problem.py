@@ -11,8 +11,9 @@ import numpy.typing as npt
 from geometry.arrays import Array
 from identification.measurement_chain import Chain
 from identification.self_calibration import likelihood
+from identification.self_calibration.elimination import Normal
 from identification.self_calibration.layout import Layout
-from identification.self_calibration.likelihood import Normal, Observed, Rows
+from identification.self_calibration.likelihood import Observed, Rows
 from identification.self_calibration.structure import Structure
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
-from identification.self_calibration.likelihood import Normal
+from identification.self_calibration.elimination import Normal
 
 CLOSE = 0.1
 """Standard deviations that the step may be which is taken last, unseen: it leaves less."""

@@ -20,12 +20,14 @@ class Share:
     ----------
     percent : over all data sets, runs and lines
     by_channel, by_run, by_data_set : the same by name; runs as ``data set/run``
+    by_fold : of held-out data, by what was held out together
     """
 
     percent: float
-    by_channel: Mapping[str, float] = NO_ERRORS
-    by_run: Mapping[str, float] = NO_ERRORS
-    by_data_set: Mapping[str, float] = NO_ERRORS
+    by_channel: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    by_run: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    by_data_set: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    by_fold: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

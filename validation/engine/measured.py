@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import ComplexArray
@@ -37,7 +38,7 @@ class Measured:
     runs: tuple[str, ...]
     axes: tuple[str, ...] = ()
     channels: tuple[str, ...]
-    judged: Array
+    judged: npt.NDArray[np.bool_]
     frequency: Array
     values: ComplexArray
     noise: Array

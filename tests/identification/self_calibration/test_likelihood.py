@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 
 from identification.self_calibration import bootstrap
 from identification.self_calibration.assembly import assembled
-from identification.self_calibration.likelihood import SILENT, kind, observed, residual
+from identification.self_calibration.elimination import SILENT
+from identification.self_calibration.likelihood import kind, observed, residual
 from identification.self_calibration.problem import normals, total
 from identification.self_calibration.solve import inverse
 

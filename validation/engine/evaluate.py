@@ -1,0 +1,102 @@
+"""The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from validation.engine import errors
+from validation.engine.descent import Progress
+from validation.engine.errors import Squares
+from validation.engine.evaluation import Evaluation, Fit, Share
+from validation.engine.fit import PLAIN_FLOOR, fit
+from validation.engine.hold_out import Fold, every_block, folds, held, named, without
+from validation.engine.parameter import FITTED, PLAIN
+from validation.engine.prediction import Offsets
+from validation.engine.problem import Problem
+from validation.engine.refit import refitted, solved
+
+
+def evaluate(
+    problem: Problem,
+    *,
+    hold_out: Sequence[str] = (),
+    blocks: int = 0,
+    parent: Evaluation | Fit | None = None,
+    progress: Progress | None = None,
+) -> Evaluation:
+    """The errors of a model.
+
+    Without names each run of each data set is held out in turn, and of a series each configuration: all data are fitted, and
+    every fold is predicted by a plain fit without it. What is named is held out of every fit.
+
+    Parameters
+    ----------
+    hold_out : runs, data sets, configurations and facts that are predicted and never fitted
+    blocks : so many blocks of frequency are held out in turn instead; 0 for none
+    parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
+        that of all parameters
+    progress : told the share of the work that is done, 0 to 1
+
+    Raises
+    ------
+    BadInput : an unknown name in `hold_out`; too many `blocks`.
+    CheckFailed : a fit without a parent does not converge; the channels that are not judged do not tell latent inputs.
+    """
+    tell = progress or (lambda share: None)
+    apart = named(problem, hold_out) if hold_out else None
+    thinned = problem.thinned()
+    known = thinned if apart is None else without(thinned, apart)
+    plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
+    fitted = fit(known, FITTED, start=_fitted(parent) or plain.by_name, progress=lambda share: tell(0.25 + 0.5 * share))
+    offsets = {**problem.start, **plain.by_name}
+    parts: list[tuple[Fold, Offsets]]
+    if apart is not None:
+        parts = [(apart, offsets)]
+    else:
+        turns = every_block(problem, blocks) if blocks else folds(problem)
+        parts = _turns(thinned, plain, turns, lambda share: tell(0.8 + 0.2 * share))
+    return Evaluation(
+        nominal=errors.share(_squares(known, problem.start)),
+        plain=errors.share(_squares(known, offsets)),
+        held_out=_held_out(problem, parts),
+        held_out_nominal=_held_out(problem, [(fold, problem.start) for fold, _ in parts]),
+        plain_fit=plain,
+        fitted=fitted,
+        held_out_names=tuple(fold.name for fold, _ in parts),
+    )
+
+
+def _plain(parent: Evaluation | Fit | None) -> Fit | None:
+    return parent.plain_fit if isinstance(parent, Evaluation) else None
+
+
+def _fitted(parent: Evaluation | Fit | None) -> Fit | None:
+    return parent.fitted if isinstance(parent, Evaluation) else parent
+
+
+def _squares(problem: Problem, offsets: Offsets) -> list[Squares]:
+    """Of all lines of all data sets of `problem`, fitted to or not."""
+    return [one for prediction in problem.predictions for one in errors.squares(prediction, offsets)]
+
+
+def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], tell: Progress) -> list[tuple[Fold, Offsets]]:
+    """Every fold with the offsets of the plain fit without it."""
+    if not turns:
+        return []
+    whole = solved(problem, plain, PLAIN_FLOOR)
+    found: list[tuple[Fold, Offsets]] = []
+    for done, fold in enumerate(turns):
+        found.append((fold, {**problem.start, **refitted(whole, fold)}))
+        tell((done + 1) / len(turns))
+    return found
+
+
+def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]]) -> Share | None:
+    """The error on what every fold holds out, at its offsets."""
+    found = [
+        one
+        for fold, offsets in parts
+        for prediction, lines in held(problem, fold)
+        for one in errors.squares(prediction, offsets, lines, fold=fold.name)
+    ]
+    return errors.share(found) if found else None

@@ -1,0 +1,139 @@
+"""The fits: from far away to the minimum of misfit and of what is known beforehand, and the guard that makes children comparable.
+
+The model-error floor is annealed: at 20 % the likelihood is so coarse that its minimum is found from afar, at 0.15 % it is sharp.
+Tolerances of the measurement, hundreds of them and stiff, are released when the few that matter are near. Every stage is
+Levenberg-Marquardt with the priors as part of it (`identification.self_calibration.solve`).
+
+A fit that begins nowhere converges or is refused: an unconverged baseline makes any further parameter look decisive. A fit that
+begins at a parent's solution keeps that where it finds nothing better, and so never costs more. "What bit" of the catalogue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geometry.errors import CheckFailed
+from identification.self_calibration.solve import inverse
+from validation.engine.cost import Cost, cost_of
+from validation.engine.descent import End, Progress, annealed, direct, ended, within
+from validation.engine.evaluation import Fit
+from validation.engine.evidence import log_evidence
+from validation.engine.parameter import DECLARED, SENSOR, Parameter
+from validation.engine.prediction import Offsets
+from validation.engine.problem import Problem
+
+FLOOR = 0.0015
+"""Model-error floor relative to the level of a channel at which fits are compared."""
+
+PLAIN_FLOOR = 0.01
+"""The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
+
+
+def fit(
+    problem: Problem,
+    kinds: Sequence[str],
+    *,
+    start: Fit | Offsets | None = None,
+    floor: float | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """The parameters of `kinds` that fit best, knowledge beforehand counted; others stand where the model has them.
+
+    Where the tolerances of the measurement are not among `kinds`, declared parameters stay `within` their bounds.
+
+    Parameters
+    ----------
+    start : offsets at which to begin; or the fit of a parent, in whose place this one never costs more: what the parent does not
+        have begins at the size at which there is no effect (offset 0) and, once more, at its own start
+    floor : model-error floor; `FLOOR`, and `PLAIN_FLOOR` where tolerances of the measurement are not fitted
+    progress : told the share of the work that is done, 0 to 1
+
+    Raises
+    ------
+    CheckFailed : without a parent, when the iteration does not end by itself or the model breaks down where it begins; says why.
+    """
+    tell = progress or (lambda share: None)
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor)
+    end = _child(cost, kinds, start, tell) if isinstance(start, Fit) else _baseline(cost, kinds, start or {}, tell)
+    tell(1.0)
+    return fitted(end)
+
+
+def floor_of(kinds: Sequence[str]) -> float:
+    """The model-error floor of a fit of parameters of `kinds`."""
+    return FLOOR if SENSOR in kinds else PLAIN_FLOOR
+
+
+def _baseline(cost: Cost, kinds: Sequence[str], start: Offsets, tell: Progress) -> End:
+    end = bounded(annealed(cost, start, tell), kinds, tell)
+    if not end.converged:
+        raise _refused(end)
+    return end
+
+
+def _child(cost: Cost, kinds: Sequence[str], parent: Fit, tell: Progress) -> End:
+    """The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start."""
+    null = parents_point(cost.free, parent)
+    ends = [ended(cost, null, converged=False)]
+    begins = {one.name: parent.by_name.get(one.name, one.start) for one in cost.free}
+    for way, begin in ((direct, null), (annealed, begins)):
+        try:
+            ends.append(bounded(way(cost, begin, tell), kinds, tell))
+        except CheckFailed:
+            continue
+    return min(ends, key=lambda end: end.whole.cost)
+
+
+def parents_point(free: Sequence[Parameter], parent: Fit) -> dict[str, float]:
+    """Offsets of `free` at which a child is its parent: what is new stands where it has no effect."""
+    known = parent.by_name
+    return {one.name: known.get(one.name, one.start if one.logarithmic else 0.0) for one in free}
+
+
+def bounded(end: End, kinds: Sequence[str], tell: Progress) -> End:
+    """`end` with declared parameters within their bounds where the fit is a plain one."""
+    return end if SENSOR in kinds else within(end, tell)
+
+
+def _refused(end: End) -> CheckFailed:
+    step = -inverse(end.whole.matrix) @ end.whole.gradient
+    sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
+    worst = sorted(zip(end.cost.names, step / sd, strict=True), key=lambda one: -abs(one[1]))[:3]
+    named = ", ".join(f"{name} ({away:+.1f})" for name, away in worst)
+    return CheckFailed(
+        f"the fit of {len(end.x)} parameters did not converge: its next step is still many standard deviations in {named}; "
+        "start from a nearer model, or declare more of it as unknown",
+        steps=dict(worst),
+        chi2=end.chi2,
+        degrees_of_freedom=_degrees(end),
+    )
+
+
+def fitted(end: End) -> Fit:
+    """An end as a result."""
+    everything = (*end.cost.free, *end.cost.held)
+    order = [one for one in end.cost.problem.parameters if one.name in {each.name for each in everything}]
+    offsets = end.offsets
+    tolerances = [one for one in everything if one.kind in (SENSOR, DECLARED) and np.isfinite(one.tolerance)]
+    covariance = np.zeros((len(order), len(order)))
+    place = {one.name: k for k, one in enumerate(order)}
+    at = np.array([place[name] for name in end.cost.names], dtype=np.int64)
+    covariance[np.ix_(at, at)] = inverse(end.whole.matrix) if len(at) else 0.0
+    return Fit(
+        parameters=tuple(order),
+        offsets=np.array([offsets[one.name] for one in order]),
+        covariance=covariance,
+        cost=end.whole.cost,
+        chi2=end.chi2,
+        degrees_of_freedom=_degrees(end),
+        tolerance_z2=sum((offsets[one.name] / one.tolerance) ** 2 for one in tolerances),
+        tolerances=len(tolerances),
+        log_evidence=log_evidence(end.cost, end.x, end.whole),
+        converged=end.converged,
+    )
+
+
+def _degrees(end: End) -> int:
+    return end.cost.size - sum(not np.isfinite(one.tolerance) for one in end.cost.free)

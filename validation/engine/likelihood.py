@@ -1,0 +1,145 @@
+"""The likelihood of one data set, whatever it is of: known or latent inputs, rows that runs share or not.
+
+At one line of one run y = A u + n. Where the inputs u are latent they are eliminated in closed form
+(`identification.self_calibration.elimination`), and the derivative of the residual r = (1 - Q Q^H) W y is that of Kaufman (BIT
+15, 1975), dr = -(1 - Q Q^H) W (dA) u, whose gradient is exact. Where they are known r = W (y - A u) and dr = -W (dA) u.
+
+Noise is that of the data and a model-error floor that is proportional to the smoothed level of each channel; E|noise|² = sd² is
+shared by real and imaginary part. "The likelihood" of the catalogue of effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from identification.self_calibration.elimination import SILENT, Normal, eliminated, level_of_groups, smoothed_level
+from validation.engine.measured import Measured
+from validation.engine.prediction import Lines, Predicted
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Observed:
+    """What one data set reads at the lines that are used.
+
+    Attributes
+    ----------
+    runs : (r,) names
+    values : (r, m, c) complex
+    noise : (r, m, c) standard deviation of the noise
+    floor : (r, m, c) standard deviation that a model-error floor of 1 gives
+    inputs : (r, m, k) where they are known
+    """
+
+    runs: tuple[str, ...]
+    values: ComplexArray
+    noise: Array
+    floor: Array
+    inputs: ComplexArray | None
+
+    def weight(self, floor: float, noise: Array | None = None) -> Array:
+        """(r, m, c) one over the standard deviation of each of real and imaginary part; `noise` in place of the data's own."""
+        variance = np.square(self.noise if noise is None else noise) + np.square(floor * self.floor)
+        return np.asarray(np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny)))
+
+
+def observed(measured: Measured, lines: Lines) -> Observed:
+    """`measured` at `lines` (indices)."""
+    return Observed(
+        runs=measured.runs,
+        values=measured.values[:, lines],
+        noise=measured.noise[:, lines],
+        floor=floor_of(measured)[:, lines],
+        inputs=None if measured.inputs is None else measured.inputs[:, lines],
+    )
+
+
+def floor_of(measured: Measured) -> Array:
+    """(r, n, c) the level that a model-error floor is relative to.
+
+    Of a channel that is nearly silent in a run it is `SILENT` of what channels read that are judged, or not judged, as it is.
+    """
+    level = smoothed_level(measured.frequency, measured.values)
+    return np.asarray(np.hypot(level, SILENT * level_of_groups(measured.values, measured.judged)))
+
+
+def size(measured: Measured, predicted: Predicted, lines: int) -> int:
+    """Real numbers that are left of a data set when latent inputs are taken out."""
+    runs, channels, inputs = len(measured.runs), len(measured.channels), predicted.rows.shape[-1]
+    return 2 * runs * lines * (channels - (inputs if measured.inputs is None else 0))
+
+
+def normals(seen: Observed, predicted: Predicted, free: Sequence[str], floor: float) -> dict[str, Normal]:
+    """By run the normal equations in the parameters `free`; those that do not act here have no rows."""
+    own = [(k, name) for k, name in enumerate(free) if name in predicted.changes]
+    weight = seen.weight(floor, predicted.noise)
+    at = np.array([k for k, _ in own], dtype=np.int64)
+    found = {}
+    for run, name in enumerate(seen.runs):
+        A = _of_run(predicted.rows, run)
+        r, Q, u = _residual(A, seen, weight, run)
+        V = _moved(predicted, [one for _, one in own], run, u, weight[run])
+        found[name] = _spread(_normal(r, Q, V), at, len(free))
+    return found
+
+
+def residual(seen: Observed, predicted: Predicted, floor: float) -> ComplexArray:
+    """(r, m, c) whitened residuals."""
+    weight = seen.weight(floor, predicted.noise)
+    rows = (_of_run(predicted.rows, run) for run in range(len(seen.runs)))
+    return np.stack([_residual(A, seen, weight, run)[0] for run, A in enumerate(rows)])
+
+
+def _of_run(rows: ComplexArray, run: int) -> ComplexArray:
+    return rows if rows.ndim == 3 else np.asarray(rows[run])
+
+
+def _residual(A: ComplexArray, seen: Observed, weight: Array, run: int) -> tuple[ComplexArray, ComplexArray | None, ComplexArray]:
+    """Whitened residual (m, c), Q (m, c, k) of what was eliminated, and inputs (m, k) of one run."""
+    y, w = seen.values[run], weight[run]
+    if seen.inputs is None:
+        return eliminated(A, y, w)
+    u = seen.inputs[run]
+    return np.asarray(w * (y - (A @ u[..., None])[..., 0])), None, np.asarray(u)
+
+
+def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray, w: Array) -> ComplexArray:
+    """(m, c, p) W (dA) u of one run."""
+    V = np.zeros((*w.shape, len(names)), dtype=np.complex128)
+    for k, name in enumerate(names):
+        change = predicted.changes[name]
+        V[:, change.channels, k] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
+    V *= w[..., None]
+    return V
+
+
+def _normal(r: ComplexArray, Q: ComplexArray | None, V: ComplexArray) -> Normal:
+    """Of one run, from its residual (m, c) and V (m, c, p)."""
+    if Q is not None:
+        V = V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
+    flat, count = V.reshape(-1, V.shape[-1]), V.shape[-1]
+    J = np.concatenate([flat.real, flat.imag])
+    stacked = np.concatenate([r.real.ravel(), r.imag.ravel()])
+    gradient = -(J.T @ stacked) if count else np.zeros(0)
+    return Normal(cost=0.5 * float(stacked @ stacked), gradient=gradient, matrix=J.T @ J)
+
+
+def _spread(own: Normal, at: Lines, count: int) -> Normal:
+    """`own` in a vector of `count` parameters of which it knows those `at`."""
+    gradient, matrix = np.zeros(count), np.zeros((count, count))
+    gradient[at] = own.gradient
+    matrix[np.ix_(at, at)] = own.matrix
+    return Normal(cost=own.cost, gradient=gradient, matrix=matrix)
+
+
+def total(found: Collection[Normal], count: int) -> Normal:
+    """Several normal equations in `count` parameters as one."""
+    gradient, matrix = np.zeros(count), np.zeros((count, count))
+    for one in found:
+        gradient += one.gradient
+        matrix += one.matrix
+    return Normal(cost=sum(one.cost for one in found), gradient=gradient, matrix=matrix)
