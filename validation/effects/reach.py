@@ -32,7 +32,9 @@ class There:
 
 
 def acts(named: Named, there: There) -> bool:
-    """Whether the effect `named` has something to act on."""
+    """Whether the effect `named` has something to act on; one whose place may be left out, and is, acts on all."""
+    if is_local(named) and not named.targets:
+        return bool(known(named, there))
     return named.target in known(named, there) if is_local(named) else not on_article(named) or bool(there.article)
 
 

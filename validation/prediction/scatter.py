@@ -1,0 +1,39 @@
+"""Noise of lines that brought no records along: what is left when each line is compared with the mean of its neighbours.
+
+A response function is smooth over three lines but for its resonances, noise is not: of y_k - (y_k-1 + y_k+1) / 2 noise of
+variance sd² makes 3/2 sd². The median over a stretch of lines does not notice a resonance that is narrow beside it, and a
+complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for medians of deviations).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.arrays import Array
+
+AROUND = 1.0
+"""[Hz] to either side of a line over which the median is taken; a resonance is far narrower."""
+
+FEWEST = 7
+"""Lines that such a stretch must hold."""
+
+_OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
+
+
+def noise(frequency: npt.ArrayLike, values: npt.ArrayLike, around: float = AROUND) -> Array:
+    """Standard deviation (r, n, c) of the complex noise of `values` (r, n, c) at `frequency` (n,) [Hz], E|noise|² = sd².
+
+    Raises
+    ------
+    ValueError : fewer than `FEWEST` lines lie within `around` of some line.
+    """
+    from scipy.ndimage import median_filter
+
+    f, y = np.asarray(frequency, dtype=np.float64), np.asarray(values, dtype=np.complex128)
+    width = 2 * round(around / float(np.median(np.diff(f)))) + 1 if len(f) > 1 else 1
+    if width < FEWEST or len(f) < width:
+        raise ValueError(f"`frequency` must hold {FEWEST} lines within {around:g} Hz of each line, found a spacing for {width}")
+    left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
+    left = np.concatenate([left[:, :1], left, left[:, -1:]], axis=1)
+    return np.asarray(_OF_MEDIAN * median_filter(left, size=(1, width, 1), mode="nearest"))
