@@ -30,6 +30,8 @@ COMMANDS = {
     "pretest": "Before a test: what it would tell, where pick-ups belong, which tolerance matters most.",
     "check": "What a recorded campaign holds, and what is wrong with it.",
     "identify": "Mass, CoG and inertia from a recorded campaign, with intervals and verdicts.",
+    "model": "A commented model file to start from: laboratory, structure, tolerances, effects.",
+    "compare": "Where a model fails: errors, maps and worst spots beside a series of campaigns.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

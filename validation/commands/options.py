@@ -45,6 +45,26 @@ MODEL = click.option(
 )
 
 
+def _load_effects(ctx: click.Context, _: click.Parameter, folders: Sequence[str]) -> None:
+    if folders and not ctx.resilient_parsing:
+        from validation.effects import catalogue
+
+        for folder in folders:
+            catalogue.load(folder)
+
+
+effects_from = click.option(
+    "--effects-from",
+    multiple=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_load_effects,
+    metavar="DIR",
+    help="Your own effects: a folder of files, each with a FAMILY. They take part in everything. May be repeated.",
+)
+"""Puts a user's effects into the catalogue before any other option is read; the command itself gets nothing."""
+
+
 def measurement(command: Command) -> Command:
     """What a measurement file is reduced with: FILE, ``--against``, ``--json``."""
     for option in (

@@ -20,11 +20,11 @@ from validation.commands import options
 @click.option(
     "--list-effects",
     is_flag=True,
-    is_eager=True,
     expose_value=False,
     callback=lambda ctx, _, asked: _list(ctx, asked),
     help="List the effects that can be planted, and stop.",
 )
+@options.effects_from
 @click.option(
     "--seed", type=int, default=0, show_default=True, metavar="N", help="Of all that is drawn; one seed is one laboratory."
 )
@@ -84,7 +84,7 @@ def command(articles: tuple[str, ...], out: Path, as_json: bool, **given: Any) -
 
 
 def _list(ctx: click.Context, asked: bool) -> None:
-    """Answer ``--list-effects`` before anything else is asked for."""
+    """Answer ``--list-effects`` before ARTICLE and --out are missed, and after ``--effects-from``."""
     if not asked:
         return
     from validation.virtual_test.effects.listed import page_of_effects

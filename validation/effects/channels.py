@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -26,22 +25,13 @@ def swapped(reading: Reading, targets: tuple[str, ...], values: Values) -> Readi
     order = np.arange(len(reading.channels))
     one, other = (reading.column(name) for name in targets)
     order[[one, other]] = other, one
-    return replace(reading, rows=reading.rows[:, order], **of_amplitude(reading, lambda amplitude: amplitude[:, order]))
+    amplitude, peak = (one[..., order] if one.size else one for one in (reading.amplitude, reading.peak))
+    return replace(reading, rows=reading.rows[:, order], amplitude=amplitude, peak=peak)
 
 
 def times(reading: Reading, channel: str, factor: float) -> Reading:
     """`reading` with one channel multiplied."""
-    k, rows = reading.column(channel), np.array(reading.rows)
-    rows[:, k] *= factor
-
-    def louder(amplitude: np.ndarray) -> np.ndarray:
-        changed = np.array(amplitude)
-        changed[:, k] *= abs(factor)
-        return changed
-
-    return replace(reading, rows=rows, **of_amplitude(reading, louder))
-
-
-def of_amplitude(reading: Reading, change: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
-    """The amplitudes after `change`, where the run states them."""
-    return {"amplitude": change(reading.amplitude)} if reading.amplitude.size else {}
+    factors = np.ones(len(reading.channels))
+    factors[reading.column(channel)] = factor
+    amplitude, peak = (one * np.abs(factors) if one.size else one for one in (reading.amplitude, reading.peak))
+    return replace(reading, rows=reading.rows * factors[:, None], amplitude=amplitude, peak=peak)

@@ -44,7 +44,7 @@ def lifted(reading: Reading, targets: tuple[str, ...], values: Values) -> Readin
 
 def clipped(preload: float, amplitude: Array) -> Array:
     """(n,) share of the fundamental that is left of a sine of `amplitude` (n,) cut off at -`preload` on one side."""
-    p = np.minimum(preload / np.maximum(amplitude, TINY), 1.0)
+    p = np.divide(np.minimum(preload, amplitude), amplitude, out=np.ones_like(amplitude), where=amplitude > 0)
     return np.asarray(0.5 + (np.arcsin(p) + p * np.sqrt(1 - p**2)) / np.pi)
 
 

@@ -11,7 +11,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from validation.effects.family import BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, PERIOD_STAGE, STRUCTURE_STAGE, Family
 from validation.effects.stages import Floor, Matrices, Mounted, Reading, Swing
@@ -56,11 +55,11 @@ def _alike(before: Any, after: Any) -> bool:
     return bool(np.allclose(grown, padded, rtol=0, atol=ROUNDING * max(float(np.max(np.abs(padded), initial=0.0)), 1e-300)))
 
 
-def _drawn(*shape: int) -> npt.NDArray[np.float64]:
+def _drawn(*shape: int) -> Any:
     return _frozen(np.random.default_rng(sum(shape)).standard_normal(shape))
 
 
-def _complex(*shape: int) -> npt.NDArray[np.complex128]:
+def _complex(*shape: int) -> Any:
     return _frozen(_drawn(*shape) + 1j * _drawn(*shape, 1)[..., 0])
 
 
@@ -70,7 +69,7 @@ def _frozen(values: Any) -> Any:
     return made
 
 
-def _positive(n: int, scale: float) -> npt.NDArray[np.float64]:
+def _positive(n: int, scale: float) -> Any:
     A = _drawn(n, n)
     return _frozen(scale * (A @ A.T + n * np.eye(n)))
 
@@ -113,6 +112,7 @@ def _reading() -> Reading:
         channels=channels,
         rows=_complex(LINES, len(channels), 6),
         amplitude=_frozen(1.0 + np.abs(_drawn(LINES, len(channels)))),
+        peak=_frozen(np.full(len(channels), 5.0)),
     )
 
 
@@ -125,6 +125,7 @@ def _floor() -> Floor:
         quantities=tuple("force" if name in FMD else "acceleration" for name in channels),
         deviation=_frozen(np.full((LINES, len(channels)), 0.1)),
         per_rms=_frozen(np.full(len(channels), 0.5)),
+        hum=_frozen(np.full((LINES, len(channels)), 0.01)),
     )
 
 

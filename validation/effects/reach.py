@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import STRUCTURE
 from validation.effects.identifiers import Named
-from validation.effects.targets import PLACE
+from validation.effects.targets import ACCELEROMETER, CHANNEL, FORCE, PLACE
 
 OF_PARTS = ("part", "part with a layer")
 
@@ -24,18 +24,20 @@ class There:
     article : what stands on the cover plate; empty for an FMD alone
     parts : of its structure; none of a rigid one
     places : by name, on it
+    channels : that were recorded; None where all that an effect can name are
     """
 
     article: str = ""
     parts: tuple[str, ...] = ()
     places: tuple[str, ...] = ()
+    channels: tuple[str, ...] | None = None
 
 
 def acts(named: Named, there: There) -> bool:
     """Whether the effect `named` has something to act on; one whose place may be left out, and is, acts on all."""
-    if is_local(named) and not named.targets:
-        return bool(known(named, there))
-    return named.target in known(named, there) if is_local(named) else not on_article(named) or bool(there.article)
+    if is_local(named):
+        return named.target in known(named, there) if named.targets else bool(known(named, there))
+    return _is_recorded(named, there) and (not on_article(named) or bool(there.article))
 
 
 def known(named: Named, there: There) -> tuple[str, ...]:
@@ -56,3 +58,9 @@ def of_parts(named: Named) -> bool:
 def on_article(named: Named) -> bool:
     """Whether it needs something that stands on the cover plate."""
     return (FAMILIES[named.family].side == STRUCTURE and named.family != "gravity") or named.family == "friction"
+
+
+def _is_recorded(named: Named, there: There) -> bool:
+    pairs = zip(FAMILIES[named.family].targets, named.targets, strict=False)
+    asked = [target for kind, target in pairs if kind in (CHANNEL, FORCE, ACCELEROMETER)]
+    return there.channels is None or all(target in there.channels for target in asked)

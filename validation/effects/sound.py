@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
@@ -12,8 +13,8 @@ import numpy as np
 from geometry.errors import BadInput
 from geometry.keys import nearest
 from validation.effects import nothing
-from validation.effects.family import CHANNEL_STAGE, OPENED, SIDES, STAGES, Family, Size
-from validation.effects.targets import ACCELEROMETER, CHANNEL, FIXED, FORCE, PLACE
+from validation.effects.family import CHANNEL_STAGE, OPENED, SIDES, STAGES, STRUCTURE_STAGE, Family, Size
+from validation.effects.targets import ACCELEROMETER, CHANNEL, FIXED, FORCE, PART, PLACE
 
 WORDS = {
     "what": "say in a few words what it is",
@@ -24,7 +25,7 @@ WORDS = {
 }
 """What every family must say, and how."""
 
-KINDS = (*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE)
+KINDS = (*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART)
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
@@ -58,7 +59,7 @@ def require_usable(family: Family, source: str) -> None:
     from validation.effects.identifiers import parse
 
     try:
-        example = parse(family.example)
+        example = parse(family.example.split(", or ")[0])
     except BadInput as error:
         raise _refused(source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy) from None
     if example.family != family.name:
@@ -75,6 +76,8 @@ def require_usable(family: Family, source: str) -> None:
             raise _refused(source, "change", f"changes something at {sizes}, where there is no effect", "Correct it, or `null`")
     if family.stage == CHANNEL_STAGE:
         _require_linear(family, before, after, example.targets, example.values, source)
+    if family.stage == STRUCTURE_STAGE:
+        _require_adding(family, before, after, example.targets, example.values, source)
 
 
 def _require_name(name: str, known: Mapping[str, Family], sources: Mapping[str, str], source: str) -> None:
@@ -126,13 +129,26 @@ def _require_linear(
     family: Family, before: Any, after: Any, targets: tuple[str, ...], values: Mapping[str, float], source: str
 ) -> None:
     """Channels: twice the rows must become twice what they became, since derivatives take the same way."""
-    from dataclasses import replace
-
     turned = np.exp(0.7j) * 2.0
     twice = _changed(family, replace(before, rows=turned * before.rows), targets, values, source)
     if not np.allclose(twice.rows, turned * after.rows, rtol=0, atol=1e-9 * float(np.max(np.abs(after.rows)))):
         problem = "is not linear in `rows`: derivatives could not pass through it"
         raise _refused(source, "change", problem, "Multiply rows, or add one to another; take levels from `amplitude`")
+
+
+def _require_adding(
+    family: Family, before: Any, after: Any, targets: tuple[str, ...], values: Mapping[str, float], source: str
+) -> None:
+    """Structures: what is added may not depend on the matrices that it is added to, since their derivatives pass unchanged."""
+    names = ("mass", "stiffness", "viscous", "structural")
+    more = replace(before, **{name: 1.5 * getattr(before, name) for name in names})
+    other = _changed(family, more, targets, values, source)
+    for name in names:
+        was, n = getattr(before, name), len(before.mass)
+        shift = getattr(other, name)[:n, :n] - getattr(after, name)[:n, :n]
+        if not np.allclose(shift, 0.5 * was, rtol=0, atol=1e-9 * float(np.max(np.abs(was)))):
+            problem = f"adds to `{name}` what depends on the matrices that are there: derivatives could not pass through it"
+            raise _refused(source, "change", problem, "Build what is added of `places`, `parts` and `cog`")
 
 
 def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:

@@ -5,8 +5,8 @@ exp(-i pi (nu - f)² / s) by stationary phase. A block of length T around that m
 
     H'(f) = int H(nu) W(f - nu) exp(-i pi (nu - f)² / s) dnu / the same without H,
 
-W the transform of the window, real for a window that is even about its middle. Linear in H, so derivatives pass through it. Between
-lines H is interpolated by cubic splines: they must lie closer than a third of the half-power width of what is to be seen.
+W the transform of the window, real for a window that is even about its middle. Linear in H, so derivatives pass through it.
+Between lines H is interpolated by cubic splines: they must lie closer than a third of the half-power width of what is to be seen.
 """
 
 from __future__ import annotations
@@ -48,16 +48,21 @@ def operator(frequency: Array, rate: float, block: float) -> ComplexArray:
     """
     from scipy.interpolate import CubicSpline
 
-    between = CubicSpline(frequency, np.eye(len(frequency)), bc_type="natural" if len(frequency) < 4 else "not-a-knot")
+    n = len(frequency)
     offsets = np.arange(-LOBES * FINER, LOBES * FINER + 1) / (FINER * block)
-    speed = frequency * np.log(2) * rate
-    kernel = window(offsets * block) * np.exp(-1j * np.pi * offsets**2 / speed[:, None])
+    kernel = window(offsets * block) * np.exp(-1j * np.pi * offsets**2 / (frequency[:, None] * np.log(2) * rate))
     kernel /= kernel.sum(axis=1, keepdims=True)
     at = np.clip(frequency[:, None] + offsets, frequency[0], frequency[-1])
-    return np.asarray(np.stack([k @ between(points) for k, points in zip(kernel, at, strict=True)]), dtype=np.complex128)
+    interval = np.clip(np.searchsorted(frequency, at, side="right") - 1, 0, n - 2)
+    powers = (at - frequency[interval])[..., None] ** np.arange(3, -1, -1)
+    moments = np.zeros((n, n - 1, 4), dtype=np.complex128)  # of the kernel over every interval between two lines
+    np.add.at(moments, (np.arange(n)[:, None], interval), kernel[..., None] * powers)
+    pieces = CubicSpline(frequency, np.eye(n), bc_type="not-a-knot" if n > 3 else "natural").c  # (4, n - 1, n)
+    return np.asarray(np.tensordot(moments, pieces, axes=([2, 1], [0, 1])), dtype=np.complex128)
 
 
 def window(x: Array) -> Array:
     """Transform of a Hann window of length 1, over that at 0, at x = f T: sinc x / (1 - x²)."""
-    safe = np.where(np.isclose(np.abs(x), 1.0), 0.5, x)
-    return np.asarray(np.where(np.isclose(np.abs(x), 1.0), 0.5, np.sinc(safe) / (1 - safe**2)))
+    at_one = np.isclose(np.abs(x), 1.0)
+    apart = np.where(at_one, 0.0, x)
+    return np.asarray(np.where(at_one, 0.5, np.sinc(apart) / (1 - apart**2)))

@@ -16,6 +16,7 @@ from geometry.articles import NAMES, built_in, changes_of, dimension_files
 from geometry.articles.dimensions import load
 from geometry.errors import BadInput
 from geometry.keys import nearest
+from validation.identifying.known import above_fmd
 from validation.measurement_file import Fields
 from validation.models import laboratory
 from validation.models.effects import effects_of
@@ -101,7 +102,7 @@ def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
     name = about.text("article")
     if not name:
         raise about.refused("article", "the set-up is missing", 'Write for example article = "fmd+clumod-1"')
-    if name in own:
+    if name in own or above_fmd(name) in own:
         return name
     if kind == USER:
         problem = f"{name!r} has no model of its own, and `structure.kind` is {USER!r}"

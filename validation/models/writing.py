@@ -12,8 +12,13 @@ from math import degrees
 from operator import add
 from pathlib import Path
 
-from geometry import toml_file
+import numpy as np
+
+from geometry import multibody, toml_file
+from geometry.articles import built_in, changes_of
 from geometry.inertia import Inertia, parallel_axis, six_from_tensor
+from identification.chain.fmd import assumed_stiffness
+from validation.identifying.known import FMD
 from validation.models import laboratory
 from validation.models.editing import with_effect, without_effect
 from validation.models.effects import effect_text
@@ -60,7 +65,7 @@ def _head(model: Model) -> str:
 
 
 def _laboratory(model: Model) -> list[str]:
-    stiffness = "[4.0e8, 4.0e8, 2.0e9]" if model.cell_stiffness is None else numbers(model.cell_stiffness)
+    stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
     unknown = "# " if model.cell_stiffness is None else ""
     lines = [
         ("hardware", string(model.hardware), "FMD and sensors, as `campaign.hardware` calls them; empty: any"),
@@ -72,13 +77,20 @@ def _laboratory(model: Model) -> list[str]:
 
 _FMD = """\
 # The FMD's moving part: its inertia as a tare or a drawing says, never assumed to be exact. `tolerance` is one standard deviation
-# of every parameter, as a share. inertia = "drawing" takes that of the built-in reconstruction.
+# of every parameter, as a share. inertia = "drawing" takes that of the built-in reconstruction; or state your own figures.
 [laboratory.fmd]"""
 
 
 def _fmd(model: Model) -> list[Line]:
-    known = [("inertia", string(laboratory.DRAWING), "")] if model.fmd is None else _inertia(model.fmd)
+    known = _drawn(model) if model.fmd is None else _inertia(model.fmd)
     return [*known, ("tolerance", number(model.fmd_tolerance), "")]
+
+
+def _drawn(model: Model) -> list[Line]:
+    """The drawing asked for, and its figures as a comment to write one's own over."""
+    drawn = multibody.inertia(built_in(FMD, changes_of(FMD, model.changes)))
+    rounded = Inertia.from_cog(float(f"{drawn.mass:.4g}"), np.round(drawn.cog, 5), np.diag(np.round(drawn.moments_cog, 4)))
+    return [("inertia", string(laboratory.DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _inertia(rounded))]
 
 
 def _inertia(inertia: Inertia) -> list[Line]:

@@ -138,6 +138,37 @@ def full(title: str, curves: Sequence[Curve], path: Path, note: str = "") -> Non
     finish(figure, title, note, path)
 
 
+def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[Curve]]], path: Path, note: str = "") -> None:
+    """Write a picture of single entries of H, at most six, each magnitude over phase.
+
+    Parameters
+    ----------
+    panels : words for the article, row, column, and the curves of that entry
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(15.0, 10.2 if len(panels) > 3 else 6.0)
+    ratios = (3, 1.15, 0.55, 3, 1.15) if len(panels) > 3 else (3, 1.15)
+    grid = figure.add_gridspec(len(ratios), 3, height_ratios=ratios, hspace=0.09, wspace=0.22, **_ROOM)
+    for k, (words, i, j, curves) in enumerate(panels):
+        top = 3 * (k // 3)
+        upper = figure.add_subplot(grid[top, k % 3])
+        lower = figure.add_subplot(grid[top + 1, k % 3], sharex=upper)
+        _entry(upper, lower, curves, i, j)
+        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[j]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
+        upper.set_title(words, fontsize=9.5, loc="right", color=FAINT, pad=TITLE_ABOVE_FIGURES, parse_math=False)
+        _mark(upper, curves[0], (i, j))
+        upper.set_ylabel(f"|H| [{unit(i, j)}]", fontsize=9.5)
+        lower.set_ylabel("phase [°]", fontsize=9.5)
+        lower.set_xlabel("frequency [Hz]", fontsize=9.5)
+        if not k:
+            _legend(figure, upper, 8.5)
+    finish(figure, title, note, path)
+
+
 def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = "", about: str = "") -> None:
     """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
 

@@ -84,7 +84,7 @@ class Carried:
 
 def _turned(pose: Pose) -> Array:
     """(6, 6) motions and loads in the axes of F from those in the article's own."""
-    return np.kron(np.eye(2), pose.rotation)
+    return np.asarray(np.kron(np.eye(2), pose.rotation), dtype=np.float64)
 
 
 def _constant(matrix: Array, count: int) -> ComplexArray:

@@ -54,7 +54,8 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> Answered:
     D = _dynamic(matrices, lines)
     answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
     H = D[:, :b, :b] + D[:, :b, b:] @ answer
-    T = np.asarray(np.concatenate([np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b)), answer], axis=1)
+    moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
+    T: ComplexArray = np.concatenate([moved, answer], axis=1)
     return Answered(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
 
 
@@ -73,7 +74,8 @@ def accelerance(matrices: Matrices, frequency: npt.ArrayLike, responses: npt.Arr
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
     loads = np.vstack([rows, forces]).T.astype(np.complex128)
-    both: ComplexArray = np.linalg.solve(_dynamic(matrices, lines), np.broadcast_to(loads, (len(lines), *loads.shape)))
+    whole = np.broadcast_to(loads, (len(lines), *loads.shape))
+    both = np.asarray(np.linalg.solve(_dynamic(matrices, lines), whole), dtype=np.complex128)
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return Answered(frequency=lines, matrix=rows @ right, left=left, right=right, sign=-1.0)
 

@@ -4,10 +4,10 @@
                                                               |   L^T    1 |
 
 Beside the kept modes Phi holds static answers of the structure, orthonormal to them in the mass: to accelerations of the base, so
-that the residual mass of the truncated modes needs no term of its own (Craig & Chang, AIAA Journal 15, 1977), and to the elastic
+that the residual mass of the truncated modes needs no term of its own (`fem.static_answer`), and to the elastic
 forces of every part in the modes of the band, so that a part that is softer, stiffer or lossier than drawn bends the modes as it
-bends those of the structure itself (Kirsch, Structural Optimization 3, 1991: the first terms of the series in K^-1 dK are the
-basis of a reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.
+bends those of the structure itself (Kirsch, AIAA Journal 29, 1991: the first terms of the series in K^-1 dK are the basis of a
+reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from identification.spectra import noise
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
 from identification.spectra.peak_hold import hann
+from validation.effects.floors import leak
 from validation.engine.measured import Measured
 
 Progress = Callable[[float], None]
@@ -60,6 +61,16 @@ def per_rms(campaign: Campaign, method: str) -> Array:
     if method == "full-record":
         return noise.of_full_record(density, np.array([one.duration for one in recorded])).ravel()
     return noise.of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
+
+
+def hum(frequency: Array, quantities: Sequence[str], method: str) -> Array:
+    """(n, c) what the mains' ordinary hum leaves at the lines of a full record; empty of other spectra, where it is not known."""
+    from validation.virtual_test.plan import MAINS
+
+    if method != "full-record":
+        return np.zeros((0, 0))
+    ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
+    return np.outer(leak(frequency), ordinary)
 
 
 def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:

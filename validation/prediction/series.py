@@ -66,8 +66,7 @@ def predictions(
 
     Raises
     ------
-    BadInput : campaigns of several hardwares, an article that the model cannot describe, an effect of the model that acts in none
-        of them, and whatever makes no spectra.
+    BadInput : campaigns of several hardwares, an article that the model cannot describe, whatever makes no spectra.
     """
     _require_one_hardware(campaigns)
     found = []
@@ -88,6 +87,7 @@ class Tested:
     carried : what the load cells carried
     drives : (r,) of the runs of `measured`
     per_rms : (r,) noise of a line for 1 SI unit rms in the record
+    method : by which its spectra were made
     """
 
     model: Model
@@ -96,6 +96,7 @@ class Tested:
     carried: Carried
     drives: tuple[Drive, ...]
     per_rms: Array
+    method: str = "full-record"
 
     def on(self, runs: Sequence[str]) -> Tested:
         """Of the runs named alone."""
@@ -163,7 +164,7 @@ class SeriesPrediction:
     @cached_property
     def _reaching(self) -> tuple[Added, ...]:
         """The effects that reach this campaign."""
-        there = self.tested.carried.standing.there
+        there = replace(self.tested.carried.standing.there, channels=self.measured.channels)
         return tuple(one for one in self.effects if acts(one.named, there))
 
     @cached_property
@@ -200,8 +201,12 @@ class SeriesPrediction:
     def _carried(
         self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        effects = applied.at(self._reaching, at)
-        return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
+        effects, every = applied.at(self._reaching, at), self.measured.frequency
+        if not any(_looks_around(one) for one in effects):
+            return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
+        H, changes = self.tested.carried.at(at, effects, every, drive, derivatives=derivatives)
+        chosen = np.searchsorted(every, frequency)
+        return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
     def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool) -> Predicted:
         """What the channels read of runs that were driven by `drive`."""
@@ -216,7 +221,13 @@ class SeriesPrediction:
             for one, derivative in zip(self._chain.parameters, of_chain, strict=True):
                 changes[one.name] = Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
-        reading = Reading(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=np.abs(rows @ drive.amplitude))
+        reading = Reading(
+            frequency=frequency,
+            channels=self._chain.names,
+            rows=rows,
+            amplitude=np.abs(rows @ drive.amplitude),
+            peak=np.abs(rows @ drive.nominal).max(axis=0, initial=0.0),
+        )
         reading, changes = self._written(reading, changes, applied.at(self._reaching, at))
         for name in self._opened[1]:
             changes.pop(name, None)
@@ -240,14 +251,15 @@ class SeriesPrediction:
             return None
         chosen = of.noise if lines is None else of.noise[:, lines]
         quantities = tuple(self.tested.campaign.table.channels[k].quantity for k in self._chain.columns)
-        found = []
+        hum, found = data.hum(frequency, quantities, self.tested.method), []
         for deviation, per_rms in zip(chosen, self.tested.per_rms, strict=True):
             floor = Floor(
                 frequency=frequency,
                 channels=of.channels,
                 quantities=quantities,
                 deviation=deviation,
-                per_rms=np.full_like(deviation, per_rms),
+                per_rms=np.full(len(quantities), per_rms),
+                hum=hum,
             )
             for one in effects:
                 change = FAMILIES[one.named.family].change
@@ -276,6 +288,7 @@ def _tested(
         carried=_carried(model, campaign, stands),
         drives=tuple(driven[run] for run in measured.runs),
         per_rms=data.per_rms(campaign, made),
+        method=made,
     )
 
 
@@ -311,6 +324,12 @@ def _changing(rows: ComplexArray) -> Change:
 
 def _stage(added: Added) -> str:
     return FAMILIES[added.named.family].stage
+
+
+def _looks_around(added: Added) -> bool:
+    """Whether what an effect does at a line depends on the lines beside it, so that it must see all of them."""
+    family = FAMILIES[added.named.family]
+    return family.side == PROCESSING and family.stage == BODY_STAGE
 
 
 def _asks(added: Added) -> bool:

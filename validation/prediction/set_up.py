@@ -198,20 +198,5 @@ def _inertia(recipe: _Recipe) -> Inertia:
     return Inertia.from_mass_matrix(found.rigid_mass, found.reference_point).about(np.zeros(3))
 
 
-def _of_user(recipe: _Recipe) -> tuple[Matrices, int]:
-    """Of a user's own model: matrices with their modes, or modal data alone."""
-    found = load(recipe.own)
-    inertia = _inertia(recipe)
-    if recipe.kind == RIGID:
-        return of.of_inertia(inertia, {}), 0
-    damping = _damping(recipe) or found.damping
-    if isinstance(found.model, Structure):
-        modes = fixed_base(found.model, recipe.modes, damping=damping)
-        return of.of_structure(found.model, modes, {}, inertia.cog, damping=damping), len(modes.frequency)
-    omega = 2 * np.pi * found.model.frequency
-    modal = found.model if damping is None else replace(found.model, viscous=per_mode(damping, omega))
-    return of.of_modes(modal, inertia.cog), len(omega)
-
-
 def _damping(recipe: _Recipe) -> Damping | None:
     return None if recipe.damping_ratio is None else Damping(ratio=recipe.damping_ratio)

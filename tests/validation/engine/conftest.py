@@ -1,4 +1,4 @@
-"""A toy laboratory whose truth is known: two base motions, five pick-ups, eight force channels, an article that resonates once."""
+"""A toy laboratory whose truth is known: two base motions, five pick-ups, eight forces, an article that resonates once."""
 
 from __future__ import annotations
 

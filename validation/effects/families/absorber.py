@@ -1,10 +1,19 @@
-"""`absorber`."""
+"""`absorber`: something that swings at a place of the article."""
 
 from __future__ import annotations
 
-from validation.effects.family import STRUCTURE, Family
+from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Values
+from validation.effects.plants import at
+from validation.effects.reduced import ALONG, with_resonators
 from validation.effects.sizes import resonator
+from validation.effects.stages import Matrices
 from validation.effects.targets import PLACE
+
+
+def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
+    """Three alike, one along each axis: a mass on springs that gives as much every way."""
+    return with_resonators(stage, targets[0], ALONG[""], values)
+
 
 FAMILY = Family(
     name="absorber",
@@ -13,4 +22,12 @@ FAMILY = Family(
     targets=(PLACE,),
     sizes=resonator(100.0),
     example="absorber:mast-top=m:0.05,f:21,zeta:0.01",
+    stage=STRUCTURE_STAGE,
+    change=change,
+    equation="H_kk += m (ω_a² + 2iζω_aω) / (ω_a² - ω² + 2iζω_aω) at the place, along x, y and z",
+    mistaken_for=("appendage", "slosh", "point-mass, far below its frequency", "one more mode"),
+    confirmed_by="hold it still by hand or with wax: its frequency is gone; a sensor on it",
+    reference="J. P. Den Hartog, Mechanical Vibrations, 1956, section 3.2; H. Frahm, US patent 989958, 1911",
+    sentence="Something small swings at {target}: it splits or dents the resonances near its own frequency.",
+    plant=at("rig", "of_structure.absorber"),
 )

@@ -18,7 +18,7 @@ FAMILY = Family(
     tolerance=Tolerances().angle,
     equation="y' = (d + v e x d)^T [G(p)] u",
     mistaken_for=("accelerometer-position", "orientation", "force-crosstalk"),
-    confirmed_by="the pick-up turned by 180 degrees about its own axis: cross-sensitivity turns with it, a slanted surface does not",
+    confirmed_by="the pick-up turned by 180 degrees about its own axis: cross-sensitivity turns with it, a slant does not",
     reference="paper Eq. 3; transverse sensitivity of an accelerometer is the same equation (ISO 16063-31)",
     sentence="The accelerometer {target} does not point quite along its axis: it reads a share of the motion across it. The "
     "transverse sensitivity of its data sheet does exactly the same.",

@@ -14,7 +14,7 @@ FAMILY = Family(
     example="accelerometer-tilt=0",
     equation="x pick-ups read + g beta'' / omega², y pick-ups - g alpha'' / omega²",
     mistaken_for=("gravity", "rigid-inertia", "force-plane-offset"),
-    confirmed_by="rotation sweeps at the low end of the band; a pick-up tilted by hand: one that reads 1 g upright senses gravity",
+    confirmed_by="rotation sweeps at the low end of the band; a pick-up tilted by hand that reads 1 g senses gravity",
     reference="an accelerometer reads a - g in its own axes; the two halves cancel for a rigid body (identification.gravity)",
     sentence="Whether accelerometers feel gravity when the plate tilts, as all real ones do. Optical sensors and a table's own "
     "control do not; calling one the other shifts the height of the centre of gravity by g / omega², 15.5 mm at 4 Hz.",

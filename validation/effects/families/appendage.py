@@ -1,9 +1,27 @@
-"""`appendage`."""
+"""`appendage`: something that swings on the cover plate, beside the article."""
 
 from __future__ import annotations
 
-from validation.effects.family import STRUCTURE, Family
+from dataclasses import replace
+
+import numpy as np
+
+from geometry.frames import rigid_transformation
+from validation.effects.family import BODY_STAGE, STRUCTURE, Family, Values
+from validation.effects.plants import at
 from validation.effects.sizes import resonator
+from validation.effects.stages import Mounted
+from validation.effects.targets import AXES
+
+
+def change(stage: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+    """The dynamic mass of a resonator along an axis at F, which lies at minus the seat, seen from where the article stands."""
+    m, zeta = values["m"], values["zeta"]
+    omega, own = 2 * np.pi * stage.frequency, 2 * np.pi * values["f"]
+    spring = own**2 + 2j * zeta * own * omega
+    row = rigid_transformation(-stage.seat)[AXES.index(targets[0])]
+    return replace(stage, matrix=stage.matrix + (m * spring / (spring - omega**2))[:, None, None] * np.outer(row, row))
+
 
 FAMILY = Family(
     name="appendage",
@@ -12,4 +30,12 @@ FAMILY = Family(
     targets=("axis",),
     sizes=resonator(100.0),
     example="appendage:z=m:0.05,f:21,zeta:0.01",
+    stage=BODY_STAGE,
+    change=change,
+    equation="H_kk += m (ω_a² + 2iζω_aω) / (ω_a² - ω² + 2iζω_aω)",
+    mistaken_for=("a mode of the article that the model lacks", "slosh", "absorber"),
+    confirmed_by="the FMD with nothing on it: it is still there; look for loose cables and covers that swing at that frequency",
+    reference="J. P. Den Hartog, Mechanical Vibrations, 1956, section 3.2; paper Eq. 8",
+    sentence="Something that is not the article swings along {target} on the cover plate: a cover, a connector, a loose cable.",
+    plant=at("rig", "of_structure.appendage"),
 )

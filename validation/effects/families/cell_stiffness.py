@@ -17,7 +17,7 @@ FAMILY = Family(
     tolerance=Tolerances().cell_stiffness,
     equation="cells carry K_c B (B^T K_c B)^-1 F, k of one cell times (1 + v)",
     mistaken_for=("force-gain", "gap", "force-crosstalk"),
-    confirmed_by="the sums fmd-z1 + fmd-z3 and fmd-z2 + fmd-z4, which share the load by stiffness alone; torque of that cell's bolt",
+    confirmed_by="the sums fmd-z1 + fmd-z3 and fmd-z2 + fmd-z4, which share by stiffness alone; torque of that cell's bolt",
     reference="statically indeterminate plate on springs: loads share by stiffness, and none is lost",
     sentence="One load cell, {target} by number and axis, is softer or stiffer than the other three and takes another share of "
     "the load. The resultants stay right: only the single channels, and the balance between them, tell.",

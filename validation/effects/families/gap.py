@@ -17,11 +17,11 @@ FAMILY = Family(
     example="gap:1=500",
     stage=CHANNEL_STAGE,
     change=lifted,
-    equation="f' = max(f, -P); of a sine of amplitude a > P: f (1/2 + (asin p + p sqrt(1 - p²)) / pi), p = P / a; the other cells "
-    "take over",
+    equation="f' = max(f, -P); of a sine of amplitude a > P: f (1/2 + (asin p + p sqrt(1 - p²)) / pi), p = P / a; "
+    "the other cells take over",
     mistaken_for=("cell-stiffness", "saturation", "force-gain"),
     confirmed_by="a second level; that cell's own channel in time, flat at one side; torque of its bolt",
-    reference="describing function of a one-sided clipped sine (Gelb and Vander Velde, Multiple-Input Describing Functions, 1968)",
+    reference="describing function of a one-sided clipped sine (Gelb and Vander Velde, Multiple-Input Describing Functions)",
     sentence="Cell {target} has lost its pre-stress: where the load pulls harder than what is left, the plate lifts off it and "
     "teeters on the other three. The sums hardly change, the single channels do.",
     plant=at("rig", "of_structure.gap"),

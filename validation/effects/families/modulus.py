@@ -1,8 +1,9 @@
-"""`modulus`."""
+"""`modulus`: a part is stiffer or softer than drawn. Opened: the modulus of the part leaves its tolerance."""
 
 from __future__ import annotations
 
-from validation.effects.family import STRUCTURE, Family
+from validation.effects.family import OPENED, STRUCTURE, Family
+from validation.effects.plants import at
 from validation.effects.sizes import relative
 
 FAMILY = Family(
@@ -10,6 +11,16 @@ FAMILY = Family(
     side=STRUCTURE,
     what="relative change of a part's modulus of elasticity",
     targets=("part",),
-    sizes=relative(-0.9, 9.0),
+    sizes=relative(-0.9, 9.0, 0.15),
     example="modulus:mast=0.05",
+    stage=OPENED,
+    tolerance=0.025,
+    equation="K += (eᵈ - 1) K_part, eᵈ = 1 + the relative change",
+    mistaken_for=("joint-compliance", "modulus of a neighbouring part", "point-mass"),
+    confirmed_by="the one-blade configuration; higher modes of the part; a tensile test or the ultrasonic speed of the material",
+    reference="R. L. Fox and M. P. Kapoor, AIAA Journal 6 (1968), 2426 (rates of change); J. E. Mottershead and M. I. Friswell, "
+    "J. Sound and Vibration 167 (1993), 347 (model updating)",
+    sentence="{target} is stiffer (positive) or softer than drawn by this share: another material, another thickness, or a "
+    "weakness of the model where it joins.",
+    plant=at("parts", "of_structure.modulus"),
 )

@@ -20,7 +20,7 @@ FAMILY = Family(
     mistaken_for=("mains", "force-highpass"),
     confirmed_by="the quiet part of the record; the same run twice",
     reference="variances of independent noise add; Bendat and Piersol, Random Data, chapter 9",
-    sentence="The channel {target} is noisier than its noise floor says: a bad cable, a range too large, a loose screw. It shifts "
-    "nothing on average, but what is concluded from it is less certain.",
+    sentence="The channel {target} is noisier than its noise floor says: a bad cable, a range too large, a loose screw. It "
+    "shifts nothing on average, but what is concluded from it is less certain.",
     plant=at("chain", "of_chain.noise"),
 )

@@ -1,10 +1,19 @@
-"""`slosh`."""
+"""`slosh`: a liquid that swings in a tank of the article."""
 
 from __future__ import annotations
 
-from validation.effects.family import STRUCTURE, Family
+from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Values
+from validation.effects.plants import at
+from validation.effects.reduced import ALONG, with_resonators
 from validation.effects.sizes import resonator
+from validation.effects.stages import Matrices
 from validation.effects.targets import PLACE
+
+
+def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
+    """Two alike, along x and y; what of the liquid does not swing belongs to the article."""
+    return with_resonators(stage, targets[0], ALONG["lateral"], values)
+
 
 FAMILY = Family(
     name="slosh",
@@ -13,4 +22,13 @@ FAMILY = Family(
     targets=(PLACE,),
     sizes=resonator(100.0),
     example="slosh:mast-top=m:0.5,f:6,zeta:0.02",
+    stage=STRUCTURE_STAGE,
+    change=change,
+    equation="equal resonators along x and y at a height",
+    mistaken_for=("appendage", "absorber"),
+    confirmed_by="both lateral axes alike and the vertical one not; drain the tank, or fill it",
+    reference="H. N. Abramson (ed.), The Dynamic Behavior of Liquids in Moving Containers, NASA SP-106, 1966; R. A. Ibrahim, "
+    "Liquid Sloshing Dynamics, 2005",
+    sentence="A liquid swings sideways at {target}, as strongly along x as along y.",
+    plant=at("rig", "of_structure.slosh"),
 )

@@ -6,7 +6,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.family import Family, Size
 from validation.rows import NONE
 from validation.tables.grid import Grid
-from validation.virtual_test.effects.planting import PLANTS
+from validation.virtual_test.effects.planting import plant_of
 
 NOTE = "Write --effect ID=VALUE as in the first column, in SI. It may be repeated, with other targets as well."
 
@@ -22,8 +22,8 @@ def grid() -> Grid:
     """One line a family."""
     lines = tuple(
         (family.example.split(", or ")[0], _targets(family), "\n".join(_sizes(family)) or NONE, family.what)
-        for name, family in FAMILIES.items()
-        if name in PLANTS
+        for family in FAMILIES.values()
+        if plant_of(family) is not None
     )
     return Grid(header=("for example", "acts on", "from to", "what"), lines=lines, words=True)
 

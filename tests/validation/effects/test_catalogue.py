@@ -1,0 +1,121 @@
+"""Every family of the catalogue is whole: what it says, what it changes, and that it changes nothing where it is not."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from identification.measurement_chain import chain
+from validation.effects import nothing, sound
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import AMPLITUDE, CHANNEL_STAGE, MISTAKE, OPENED, STRUCTURE, Family
+from validation.effects.identifiers import parse
+from validation.effects.targets import COVER, FIXED, FMD, TABLE, Vocabulary
+from validation.virtual_test.laboratory import laboratory
+from validation.virtual_test.plan import Plan, exact
+
+SOFT = 3.0
+"""What a fault must be beyond the tolerance at least, by standard deviations, to be a fault."""
+
+MEASURED = [family for family in FAMILIES.values() if family.side != STRUCTURE and family.name != "friction"]
+IN_CHAIN = [family for family in MEASURED if family.stage == OPENED]
+WITH_EQUATION = [family for family in MEASURED if family.change is not None]
+
+
+def by_name(family: Family) -> str:
+    return family.name
+
+
+@pytest.fixture(scope="module")
+def table():
+    """The paper's 22 channels."""
+    return laboratory(exact(Plan(article="fmd+cuboid"))).layout.table
+
+
+@pytest.fixture(scope="module")
+def words() -> Vocabulary:
+    return Vocabulary(places=())
+
+
+def targets_of(family: Family, words: Vocabulary) -> list[tuple[str, ...]]:
+    return list(product(*(words.legal(kind) or () for kind in family.targets)))
+
+
+@pytest.mark.parametrize("family", MEASURED, ids=by_name)
+def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
+    for field in sound.WORDS:
+        assert getattr(family, field).strip(), f"{family.name}: {field}"
+    assert family.mistaken_for
+    assert {one.partition(":")[0] for one in family.mistaken_for} <= set(FAMILIES) - {family.name}
+    assert family.sentence.endswith(".")
+    assert "{target}" in family.sentence or not family.targets
+
+
+@pytest.mark.parametrize("family", MEASURED, ids=by_name)
+def test_sizes_are_sane(family: Family) -> None:
+    fitted = [size for size in family.sizes if size.plausible]
+    assert fitted or family.side in (MISTAKE, "processing")
+    for size in family.sizes:
+        assert size.unit
+        assert size.low < size.high
+        assert size.low <= size.null <= size.high or size.null == np.inf
+        assert size.logarithmic or size.plausible <= size.high - size.low
+        assert family.tolerance == 0 or size.plausible >= SOFT * family.tolerance
+
+
+@pytest.mark.parametrize("family", WITH_EQUATION, ids=by_name)
+def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family: Family) -> None:
+    sound.require_usable(family, family.name)
+    example = parse(family.example.split(", or ")[0])
+    before = nothing.tried(family.stage)
+    changed = family.change(before, example.targets, _within(family, example.values))
+    assert not nothing.unchanged(before, changed)
+    assert nothing.unchanged(before, before)
+
+
+def _within(family: Family, values):
+    """An example that can be seen: cells of the stages to try on are pulled by a newton or two, not by 500."""
+    return {**values, "": 0.5} if family.name == "gap" else values
+
+
+@pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == CHANNEL_STAGE], ids=by_name)
+def test_equations_of_channels_add(family: Family) -> None:
+    from dataclasses import replace
+
+    example, reading = parse(family.example.split(", or ")[0]), nothing.tried(CHANNEL_STAGE)
+    values = _within(family, example.values)
+    other = np.roll(reading.rows, 1, axis=0)
+    one, two, both = (
+        family.change(replace(reading, rows=rows), example.targets, values).rows
+        for rows in (reading.rows, other, reading.rows + other)
+    )
+    assert_allclose(both, one + two, rtol=0, atol=1e-12 * np.max(np.abs(both)))
+
+
+@pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
+def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family: Family, table, words: Vocabulary) -> None:
+    """`accelerometer-position` along a pick-up's own axis, and `-misalignment` about it, change nothing and are none."""
+    blind = {f"{family.name}:{c}:{c.split('-')[1][0]}" for c in (*TABLE, *COVER)} if "axis" in family.targets else set()
+    wanted = {":".join((family.name, *targets)) for targets in targets_of(family, words)}
+    known = {one.name: one for one in chain(table, overrides={family.name: family.sizes[0].plausible}).parameters}
+    found = {name for name in known if name.partition(":")[0] == family.name}
+    assert found == wanted - (blind if family.name.startswith("accelerometer-") else set())
+    assert {known[name].unit for name in found} == {size.unit for size in family.sizes}
+    assert all(known[name].value(0.0) == family.sizes[0].null for name in found)
+
+
+@pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
+def test_an_opened_parameter_gets_wider_than_its_tolerance(family: Family, table) -> None:
+    ordinary = [one.tolerance for one in chain(table).parameters if one.family == family.name]
+    plausible = family.sizes[0].plausible
+    assert all(plausible > tolerance for tolerance in ordinary)
+
+
+def test_what_depends_on_the_level_is_known_as_such() -> None:
+    assert {name for name, family in FAMILIES.items() if family.side == AMPLITUDE} == {"friction", "gap", "saturation"}
+
+
+def test_targets_that_are_the_same_everywhere_are_those_of_22_channels() -> None:
+    assert len((*TABLE, *COVER, *FMD)) == 22
+    assert len(FIXED["cell and axis"]) == 12

@@ -1,0 +1,254 @@
+"""A user's own effects: found, checked, refused in words with the user's line, and used like any other."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from validation import cli
+from validation.effects import catalogue
+from validation.effects.catalogue import FAMILIES, SOURCES
+from validation.effects.identifiers import parse
+from validation.effects.stages import Reading
+
+EXAMPLE = "force-lowpass:fmd-z2=1e-3"
+
+WHOLE = """
+from dataclasses import replace
+from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
+
+def change(reading, targets, values):
+    rows = reading.rows.copy()
+    rows[:, reading.column(targets[0])] *= 1 + values[""]
+    return replace(reading, rows=rows)
+
+FAMILY = Family(
+    name="drift-of-gain",
+    side=FORCES,
+    what="a gain of my own",
+    targets=("force channel",),
+    sizes=(Size(unit="1", low=-0.5, high=0.5, plausible=0.1),),
+    example="drift-of-gain:fmd-z2=0.1",
+    stage=CHANNEL_STAGE,
+    change=change,
+    equation="y (1 + g)",
+    confirmed_by="a calibration",
+    reference="my notes",
+    sentence="It drifts.",
+)
+"""
+
+
+@pytest.fixture(autouse=True)
+def _catalogue_as_it_was() -> Iterator[None]:
+    """A process keeps what it has read; a test gives it back."""
+    kept = [dict(one) for one in (catalogue._found, catalogue._sources, catalogue._files)]
+    yield
+    for one, before in zip((catalogue._found, catalogue._sources, catalogue._files), kept, strict=True):
+        one.clear()
+        one.update(before)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Callable[..., Path]:
+    """``folder(name=text)``: a folder of files of effects."""
+
+    def made(**files: str) -> Path:
+        for name, text in files.items():
+            (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+        return tmp_path
+
+    return made
+
+
+def test_a_file_is_found_keeps_its_equation_and_can_be_typed(folder: Callable[..., Path]) -> None:
+    where = folder(mine=WHOLE)
+    (family,) = catalogue.load(where)
+    assert FAMILIES["drift-of-gain"] is family
+    assert SOURCES["drift-of-gain"] == str(where / "mine.py")
+    assert list(FAMILIES)[-1] == "drift-of-gain"
+    named = parse("drift-of-gain:fmd-z2=0.25")
+    reading = Reading(frequency=np.array([5.0]), channels=("fmd-z1", "fmd-z2"), rows=np.ones((1, 2, 6), complex))
+    changed = family.change(reading, named.targets, named.values)
+    assert_allclose(changed.rows[0, :, 0], [1.0, 1.25])
+
+
+def test_reading_leaves_no_trace_and_happens_once(folder: Callable[..., Path]) -> None:
+    count = "\nwith open(__file__[:-2] + 'log', 'a') as log:\n    log.write('x')\n"
+    where = folder(mine=WHOLE + count)
+    first = catalogue.load(where)
+    assert catalogue.load(where / ".." / where.name) == first
+    assert (where / "mine.log").read_text() == "x"
+    assert {path.name for path in where.iterdir()} == {"mine.py", "mine.log"}
+
+
+def test_what_a_file_prints_does_not_mix_with_answers(folder: Callable[..., Path], capsys: pytest.CaptureFixture[str]) -> None:
+    catalogue.load(folder(mine="print('hello')\n" + WHOLE))
+    assert capsys.readouterr() == ("", "hello\n")
+
+
+def changed(old: str, new: str) -> str:
+    assert old in WHOLE
+    return WHOLE.replace(old, new)
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "says"),
+    [
+        ("x = 1\n", "FAMILY", "is missing"),
+        ("FAMILY = 'mine'\n", "FAMILY", "found str"),
+        ("def broken(:\n", "", "line 1, `def broken(:`, raised SyntaxError"),
+        ("import no_such_module_of_mine\n", "", "line 1, `import no_such_module_of_mine`, raised ModuleNotFoundError"),
+        ("\n\nx = 1 / 0\n", "", "line 3, `x = 1 / 0`, raised ZeroDivisionError: division by zero"),
+        ("import sys\nsys.exit('enough')\n", "", "raised SystemExit: enough"),
+        (changed('    sentence="It drifts.",\n', ""), "sentence", "is missing"),
+        (changed('    reference="my notes",\n', ""), "reference", "is missing"),
+        (changed('    equation="y (1 + g)",\n', ""), "equation", "is missing"),
+        (changed('    confirmed_by="a calibration",\n', ""), "confirmed_by", "is missing"),
+        (changed('unit="1"', 'unit=""'), "sizes", "its unit is missing"),
+        (changed("low=-0.5", "low=0.7"), "sizes", "low must lie below high, found 0.7 and 0.5"),
+        (changed("plausible=0.1", "plausible=-1"), "sizes", "plausible must be 0 or more"),
+        (
+            changed('name="drift-of-gain"', 'name="force-gain"'),
+            "name",
+            "is there already, from massline itself",
+        ),
+        (changed('name="drift-of-gain"', 'name="Drift of gain"'), "name", "must be lower-case words joined by -"),
+        (changed("side=FORCES", 'side="forces"'), "side", "Did you mean force side?"),
+        (changed("stage=CHANNEL_STAGE", 'stage="channel"'), "stage", "Did you mean channels?"),
+        (changed("stage=CHANNEL_STAGE,\n    change=change", "change=None"), "stage", "no parameter of a laboratory has its name"),
+        (changed("change=change", "change=None"), "change", "is missing"),
+        (changed('("force channel",)', '("cell channel",)'), "targets", "must be one of those known, found 'cell channel'"),
+        (
+            changed("drift-of-gain:fmd-z2=0.1", "drift-of-gain:fmd-z9=0.1"),
+            "example",
+            "cannot be typed: no force channel is called",
+        ),
+        (changed("drift-of-gain:fmd-z2=0.1", "force-gain:fmd-z2=0.1"), "example", "is one of force-gain"),
+        (changed('1 + values[""]', '1.5 + values[""]'), "change", "changes something at size 0, where there is no effect"),
+        (changed('*= 1 + values[""]', '+= values[""]'), "change", "is not linear in `rows`"),
+        (
+            changed("return replace(reading, rows=rows)", "return rows"),
+            "change",
+            "must return the changed Reading, found ndarray",
+        ),
+        (changed("rows = reading.rows.copy()", "rows = reading.rows"), "change", "line 7, `rows[:, reading.column(targets[0])]"),
+        (changed('values[""]', 'values["size"]'), "change", "raised KeyError: 'size'"),
+    ],
+)
+def test_what_is_not_whole_is_refused_with_file_field_and_remedy(
+    folder: Callable[..., Path], text: str, field: str, says: str
+) -> None:
+    where = folder(mine=text)
+    before = dict(FAMILIES)
+    with pytest.raises(BadInput) as refused:
+        catalogue.load(where)
+    assert refused.value.source == str(where / "mine.py")
+    assert refused.value.field == field
+    assert says in str(refused.value)
+    assert refused.value.remedy
+    assert dict(FAMILIES) == before
+
+
+STRUCTURAL = (
+    WHOLE.replace("reading.rows.copy()", "matrices.MORE")
+    .replace("def change(reading", "def change(matrices")
+    .replace('    rows[:, reading.column(targets[0])] *= 1 + values[""]\n', "")
+    .replace("replace(reading, rows=rows)", 'replace(matrices, mass=matrices.mass + values[""] * rows)')
+    .replace("CHANNEL_STAGE", "STRUCTURE_STAGE")
+)
+
+
+def test_a_structure_that_does_not_add_is_refused(folder: Callable[..., Path]) -> None:
+    with pytest.raises(BadInput, match="adds to `mass` what depends on the matrices that are there"):
+        catalogue.load(folder(mine=STRUCTURAL.replace("matrices.MORE", "matrices.mass")))
+
+
+def test_a_structure_that_adds_is_taken(folder: Callable[..., Path]) -> None:
+    assert catalogue.load(folder(mine=STRUCTURAL.replace("matrices.MORE", "matrices.parts['mast']")))
+
+
+def test_of_a_folder_with_one_broken_file_nothing_is_taken(folder: Callable[..., Path]) -> None:
+    where = folder(a=WHOLE, b="x = 1\n")
+    with pytest.raises(BadInput, match=r"b\.py: `FAMILY`: is missing"):
+        catalogue.load(where)
+    assert "drift-of-gain" not in FAMILIES
+    (where / "b.py").unlink()
+    assert [family.name for family in catalogue.load(where)] == ["drift-of-gain"]
+
+
+def test_two_files_cannot_share_a_name(folder: Callable[..., Path]) -> None:
+    where = folder(a=WHOLE, b=WHOLE)
+    with pytest.raises(BadInput, match=r"b\.py: `name`: an effect called 'drift-of-gain' is there already, from .*a\.py"):
+        catalogue.load(where)
+
+
+def test_what_is_no_folder_of_effects_is_refused(folder: Callable[..., Path], tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="no such folder"):
+        catalogue.load(tmp_path / "nowhere")
+    with pytest.raises(BadInput, match=r"holds no file of an effect"):
+        catalogue.load(folder(_helper=WHOLE))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BadInput, match="it is a file"):
+        catalogue.load(tmp_path / "file")
+
+
+def test_an_equation_that_fails_later_is_told_in_words(folder: Callable[..., Path]) -> None:
+    (family,) = catalogue.load(folder(mine=changed('1 + values[""]', '1 + (values[""] if values[""] < 0.2 else [][0])')))
+    reading = Reading(frequency=np.array([5.0]), channels=("fmd-z2",), rows=np.ones((1, 1, 6), complex))
+    with pytest.raises(BadInput, match=r"mine\.py: `change`: line 7, .* raised IndexError: list index out of range"):
+        family.change(reading, ("fmd-z2",), {"": 0.3})
+
+
+def test_a_plant_that_fails_is_told_in_words(folder: Callable[..., Path]) -> None:
+    plant = "    plant=at('record', lambda named: lambda sensed: sensed.nothing),\n)"
+    text = "from validation.effects.plants import at\n" + WHOLE.rstrip().removesuffix(")") + plant
+    (family,) = catalogue.load(folder(mine=text))
+    effect = family.plant(parse("drift-of-gain:fmd-z2=0.1"))
+    assert effect.id == "drift-of-gain:fmd-z2"
+    with pytest.raises(BadInput, match=r"`plant`: line \d+, .* raised AttributeError: 'int' object has no attribute 'nothing'"):
+        effect.record(3)
+
+
+def test_an_installed_package_brings_effects_by_entry_point(folder: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    where = folder(brought=WHOLE)
+    monkeypatch.syspath_prepend(where)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    catalogue.add_installed(iter([EntryPoint("drift", "brought:FAMILY", catalogue.GROUP)]))
+    assert FAMILIES["drift-of-gain"].what == "a gain of my own"
+    with pytest.raises(BadInput, match=r"entry point lost = no_such_package .* raised ModuleNotFoundError"):
+        catalogue.add_installed(iter([EntryPoint("lost", "no_such_package", catalogue.GROUP)]))
+
+
+def test_the_option_puts_them_into_simulate_wherever_it_stands(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for order in (["--list-effects", "--effects-from"], ["--effects-from"]):
+        more = [] if "--list-effects" in order else ["--list-effects"]
+        assert cli.run(["simulate", *order, str(root / "examples" / "effects"), *more]) == cli.DONE
+        out, _ = capsys.readouterr()
+        assert "dashpot:mast-top=30" in out
+        assert "force-lowpass:fmd-z2=1e-3" in out
+
+
+def test_a_broken_folder_ends_with_2_and_no_traceback(
+    folder: Callable[..., Path], massline: Callable[..., subprocess.CompletedProcess[str]], root: Path, code: Path
+) -> None:
+    run = massline("simulate", "fmd+cuboid", "--out", "x", "--effects-from", str(folder(mine="\nx = 1 / 0\n")), cwd=code)
+    assert run.returncode == cli.BAD_INPUT
+    assert "line 2, `x = 1 / 0`, raised ZeroDivisionError" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+def test_a_users_effect_is_planted_and_stands_in_the_truth(
+    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["simulate", "fmd+cuboid", "--effects-from", str(root / "examples" / "effects"), "--effect", EXAMPLE]
+    assert cli.run([*arguments, "--octaves-per-minute", "120", "--out", str(tmp_path / "c")]) == cli.DONE
+    truth = json.loads((tmp_path / "c.truth.json").read_text(encoding="utf-8"))
+    assert "force-lowpass:fmd-z2" in json.dumps(truth)

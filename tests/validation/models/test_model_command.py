@@ -1,0 +1,92 @@
+"""`massline model`: a file to start from, for every stack on the FMD and for what is the user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geometry.articles import NAMES
+from validation.models import reading
+
+Run = Callable[..., tuple[int, str, str]]
+
+STACKS = ("fmd", *(f"fmd+{name}" for name in NAMES if name != "fmd"), "fmd+disc+cuboid")
+
+
+@pytest.mark.parametrize("article", STACKS)
+def test_every_stack_on_the_fmd_has_one(run: Run, article: str) -> None:
+    code, printed, said = run("model", article)
+    assert (code, said) == (0, "")
+    model = reading.of_text(printed, "m.toml")
+    assert (model.article, model.fmd, model.effects) == (article, None, ())
+    assert printed.count("#") > 20
+
+
+def test_it_is_written_and_not_written_over(run: Run) -> None:
+    assert run("model", "fmd+clumod-1", "--out", "lab.toml")[::2] == (0, "massline: wrote lab.toml.\n")
+    Path("lab.toml").write_text(Path("lab.toml").read_text().replace("delay_s = 2e-05 ", "delay_s = 5e-05 # ours"))
+    code, _, said = run("model", "fmd+clumod-4", "--out", "lab.toml")
+    assert code == 2
+    assert "lab.toml: `--out`: it is there already" in said
+    assert reading.read("lab.toml").tolerances.delay == 5e-5
+    assert run("model", "fmd+clumod-4", "--out", "lab.toml", "--force")[0] == 0
+    assert reading.read("lab.toml").article == "fmd+clumod-4"
+
+
+def test_a_model_file_is_written_anew(run: Run) -> None:
+    Path("mine.toml").write_text(
+        "format = 1\n[model]\narticle = 'fmd+clumod-1'\n[[effect]]\nid = 'force-gain:fmd-z2'\nvalue = 0.08\nsd = 0.01\n"
+    )
+    code, printed, _ = run("model", "mine.toml")
+    assert code == 0
+    assert "# relative gain of a force channel\n[[effect]]" in printed
+    assert dict(reading.of_text(printed, "m").effects[0].deviation) == {"": 0.01}
+
+
+def test_figures_of_the_drawing_can_be_taken_from_their_comment(run: Run) -> None:
+    """Taking the signs # away and the drawing out makes it a statement of one's own."""
+    from geometry import multibody
+    from geometry.articles import built_in
+
+    text = run("model", "fmd")[1].replace('inertia = "drawing"\n', "")
+    for key in ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
+        text = text.replace(f"# {key}", key)
+    stated, drawn = reading.of_text(text, "m.toml").fmd, multibody.inertia(built_in("fmd"))
+    assert stated is not None
+    np.testing.assert_allclose(stated.parameters, drawn.parameters, rtol=2e-3, atol=1e-6)  # printed with four digits
+
+
+def test_a_users_own_files_stand_on_the_fmd(run: Run) -> None:
+    folder = Path("models")
+    folder.mkdir()
+    (folder / "satellite.h5").touch()
+    code, _, said = run("model", "models/satellite.h5", "--out", "models/lab.toml")
+    assert (code, said) == (0, "massline: wrote models/lab.toml.\n")
+    model = reading.read("models/lab.toml")
+    assert (model.article, model.own) == ("fmd+satellite", {"fmd+satellite": "models/satellite.h5"})
+    assert '"fmd+satellite" = "satellite.h5"' in Path("models/lab.toml").read_text()
+    (folder / "bracket.step").touch()
+    assert '"fmd+bracket" = "models/bracket.step"' in run("model", "models/bracket.step")[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["clumod-1"], "article clumod-1: a model file describes what stands on the FMD, which must be the lowest of the stack"),
+        (["fmd+clumd-1"], "Did you mean clumod-1?"),
+        (["none.h5"], "none.h5: there is no such file"),
+        (["none.step"], "none.step: there is no such file or folder"),
+        (["fmd", "--out", "lab.json"], "lab.json: `--out`: a model file is written as .toml, found .json"),
+        (["broken.toml"], "broken.toml: it is not TOML"),
+        (["wrong.toml"], "wrong.toml: `modell`: no such key"),
+    ],
+)
+def test_what_makes_no_model_is_refused(run: Run, arguments: list[str], says: str) -> None:
+    Path("broken.toml").write_text("format = \n")
+    Path("wrong.toml").write_text("format = 1\n[model]\narticle = 'fmd'\n[modell]\n")
+    code, printed, said = run("model", *arguments)
+    assert (code, printed) == (2, "")
+    assert says in said

@@ -1,0 +1,197 @@
+"""Predictions of a series against virtual tests, which share nothing with them but geometry and the nominal beams."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from identification.recording import Recording
+from validation.engine.parameter import EFFECT
+from validation.prediction.series import SeriesPrediction, predictions
+from validation.virtual_test.simulate import VirtualTest, simulate
+
+CUBOID, BLADE = "fmd+disc+cuboid", "fmd+clumod-1"
+
+AGREED = {"rigid": 5e-5, "beam": 4e-4}
+"""Of a channel's rms. Rigid: products of two tolerances. Beams: a modulus that was drawn moves the frequency of a mode at its
+stated damping ratio there, and at its stated damping constant here."""
+
+
+@pytest.mark.parametrize(("article", "kind"), [(CUBOID, "rigid"), (CUBOID, "beam"), (BLADE, "beam")])
+def test_at_the_truth_the_prediction_explains_every_channel(
+    article: str, kind: str, ordinary: Any, predicted: Any, at_truth: Any, unexplained: Any
+) -> None:
+    test = ordinary(article, kind)
+    (of,) = predicted(test, kind=kind)
+    agreed = AGREED["beam" if article == BLADE else "rigid"]
+    assert max(unexplained(of, at_truth(of, test)).values()) < agreed
+    assert min(unexplained(of, {}).values()) > 20 * agreed
+
+
+def test_the_dynamic_mass_at_the_truth_is_that_of_the_rig(ordinary: Any, predicted: Any, at_truth: Any) -> None:
+    test = ordinary(BLADE, "beam")
+    (of,) = predicted(test)
+    truth = test.truth["dynamic_mass"]
+    known = np.array(truth["re"]) + 1j * np.array(truth["im"])
+    lines = np.searchsorted(of.measured.frequency, np.array(truth["frequency_hz"]) - 1e-6)
+    found = of.dynamic_mass(at_truth(of, test), lines)
+    size = np.sqrt(np.abs(np.einsum("nii,njj->nij", known, known)))
+    assert np.abs((found - known) / size).max() < 2e-2  # at 12 Hz, on the slope of a resonance whose damping moved by its modulus
+    assert np.median(np.abs((found - known) / size)) < 1e-4
+
+
+EVERY_STAGE = (
+    *("point-mass:mast-top=0.3", "modulus:mast=0.03", "joint-compliance:rotation=1e-6", "cable:hub-1=2000"),
+    *("appendage:z=m:0.05,f:21,zeta:0.02", "mounting-offset:x=0.002", "force-gain:fmd-z2=0.05", "cell-stiffness:1x=0.1"),
+    *("force-highpass:fmd-x12=0.1", "board-delay:cover=1e-4", "unit:cover-z3=1.1", "saturation:fmd-z1=0.05", "polarity:table-x1"),
+)
+
+
+def test_every_derivative_is_that_of_finite_differences(ordinary: Any, predicted: Any, at_truth: Any, added: Any) -> None:
+    test = ordinary(BLADE, "beam")
+    (of,) = predicted(test, effects=added(*EVERY_STAGE))
+    lines = np.array([0, 40, 152, 240, 560])
+    start = {one.name: one.start for one in of.parameters}
+    offsets = {
+        **start,
+        **{name: value + start.get(name, 0.0) for name, value in at_truth(of, test).items() if name not in EVERY_STAGE},
+    }
+    changes = of.at(offsets, lines).changes
+    assert set(changes) == {one.name for one in of.parameters}
+    wrong = {one.name: _wrong(of, offsets, lines, one.name, one.tolerance) for one in of.parameters}
+    assert max(wrong.values()) < 1e-5, sorted(wrong.items(), key=lambda item: -item[1])[:5]
+
+
+def _wrong(of: SeriesPrediction, offsets: Mapping[str, float], lines: np.ndarray, name: str, tolerance: float) -> float:
+    """Distance of a derivative from a central difference of fourth order, as a share of its size."""
+    step = 1e-3 * tolerance
+    two_below, below, above, two_above = (
+        of.at({**offsets, name: offsets.get(name, 0.0) + k * step}, lines, derivatives=False).rows for k in (-2, -1, 1, 2)
+    )
+    difference = (8 * (above - below) - (two_above - two_below)) / (12 * step)
+    change = of.at(offsets, lines).changes[name]
+    stated = np.zeros_like(difference)
+    stated[..., list(change.channels), :] = change.rows
+    scale = np.abs(above).max(axis=(-3, -1), keepdims=True) / tolerance  # of each channel
+    size = np.linalg.norm(difference / scale)
+    return float(np.linalg.norm((stated - difference) / scale) / size) if size else float(np.linalg.norm(stated))
+
+
+def test_an_effect_that_opens_a_tolerance_leaves_it(ordinary: Any, predicted: Any, added: Any) -> None:
+    test = ordinary(CUBOID, "rigid")
+    (before,), (after,) = predicted(test), predicted(test, effects=added("force-gain:fmd-z2=0.08"))
+    old, new = (next(one for one in of.parameters if one.name == "force-gain:fmd-z2") for of in (before, after))
+    assert (new.kind, new.start) == (EFFECT, 0.08)
+    assert new.tolerance > 10 * old.tolerance
+    assert len(before.parameters) == len(after.parameters)
+
+
+def test_a_fixed_effect_is_no_parameter_and_acts(ordinary: Any, predicted: Any, added: Any) -> None:
+    test = ordinary(CUBOID, "rigid")
+    (before,) = predicted(test)
+    after = before.with_effects(added("force-gain:fmd-z2=0.08", fixed=True))
+    assert "force-gain:fmd-z2" not in {one.name for one in after.parameters} | set(after.at({}).changes)
+    assert_allclose(after.at({}).rows, before.at({"force-gain:fmd-z2": 0.08}).rows, rtol=1e-14)
+
+
+def test_a_structural_effect_acts_where_its_part_is(ordinary: Any, predicted: Any, added: Any) -> None:
+    tests = ordinary(CUBOID, "beam"), ordinary(BLADE, "beam")
+    effects = added("point-mass:mast-top=0.5", "modulus:lower-1=0.1", "force-delay:fmd-z2=1e-4")
+    plain, changed = predicted(*tests), predicted(*tests, effects=effects)
+    names = [{one.name for one in of.parameters} for of in changed]
+    assert "force-delay:fmd-z2" in names[0] & names[1]
+    assert {"point-mass:mast-top", "modulus:lower-1"} <= names[1] - names[0]
+    offsets = {one.name: one.start for of in changed for one in of.parameters}
+    moved = [np.abs(new.dynamic_mass(offsets) - old.dynamic_mass({})).max() for old, new in zip(plain, changed, strict=True)]
+    assert moved[0] == 0 < 0.1 < moved[1]
+
+
+def test_runs_can_be_chosen(ordinary: Any, predicted: Any) -> None:
+    (of,) = predicted(ordinary(CUBOID, "rigid"))
+    some = of.on(["y", "beta"])
+    assert some.measured.runs == ("y", "beta")
+    assert_allclose(some.at({}).rows, of.at({}).rows, rtol=0, atol=0)
+
+
+def test_of_a_rigid_article_the_dynamic_mass_is_its_inertia(ordinary: Any, predicted: Any) -> None:
+    test = ordinary(CUBOID, "rigid")
+    (of,) = predicted(test, kind="rigid")
+    H = of.dynamic_mass({})
+    assert_allclose(H, np.broadcast_to(H[0], H.shape), rtol=1e-12)
+    whole = test.truth["article"]["about_F"]["mass_kg"]
+    assert_allclose(H[0, 0, 0].real, whole + of.tested.carried.moving.mass, rtol=1e-9)
+
+
+def test_saturation_tells_runs_apart(ordinary: Any, predicted: Any, added: Any) -> None:
+    test = ordinary(CUBOID, "rigid")
+    (of,) = predicted(test, effects=added("saturation:fmd-z1=0.1"))
+    plain = of.with_effects(()).at({}).rows
+    found = of.at({"saturation:fmd-z1": 0.1})
+    assert found.rows.shape == (6, *plain.shape)
+    column = of.measured.channels.index("fmd-z1")
+    ratio = np.abs(found.rows[:, :, column]).max(axis=2) / np.abs(plain[:, column]).max(axis=1)
+    assert np.all(ratio <= 1)
+    strongest = of.measured.axes.index("z")
+    assert_allclose(ratio[strongest].min(), 1 - 0.75 * 0.1, atol=1e-9)
+
+
+def test_noise_that_is_added_is_expected(plan: Any, predicted: Any, added: Any) -> None:
+    test = simulate(plan(article=CUBOID, model="rigid", noise_rms={"acceleration": 0.01, "force": 0.1}))
+    (of,) = predicted(test, effects=added("noise:cover-z3=0.05"))
+    column = of.measured.channels.index("cover-z3")
+    noise = of.at({}, np.arange(5)).noise
+    assert_allclose(np.median(noise[:, :, column] / of.measured.noise[:, :5, column]), np.hypot(1, 5), rtol=0.5)
+    assert_allclose(np.delete(noise, column, axis=2), np.delete(of.measured.noise[:, :5], column, axis=2))
+
+
+def test_kinematic_accelerometers_are_understood(faulty: Any, predicted: Any, model: Any, unexplained: Any) -> None:
+    """Accelerometers that do not sense a tilt, in the file and in the laboratory."""
+    test: VirtualTest = faulty(CUBOID, "accelerometer-tilt=0")
+    campaign = test.campaign
+    channels = tuple(replace(one, senses_gravity=one.quantity != "acceleration") for one in campaign.table.channels)
+    said = replace(campaign, table=replace(campaign.table, channels=channels))
+    (blind,), (seeing,) = (predictions(model(), [one]) for one in (campaign, said))
+    assert max(unexplained(seeing, {}).values()) < 5e-5
+    assert max(unexplained(blind, {}).values()) > 1e-3
+
+
+def test_stored_spectra_are_predicted_as_records_are(ordinary: Any, model: Any) -> None:
+    campaign = ordinary(CUBOID, "rigid").campaign
+    (of,) = predictions(model(), [campaign])
+    order = [of.measured.channels.index(name) for name in campaign.table.names]
+    recordings = {
+        run: Recording(names=campaign.table.names, values=values[:, order], frequency=of.measured.frequency, source=run)
+        for run, values in zip(of.measured.runs, of.measured.values, strict=True)
+    }
+    (stored,) = predictions(model(), [replace(campaign, recordings=recordings)])
+    assert_allclose(stored.measured.values, of.measured.values)
+    assert_allclose(stored.at({}).rows, of.at({}).rows)
+
+
+def test_peak_hold_spectra_of_a_rigid_article_are_explained(plan: Any, model: Any, at_truth: Any, unexplained: Any) -> None:
+    test = simulate(plan(article=CUBOID, model="rigid", octaves_per_minute=6.0))
+    (of,) = predictions(model(kind="rigid"), [test.campaign], method="peak-reference-hold", lines=np.arange(6.0, 30.0, 2.0))
+    assert of.tested.drives[0].block == pytest.approx(8192 / 564)
+    assert max(unexplained(of, at_truth(of, test)).values()) < 1e-3  # blocks cut what full records keep
+
+
+def test_two_hardwares_are_no_series(ordinary: Any, model: Any) -> None:
+    campaign = ordinary(CUBOID, "rigid").campaign
+    with pytest.raises(BadInput, match="one model holds for one FMD") as caught:
+        predictions(model(), [campaign, replace(campaign, hardware="another")])
+    assert campaign.hardware in str(caught.value)
+
+
+def test_an_article_without_a_model_is_named(ordinary: Any, model: Any) -> None:
+    campaign = replace(ordinary(CUBOID, "rigid").campaign, article="fmd+tower")
+    with pytest.raises(BadInput, match="no model of tower"):
+        predictions(model(), [campaign])
+
+
+def test_data_sets_have_names_of_their_own(ordinary: Any, predicted: Any) -> None:
+    test = ordinary(CUBOID, "rigid")
+    assert len({of.measured.name for of in predicted(test, test)}) == 2

@@ -1,0 +1,71 @@
+"""A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted may move it.
+
+All tangents of a series on all lines are more than a laptop holds; a chunk of lines is soon done and forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from validation.engine.fit import FLOOR
+from validation.engine.likelihood import observed
+from validation.engine.prediction import Lines, Offsets, Predicted, Prediction
+
+TOGETHER = 48
+"""Lines of a chunk."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Chunk:
+    """Some lines of a prediction.
+
+    Attributes
+    ----------
+    lines : (n,) indices
+    rows : (r, n, c, k) what the channels read for a unit of every input
+    noise : (r, n, c) standard deviation by noise and model-error floor
+    spread : (r, n, c, p) what one standard deviation of every tolerance that was not fitted does to the readings, SI
+    """
+
+    lines: Lines
+    rows: ComplexArray
+    noise: Array
+    spread: ComplexArray
+
+
+def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, fitted: Collection[str]) -> Iterator[Chunk]:
+    """The lines of `prediction` at `offsets`, in order.
+
+    Parameters
+    ----------
+    inputs : (r, n, k) of the runs, which turn a tolerance into a reading
+    fitted : names of parameters that were, and so are not in doubt any more
+    """
+    tolerances = {one.name: one.tolerance for one in prediction.parameters if one.name not in fitted and np.isfinite(one.tolerance)}
+    measured = prediction.measured
+    count = len(measured.frequency)
+    for first in range(0, count, TOGETHER):
+        lines = np.arange(first, min(first + TOGETHER, count), dtype=np.int64)
+        found, u = prediction.at(offsets, lines), inputs[:, lines]
+        shape = (len(u), *found.rows.shape[-3:])
+        weight = observed(measured, lines).weight(FLOOR, found.noise)  # of the real and of the imaginary part
+        yield Chunk(
+            lines=lines,
+            rows=np.broadcast_to(found.rows, shape),
+            noise=np.sqrt(2) / weight,
+            spread=_spread(found, u, tolerances),
+        )
+
+
+def _spread(found: Predicted, u: ComplexArray, tolerances: dict[str, float]) -> ComplexArray:
+    names = [name for name in found.changes if tolerances.get(name, 0.0) > 0]
+    spread = np.zeros((*u.shape[:2], found.rows.shape[-2], len(names)), dtype=np.complex128)
+    for k, name in enumerate(names):
+        change = found.changes[name]
+        spread[:, :, list(change.channels), k] = tolerances[name] * (change.rows @ u[..., None])[..., 0]
+    return spread

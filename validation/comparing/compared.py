@@ -1,0 +1,140 @@
+"""A model compared with data: the four errors, the maps, the worst spots, and classical measurements beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from validation.comparing.comparison import Beside, Comparison
+from validation.comparing.gathered import Data
+from validation.comparing.maps import Map, Rig, mapped
+from validation.comparing.modes import NamedMode, named
+from validation.comparing.spots import worst
+from validation.comparing.verdicts import MOST, told, tolerances
+from validation.engine import hold_out as held
+from validation.engine.evaluate import evaluate
+from validation.engine.evaluation import Evaluation, Fit
+from validation.engine.prediction import Fact, Offsets, Prediction
+from validation.engine.problem import Problem
+from validation.engine.residuals import Residuals, residuals
+from validation.models.model import Model
+from validation.prediction.facts import facts
+from validation.prediction.series import SeriesPrediction, predictions
+
+Progress = Callable[[str, float], None]
+"""Hears what is done now, and the share of it."""
+
+
+def compared(
+    model: Model,
+    data: Data,
+    hold_out: Sequence[str] = (),
+    progress: Progress | None = None,
+    *,
+    band: tuple[float, float] | None = None,
+    method: str = "full-record",
+) -> Comparison:
+    """`model` beside `data`.
+
+    Parameters
+    ----------
+    hold_out : names of runs, campaigns and files that are predicted and never fitted; each run and configuration in turn by default
+    band : (low, high) [Hz]; that of the campaigns by default
+    method : of `identification.campaign.METHODS`
+
+    Raises
+    ------
+    BadInput : data and model that do not fit each other, a name of `hold_out` that is none.
+    CheckFailed : a fit that does not converge.
+    """
+    tell = progress or (lambda what, share: None)
+    made = predictions(model, data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share))
+    problem = Problem(made, facts(model, data.classical))
+    names = meant(problem, data, hold_out)
+    if names:
+        held.named(problem, names)  # refuses a name that is none before minutes are spent
+    evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
+    maps, explained = mapped_all(made, problem, evaluation, lambda share: tell("maps", share))
+    modes = tuple(_modes(one) for one in made)
+    return Comparison(
+        title=model.title or model.article,
+        source=model.source,
+        evaluation=evaluation,
+        explained=explained,
+        errors=told(evaluation, explained),
+        absurd=tolerances(evaluation.fitted)[:MOST],
+        maps=maps,
+        modes=modes,
+        worst=worst(maps, modes),
+        facts=beside(problem, evaluation),
+        effects=tuple(one.named.id for one in model.effects),
+        remarks=_remarks(made, maps, evaluation),
+    )
+
+
+def meant(problem: Problem, data: Data, names: Sequence[str]) -> tuple[str, ...]:
+    """`names` as the engine knows them: a campaign may be named by its folder, a fact by its file."""
+    folders = {Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=True)}
+    found: list[str] = []
+    for name in names:
+        of_file = [fact.name for fact in problem.facts if name in data.classical and fact.name.startswith(name)]
+        found += of_file or [folders.get(Path(name).resolve(), name)]
+    return tuple(found)
+
+
+def mapped_all(
+    made: Sequence[SeriesPrediction], problem: Problem, evaluation: Evaluation, progress: Callable[[float], None]
+) -> tuple[tuple[Map, ...], float]:
+    """The maps of all campaigns at the plain fit, and the per cent of the plain error that tolerances explain."""
+    plain = evaluation.plain_fit
+    left = residuals(problem, plain)
+    fitted = [one.name for one in plain.parameters]
+    found = []
+    for k, one in enumerate(made):
+        campaign = one.tested.campaign
+        rig = Rig(table=campaign.table, gravity=campaign.gravity)
+        share = _part(progress, k, len(made))
+        found.append(mapped(one, {**problem.start, **plain.by_name}, fitted, left[k].inputs, rig, share))
+    return tuple(found), explained(made, left)
+
+
+def explained(made: Sequence[Prediction], left: Sequence[Residuals]) -> float:
+    """Per cent that the plain error comes to by noise, model-error floor and tolerances alone."""
+    shares = []
+    for one, of in zip(made, left, strict=True):
+        judged = one.measured.judged
+        level = np.sum(np.abs(one.measured.values[..., judged]) ** 2, axis=-1)
+        expected = np.sum(of.sigma[..., judged] ** 2, axis=-1)
+        shares.append((expected / np.maximum(level, np.finfo(np.float64).tiny)).ravel())
+    return float(100 * np.sqrt(np.mean(np.concatenate(shares))))
+
+
+def beside(problem: Problem, evaluation: Evaluation) -> tuple[Beside, ...]:
+    """Every fact of `problem`, at the plain fit and of the model as it stands."""
+    return tuple(_beside(fact, {**problem.start, **evaluation.plain_fit.by_name}, problem.start) for fact in problem.facts)
+
+
+def _beside(fact: Fact, plain: Offsets, nominal: Offsets) -> Beside:
+    return Beside(name=fact.name, sigma=fact.residual(plain)[0], nominal_sigma=fact.residual(nominal)[0])
+
+
+def _modes(prediction: SeriesPrediction) -> tuple[NamedMode, ...]:
+    stands = prediction.tested.carried.standing
+    return () if stands.matrices is None else named(stands.matrices, stands.modes)
+
+
+def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:
+    said = [text for one in made for text in (*one.tested.campaign.warnings, *one.tested.carried.standing.remarks)]
+    said += [text for one in maps for text in one.remarks]
+    said += [_unconverged(name, of) for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted)) if not of.converged]
+    return tuple(dict.fromkeys(text.rstrip(".") for text in said))
+
+
+def _unconverged(name: str, of: Fit) -> str:
+    return f"the {name} fit did not converge: its {len(of.parameters)} parameters still moved, and its figures are no minimum"
+
+
+def _part(progress: Callable[[float], None], k: int, count: int) -> Callable[[float], None]:
+    return lambda share: progress((k + share) / count)

@@ -1,0 +1,108 @@
+"""How a deviation depends on frequency, where that is plain: a share that is constant, grows, falls, or a resonance.
+
+Each candidate is fitted by weighted least squares with one real number, a resonance with two complex ones, and is named only when it
+explains nearly all of the deviation. What follows nothing plain gets no name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from validation.comparing.modes import NamedMode
+
+EXPLAINED = 0.9
+"""Share of the deviation, in squares of standard deviations, that a name must explain."""
+
+AROUND = 0.3
+"""Share of a mode's frequency to either side in which a deviation may follow it."""
+
+LONGEST = 3.0
+"""[Hz] to either side that count at most."""
+
+Function = Callable[[Array], Array | ComplexArray]
+
+SHARES: Mapping[str, Function] = {
+    "the same share at all frequencies": lambda w: np.ones(len(w)),
+    "a share that grows with frequency, as of a delay": lambda w: 1j * w,
+    "a share that falls with frequency, as of a high-pass": lambda w: 1j / w,
+    "a share that grows with the square of frequency": lambda w: w**2,
+    "a share that falls with the square of frequency": lambda w: 1 / w**2,
+}
+"""Of what a channel reads."""
+
+LOADS: Mapping[str, Function] = {
+    "constant over frequency, as of a mass": lambda w: np.ones(len(w)),
+    "grows with the square of frequency, as of a compliance": lambda w: w**2,
+    "falls with the square of frequency, as of a spring to ground or of gravity": lambda w: 1 / w**2,
+    "falls with frequency, as of a damper to ground": lambda w: 1j / w,
+}
+"""Of the motion that a run drives."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Course:
+    """A deviation over frequency.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    deviation : (n,) complex
+    expected : (n,) standard deviation
+    reading : (n,) complex, what was expected to be read
+    motion : (n,) complex, what the run drives
+    of_load : whether it is a load's, not a channel's
+    """
+
+    frequency: Array
+    deviation: ComplexArray
+    expected: Array
+    reading: ComplexArray
+    motion: ComplexArray
+    of_load: bool
+
+
+def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float]) -> str:
+    """What the deviation follows, in words; empty where nothing plain. It stands out in `band` [Hz]."""
+    weight = 1 / np.maximum(course.expected, np.finfo(np.float64).tiny)
+    y, omega = weight * course.deviation, 2 * np.pi * course.frequency
+    if not np.any(np.abs(y) > 0):
+        return ""
+    functions, driver = (LOADS, course.motion) if course.of_load else (SHARES, course.reading)
+    shares = {name: _explained(y, [weight * driver * of(omega)]) for name, of in functions.items()}
+    best = max(shares, key=lambda name: shares[name])
+    return best if shares[best] >= EXPLAINED else _resonance(course.frequency, y, weight * course.motion, modes, band)
+
+
+def _resonance(
+    frequency: Array, y: ComplexArray, motion: ComplexArray, modes: Sequence[NamedMode], band: tuple[float, float]
+) -> str:
+    """The mode within `band` whose resonance, and the derivative of that, the deviation follows."""
+    found = {}
+    for mode in (one for one in modes if band[0] <= one.frequency <= band[1]):
+        near = np.abs(frequency - mode.frequency) <= min(AROUND * mode.frequency, LONGEST)
+        r = frequency[near] / mode.frequency
+        L = 1 / (1 - r**2 + 2j * mode.damping_ratio * r)
+        found[mode.name] = _explained(y[near], [factor * motion[near] * L**k for factor in (1, 1j) for k in (1, 2)])
+    best = max(found, key=lambda name: found[name], default="")
+    return f"follows the {best}" if best and found[best] >= EXPLAINED else ""
+
+
+def _explained(y: ComplexArray, basis: Sequence[ComplexArray]) -> float:
+    """Share of the square of y (n,) that real multiples of the `basis` explain; 0 of fewer lines than would show anything."""
+    columns, flat = _real(np.stack(basis, axis=1)), _real(y)
+    if len(flat) < 4 * columns.shape[1] or not np.any(flat):
+        return 0.0
+    columns = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(np.float64).tiny)
+    found, *_ = np.linalg.lstsq(columns, flat, rcond=None)
+    left = flat - columns @ found
+    return float(1 - (left @ left) / (flat @ flat))
+
+
+def _real(values: ComplexArray) -> Array:
+    """Complex values (n, ...) as (2 n, ...) real ones."""
+    return np.concatenate([values.real, values.imag])

@@ -1,0 +1,101 @@
+"""The data of a comparison: campaign folders and classical measurement files together, told apart and read.
+
+What contradicts itself is refused before the first signal is read: the same folder twice, one article on two FMDs, files without any
+campaign. What a model has to do with them is `validation.models.pairing`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from geometry.errors import BadInput
+from geometry.keys import nearest
+from identification import campaign_file
+from identification.campaign import Campaign
+from validation import measurement_file
+from validation.models.model import Model
+from validation.models.pairing import require_pair
+
+Progress = Callable[[str, float], None]
+"""Hears which folder is read, and the share of it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Data:
+    """What a model is compared with.
+
+    Attributes
+    ----------
+    campaigns : with their recordings, in the order in which they were named
+    classical : names of measurement files
+    """
+
+    campaigns: tuple[Campaign, ...]
+    classical: tuple[str, ...] = ()
+
+
+def gathered(paths: Sequence[str], model: Model, progress: Progress | None = None) -> Data:
+    """The data at `paths`, which belong to `model` and to each other.
+
+    Raises
+    ------
+    BadInput : a path that is neither a campaign nor a measurement, data that contradict each other or the model, no campaign.
+    OSError : a file cannot be read.
+    """
+    folders = [path for path in paths if Path(path).is_dir()]
+    files = [path for path in paths if path not in folders]
+    for path in files:
+        _require_measurement(path)
+    _require_once(paths)
+    if not folders:
+        raise BadInput(
+            source="DATA",
+            problem="there is no campaign among them, and weights and periods alone tell nothing of frequencies",
+            remedy="Name a campaign folder, too; `massline weigh`, `cog` and `pendulum` reduce the files alone",
+        )
+    described = [campaign_file.read_description(folder) for folder in folders]
+    _require_one_hardware(described)
+    require_pair(model, described)
+    return Data(campaigns=tuple(_read(folder, progress) for folder in folders), classical=tuple(files))
+
+
+def _read(folder: str, progress: Progress | None) -> Campaign:
+    return campaign_file.read(folder, progress=None if progress is None else lambda share: progress(folder, share))
+
+
+def _require_measurement(path: str) -> None:
+    """Refuse what is no measurement file, and what is not there."""
+    if Path(path).name == campaign_file.NAME:
+        problem = "this is the description of a campaign"
+        raise BadInput(source=path, problem=problem, remedy=f"Name its folder, {Path(path).parent}")
+    known = measurement_file.shipped()
+    if not Path(path).exists() and path.removesuffix(".toml") not in known:
+        beside = [str(one) for one in Path(path).parent.iterdir()] if Path(path).parent.is_dir() else []
+        remedy = f"{nearest(path, beside)}Name campaign folders, and weigh, cog and pendulum files"
+        raise BadInput(source=path, problem="there is no such file or folder", remedy=remedy)
+    measurement_file.read(path, measurement_file.KINDS)
+
+
+def _require_once(paths: Sequence[str]) -> None:
+    seen: dict[Path, str] = {}
+    for path in paths:
+        where = Path(path).resolve()
+        if where in seen:
+            same = "is named twice" if seen[where] == path else f"is the same as {seen[where]}"
+            raise BadInput(source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once")
+        seen[where] = path
+
+
+def _require_one_hardware(campaigns: Sequence[Campaign]) -> None:
+    """One article on two FMDs is two series, whatever the model says."""
+    for k, one in enumerate(campaigns):
+        for other in campaigns[:k]:
+            if one.article == other.article and one.hardware != other.hardware and one.hardware and other.hardware:
+                raise BadInput(
+                    source=f"{one.source}/{campaign_file.NAME}",
+                    field="campaign.hardware",
+                    problem=f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}",
+                    remedy="Another FMD has other sensors: compare each series with a model of its own",
+                )

@@ -1,0 +1,189 @@
+"""Where a model fails: every channel and every load over frequency and runs, every pair of axes over frequency, every run.
+
+All of it is told at the plain fit - tolerances of the measurement not fitted - in standard deviations of what noise, model-error
+floor and those tolerances let expect, and in per cent of the level there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.errors import BadInput
+from geometry.observability import LOADS, of_motions, of_resultants
+from geometry.sensors import ChannelTable, resultants
+from identification.self_calibration.elimination import smoothed_level
+from validation.comparing.chunks import Chunk, chunks
+from validation.comparing.left_over import Deviations, combined, covariance, judged_error, left_over
+from validation.comparing.pairs import Operators, Pairs, joined, lines, operators, through
+from validation.engine.likelihood import floor_of
+from validation.engine.measured import Measured
+from validation.engine.prediction import Offsets, Prediction
+
+LENGTHS = np.array([LEVELS["x"] / LEVELS[axis] for axis in MOTIONS])
+"""(6,) [1] and [m]: moments divided by their nominal length are forces."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Map:
+    """One data set: what its channels and loads read beyond what was expected.
+
+    Attributes
+    ----------
+    data_set, configuration : its name and what was tested
+    runs, axes : (r,) names, and what each drove
+    frequency : (n,) [Hz]
+    rows : (m,) names of the channels, then of the six loads where load cells tell them
+    channels : how many of them are channels
+    deviation : (r, n, m) complex, SI
+    expected : (r, n, m) its standard deviation; infinite where nothing checks the row
+    reading : (r, n, m) complex, what was expected to be read
+    level : (r, n, m) of which a deviation is told in per cent
+    inputs : (r, n, k) base motions or known inputs, as the channels that are not judged tell them
+    misfit : (r, n) chi² per degree of freedom of all channels together, tolerances counted
+    pairs : of the dynamic mass; None where runs or channels do not tell it
+    remarks : sentences
+    """
+
+    data_set: str
+    configuration: str
+    runs: tuple[str, ...]
+    axes: tuple[str, ...]
+    frequency: Array
+    rows: tuple[str, ...]
+    channels: int
+    deviation: ComplexArray
+    expected: Array
+    reading: ComplexArray
+    level: Array
+    inputs: ComplexArray
+    misfit: Array
+    pairs: Pairs | None = None
+    remarks: tuple[str, ...] = field(default=())
+
+    @property
+    def sigma(self) -> Array:
+        """(r, n, m) deviations in standard deviations."""
+        return np.asarray(np.abs(self.deviation) / self.expected)
+
+    @property
+    def percent(self) -> Array:
+        """(r, n, m) deviations in per cent: of what the channel reads there, of the dynamic mass for a load."""
+        return np.asarray(100 * np.abs(self.deviation) / np.maximum(self.level, np.finfo(np.float64).tiny))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rig:
+    """Where the channels of a data set sit.
+
+    Attributes
+    ----------
+    table : with all channels of the data set
+    gravity : [m/s²]
+    """
+
+    table: ChannelTable
+    gravity: float
+
+
+def mapped(
+    prediction: Prediction,
+    offsets: Offsets,
+    fitted: Collection[str],
+    inputs: ComplexArray,
+    rig: Rig | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Map:
+    """The map of one data set.
+
+    Parameters
+    ----------
+    offsets, fitted : of the plain fit, and the names of the parameters that it moved
+    inputs : (r, n, k) of the runs, with which tolerances act
+    rig : of a base-excitation test; without it there are neither loads nor pairs
+    """
+    measured = prediction.measured
+    R = None if rig is None else _resultants(measured, rig)
+    of, remarks = (None, ()) if rig is None else _operators(measured, rig)
+    said, both, told = [], [], progress or (lambda share: None)
+    for part in chunks(prediction, offsets, inputs, fitted):
+        said.append(_of_lines(measured, part, R))
+        if of is not None:
+            both.append(lines(of, measured.frequency, measured.values, inputs, part))
+        told((part.lines[-1] + 1) / len(measured.frequency))
+    found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
+    return Map(
+        data_set=measured.name,
+        configuration=measured.configuration,
+        runs=measured.runs,
+        axes=measured.axes,
+        frequency=measured.frequency,
+        rows=(*measured.channels, *(() if R is None else LOADS)),
+        channels=len(measured.channels),
+        inputs=inputs,
+        level=_levels(measured, found.pop("loads")),
+        pairs=joined(measured.name, measured.frequency, both) if both else None,
+        remarks=remarks,
+        **found,
+    )
+
+
+def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
+    """What a chunk says, by field of `Map`; `loads` (r, n, 6 or 0) are those predicted."""
+    y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
+    known = None if measured.inputs is None else measured.inputs[:, part.lines]
+    own, chi2 = left_over(y, A, S, known)
+    error, spread = judged_error(y, A, S, known, measured.judged)
+    loads = Deviations(value=error[..., :0], expected=np.zeros((*error.shape[:2], 0)))
+    predicted = np.zeros((*error.shape[:2], 0), dtype=np.complex128)
+    if R is not None:
+        loads = combined(error, spread, R)
+        predicted = (y[..., measured.judged] - error) @ R.T
+    return {
+        "deviation": np.concatenate([own.value, loads.value], axis=-1),
+        "expected": np.concatenate([own.expected, loads.expected], axis=-1),
+        "reading": np.concatenate([y - own.value, predicted], axis=-1),
+        "loads": predicted,
+        "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
+    }
+
+
+def _levels(measured: Measured, loads: ComplexArray) -> Array:
+    """(r, n, m): of a channel that of the model-error floor, of a load all six of its run, moments over their nominal length."""
+    level = floor_of(measured)
+    if not loads.shape[-1]:
+        return level
+    power = smoothed_level(measured.frequency, loads / LENGTHS)
+    together = np.sqrt(np.sum(power**2, axis=-1, keepdims=True))
+    return np.concatenate([level, together * LENGTHS], axis=-1)
+
+
+def _resultants(measured: Measured, rig: Rig) -> Array | None:
+    """(6, f) the loads about F from the judged channels; None where they do not tell all six."""
+    names = [name for name, judged in zip(measured.channels, measured.judged, strict=True) if judged]
+    table = _table(rig, names)
+    return resultants(table.channels, table.origin) if of_resultants(table).complete else None
+
+
+def _table(rig: Rig, names: Collection[str]) -> ChannelTable:
+    by_name = {one.name: one for one in rig.table.channels}
+    return ChannelTable(channels=tuple(by_name[name] for name in names), origin=rig.table.origin)
+
+
+def _operators(measured: Measured, rig: Rig) -> tuple[Operators | None, tuple[str, ...]]:
+    """From channels to the dynamic mass; or None, and why there is none."""
+    table = _table(rig, measured.channels)
+    seen = any(of_motions(table, (group,)).complete for group in ("cover", "table"))
+    if not (seen and of_resultants(table).complete):
+        return None, (f"{measured.name}: its channels do not tell six motions and six loads, so no dynamic mass is measured",)
+    weight = np.sqrt(np.mean(measured.noise**2, axis=0))
+    of = operators(table, measured.frequency, weight, rig.gravity)
+    try:
+        through(of, measured.values, measured.frequency)
+    except BadInput as error:
+        return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}",)
+    return of, ()

@@ -1,0 +1,170 @@
+"""The four errors, each with what it means and what is to be thought of it. Figures come from the engine, thresholds are stated here.
+
+A chi² can be bought: tolerances swallow a fault without a trace in it, at an absurd price in themselves. So chi² and the sum of squares
+of the tolerances are judged together. What tolerances cost when nothing is wrong is known: each moves from its prior to its posterior,
+so that the sum of z² is expected to be sum(1 - sd²/tolerance²), the number of tolerances that the data really tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from validation.engine.evaluation import Evaluation, Fit
+from validation.engine.parameter import DECLARED, SENSOR, Parameter
+
+GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
+
+MISFIT = 1.5
+"""Chi² per degree of freedom from which data and model contradict each other, whatever the tolerances."""
+
+MORE = 1.5
+"""Factor on what tolerances explain, or on the error on fitted data, from which an error is too large."""
+
+UNLIKELY = 1e-3
+"""Probability of a sum of z² below which tolerances are absurd."""
+
+ABSURD = 4.0
+"""z of one tolerance that no careful laboratory has."""
+
+MOST = 5
+"""Tolerances that are named."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """One error.
+
+    Attributes
+    ----------
+    name : "nominal error"
+    figure : with its unit
+    meaning : a sentence
+    verdict : of `VERDICTS`; empty where there is nothing to be judged
+    text : the verdict in words
+    """
+
+    name: str
+    figure: str
+    meaning: str
+    verdict: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tolerance:
+    """A tolerance as a fit moved it.
+
+    Attributes
+    ----------
+    parameter : whose it is
+    offset : from nominal
+    z : offset / tolerance
+    """
+
+    parameter: Parameter
+    offset: float
+
+    @property
+    def z(self) -> float:
+        """In standard deviations of what was known beforehand."""
+        return self.offset / self.parameter.tolerance
+
+
+def tolerances(of: Fit) -> tuple[Tolerance, ...]:
+    """The tolerances of a fit, the most absurd first."""
+    both = zip(of.parameters, of.offsets, strict=True)
+    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in (SENSOR, DECLARED) and one.tolerance > 0]
+    return tuple(sorted((one for one in found if np.isfinite(one.parameter.tolerance)), key=lambda one: -abs(one.z)))
+
+
+def expected_z2(of: Fit) -> float:
+    """Sum of z² that the tolerances of a fit come to when nothing is wrong."""
+    prior = np.array([one.tolerance for one in of.parameters])
+    counted = [one.kind in (SENSOR, DECLARED) and 0 < one.tolerance < np.inf for one in of.parameters]
+    share = np.diag(of.covariance)[counted] / prior[counted] ** 2
+    return float(np.sum(np.clip(1 - share, 0.0, 1.0)))
+
+
+def absurd(of: Fit) -> bool:
+    """Whether the tolerances of a fit cost more than chance."""
+    from scipy.stats import chi2
+
+    return bool(chi2.sf(of.tolerance_z2, max(expected_z2(of), 1.0)) < UNLIKELY)
+
+
+def told(of: Evaluation, explained: float) -> tuple[Told, ...]:
+    """The four errors of `of`; `explained` per cent of the plain error would be there by tolerances alone."""
+    return (_nominal(of), _plain(of, explained), _fitted(of.fitted), _held_out(of))
+
+
+def _nominal(of: Evaluation) -> Told:
+    return Told(
+        name="nominal error",
+        figure=percent(of.nominal.percent),
+        meaning="the model as it stands, nothing fitted",
+    )
+
+
+def _plain(of: Evaluation, explained: float) -> Told:
+    high = of.plain.percent > MORE * explained
+    said = f"tolerances of the measurement alone explain {percent(explained)}"
+    return Told(
+        name="plain error",
+        figure=percent(of.plain.percent),
+        meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
+        verdict=FAILED if high else GOOD,
+        text=f"{said}: something is missing" if high else f"{said}: nothing need be missing",
+    )
+
+
+def _fitted(of: Fit) -> Told:
+    ratio = misfit(of)
+    verdict, text = _judged(ratio, absurd(of), of)
+    return Told(
+        name="fitted error",
+        figure=f"chi² {ratio:.3g} a degree of freedom, z² {of.tolerance_z2:.3g} of {of.tolerances} tolerances",
+        meaning=f"every tolerance fitted; z² is their price, about {expected_z2(of):.0f} where nothing is wrong",
+        verdict=verdict,
+        text=text,
+    )
+
+
+def misfit(of: Fit) -> float:
+    """Chi² per degree of freedom."""
+    return of.chi2 / max(of.degrees_of_freedom, 1)
+
+
+def _judged(ratio: float, costly: bool, of: Fit) -> tuple[str, str]:
+    worst = named(tolerances(of)[:2])
+    if ratio > MISFIT:
+        return FAILED, "no tolerance explains the data" + (f", though {worst} try" if costly else "")
+    if costly:
+        return FAILED, f"a good chi² with absurd tolerances is a failed model: {worst}"
+    return GOOD, "data and tolerances are content"
+
+
+def _held_out(of: Evaluation) -> Told:
+    meaning = "plain error on data that were predicted, not fitted"
+    if of.held_out is None:
+        return Told(name="held-out error", figure="–", meaning=meaning, text="nothing was held out: one run of one campaign")
+    high = of.held_out.percent > MORE * of.plain.percent
+    return Told(
+        name="held-out error",
+        figure=percent(of.held_out.percent),
+        meaning=meaning,
+        verdict=DOUBTFUL if high else GOOD,
+        text="what was fitted does not hold there" if high else "the fit holds on data that it has not seen",
+    )
+
+
+def named(some: Sequence[Tolerance]) -> str:
+    """The tolerances by name, each with its z."""
+    return " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in some)
+
+
+def percent(value: float) -> str:
+    """Three digits, and no exponent."""
+    return f"{value:.0f} %" if value >= 100 else f"{value:.3g} %"
