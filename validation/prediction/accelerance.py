@@ -159,6 +159,7 @@ def measured(
     channels: Sequence[str],
     *,
     band: tuple[float, float] | None = None,
+    share: float = 0.0,
 ) -> Measured:
     """The data set of a test; its noise is estimated from the scatter of the lines (`validation.prediction.scatter`).
 
@@ -167,6 +168,7 @@ def measured(
     frequency : (n,) [Hz], evenly spaced
     accelerance : by run (n, c) complex [1/kg]: accelerations of `channels` divided by the force
     band : (low, high) [Hz] of the lines that are kept; noise is estimated from all
+    share : standard deviation of a reading as a share of it, beside the noise: how far the test repeats
     """
     f = np.asarray(frequency, dtype=np.float64)
     values = np.stack([np.asarray(one, dtype=np.complex128) for one in accelerance.values()])
@@ -180,7 +182,7 @@ def measured(
         judged=np.ones(len(channels), dtype=bool),
         frequency=f[kept],
         values=values[:, kept],
-        noise=scatter.noise(f, values)[:, kept],
+        noise=np.hypot(scatter.noise(f, values), share * np.abs(values))[:, kept],
         inputs=np.ones((len(values), int(kept.sum()), 1), dtype=np.complex128),
     )
 
