@@ -27,6 +27,9 @@ ROUGHLY = 1.0
 STEPS = 15
 """Evaluations that such a stage may take."""
 
+BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
+"""What a prediction raises where its model breaks down."""
+
 Progress = Callable[[float], None]
 
 
@@ -85,11 +88,14 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
 
     Raises
     ------
-    CheckFailed : the model breaks down where it begins.
+    CheckFailed : the model breaks down where it begins, or where its minimum should be.
     """
     solution = _solved(cost, offsets, close=CLOSE, most=most)
     progress(0.95)
-    return ended(cost, cost.offsets(solution.x), converged=solution.converged)
+    try:
+        return ended(cost, cost.offsets(solution.x), converged=solution.converged)
+    except BREAKDOWNS as error:
+        raise CheckFailed(f"the model breaks down where its fit should end: {error}") from error
 
 
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
@@ -98,7 +104,7 @@ def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solutio
         return _nothing_to_do(cost, start)
     try:
         return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size)
-    except (np.linalg.LinAlgError, ValueError, FloatingPointError) as error:
+    except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 
 

@@ -121,11 +121,10 @@ def _normal(r: ComplexArray, Q: ComplexArray | None, V: ComplexArray) -> Normal:
     """Of one run, from its residual (m, c) and V (m, c, p)."""
     if Q is not None:
         V = V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
-    flat, count = V.reshape(-1, V.shape[-1]), V.shape[-1]
+    flat = V.reshape(V.shape[0] * V.shape[1], V.shape[2])
     J = np.concatenate([flat.real, flat.imag])
     stacked = np.concatenate([r.real.ravel(), r.imag.ravel()])
-    gradient = -(J.T @ stacked) if count else np.zeros(0)
-    return Normal(cost=0.5 * float(stacked @ stacked), gradient=gradient, matrix=J.T @ J)
+    return Normal(cost=0.5 * float(stacked @ stacked), gradient=-(J.T @ stacked), matrix=J.T @ J)
 
 
 def _spread(own: Normal, at: Lines, count: int) -> Normal:

@@ -48,11 +48,12 @@ class Residuals:
     inputs: ComplexArray
 
 
-def residuals(problem: Problem, at: Fit | Offsets, *, every_line: bool = True) -> tuple[Residuals, ...]:
+def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FLOOR, every_line: bool = True) -> tuple[Residuals, ...]:
     """Of every data set at a fit, or at `offsets` with nothing fitted.
 
     Parameters
     ----------
+    floor : model-error floor relative to the level of a channel
     every_line : of all lines; else of those that fits of `problem` use
 
     Raises
@@ -64,15 +65,15 @@ def residuals(problem: Problem, at: Fit | Offsets, *, every_line: bool = True) -
     loose = {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
     offsets = {**problem.start, **known}
     return tuple(
-        _of_one(one, offsets, loose, np.arange(len(one.measured.frequency)) if every_line else problem.lines_of(one))
+        _of_one(one, offsets, loose, np.arange(len(one.measured.frequency)) if every_line else problem.lines_of(one), floor)
         for one in problem.predictions
     )
 
 
-def _of_one(one: Prediction, offsets: Offsets, loose: dict[str, float], lines: Lines) -> Residuals:
+def _of_one(one: Prediction, offsets: Offsets, loose: dict[str, float], lines: Lines, floor: float) -> Residuals:
     measured = one.measured
     predicted, seen = one.at(offsets, lines), observed(measured, lines)
-    weight = seen.weight(FLOOR, predicted.noise)
+    weight = seen.weight(floor, predicted.noise)
     rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
     left = [left_of_run(seen, A, measured.judged, weight[run], run) for run, A in enumerate(rows)]
     return Residuals(

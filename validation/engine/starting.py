@@ -17,7 +17,7 @@ import numpy.typing as npt
 from geometry.errors import BadInput
 from geometry.keys import nearest
 from validation.engine.cost import Cost, cost_of
-from validation.engine.descent import Progress
+from validation.engine.descent import BREAKDOWNS, Progress
 from validation.engine.fit import PLAIN_FLOOR
 from validation.engine.parameter import PLAIN
 from validation.engine.prediction import Offsets
@@ -31,8 +31,6 @@ REACH = 2.0
 
 PROMISING = 5
 """Places whose true cost is looked at."""
-
-BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
 
 
 def start(

@@ -19,7 +19,8 @@ NOISE = 2e-4
 """Of an acceleration of 1; forces are about ten times as large and noisy."""
 
 PLACES = np.array([[1.0, 0.3], [1.0, -0.2], [1.0, 0.5], [0.7, 1.0], [0.4, -1.0]])
-SHARES = np.array([[0.25, 1.0], [0.25, -1.0], [0.25, 0.9], [0.25, -0.9], [0.25, 0.5], [0.25, -0.5], [0.25, 0.2], [0.25, -0.2]])
+SHARES = np.array([[0.25, 0.0]] * 4 + [[0.0, 1.0], [0.0, -1.0], [0.0, 0.5], [0.0, -0.5]])
+"""The first four force channels carry a translation, a quarter each; the others carry a turn."""
 
 SENSORS = tuple(Parameter(name=f"gain:{name}", unit="1", tolerance=0.003) for name in CHANNELS)
 
@@ -52,7 +53,7 @@ class Toy:
         return np.broadcast_to(rows, (len(self.measured.runs), *rows.shape)) if self.per_run else rows
 
     def _change(self, p, offsets, lines):
-        here, step = offsets.get(p.name, 0.0), 1e-5 * p.tolerance if np.isfinite(p.tolerance) else 1e-5
+        here, step = offsets.get(p.name, 0.0), 1e-5 * (p.tolerance if 0 < p.tolerance < np.inf else 1.0)
         up, down = (self._rows({**offsets, p.name: here + sign * step}, lines) for sign in (1, -1))
         slope = (up - down) / (2 * step)
         channels = tuple(int(c) for c in np.flatnonzero(np.any(slope != 0, axis=(0, 2)))) or (0,)
@@ -119,6 +120,7 @@ class Laboratory:
         stiffer: float = 1.0,
         known: bool = False,
         per_run: bool = False,
+        motion: tuple[float, float] = (1.0, 1.0),
     ) -> Toy:
         """A prediction with `parameters` of data made at the offsets `truth` of `parameters` and `acting`; no seed, no noise."""
         configuration = configuration or name
@@ -126,7 +128,8 @@ class Laboratory:
         frequency = np.linspace(4.0, 30.0, lines)
         parameters = (*parameters, Laboratory.frequency_of(configuration, stiffer))
         everything = {p.name: p for p in (*parameters, *acting)}
-        u = rng.standard_normal((runs, 1, 2)) + 1j * rng.standard_normal((runs, 1, 2)) + np.zeros((1, lines, 1))
+        u = np.array(motion) * (rng.standard_normal((runs, 1, 2)) + 1j * rng.standard_normal((runs, 1, 2)))
+        u = u + np.zeros((1, lines, 1))
         shape = (runs, lines, len(CHANNELS))
         noise = NOISE * np.where(np.isin(CHANNELS, FORCES), 3.0, 1.0) * np.ones(shape)
         measured = Measured(

@@ -1,0 +1,179 @@
+"""What is held out is not fitted, and is predicted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from validation.engine.evaluate import evaluate
+from validation.engine.fit import PLAIN_FLOOR, fit
+from validation.engine.hold_out import every_block, folds, held, named, without
+from validation.engine.parameter import PLAIN
+from validation.engine.problem import Problem
+from validation.engine.refit import refitted, solved
+
+TRUTH = {"mass": 0.03, "inertia": -0.02, "damping": 0.2, "frequency:one": 0.01, "frequency:two": -0.01}
+
+
+class Weight:
+    name = "scales: mass"
+
+    def __init__(self, lab):
+        self.parameters = (lab.LABORATORY[0],)
+
+    def residual(self, offsets):
+        return (offsets.get("mass", 0.0) - 0.03) / 0.001, {"mass": 1 / 0.001}
+
+
+@pytest.fixture
+def series(lab):
+    truth = {**lab.drawn(5), **TRUTH}
+    return Problem(
+        (lab.toy(truth, name="one", configuration="first"), lab.toy(truth, name="two", seed=8, stiffer=1.2)), (Weight(lab),)
+    )
+
+
+def spoilt(toy, run=None, lines=None):
+    """The same data, with noise in place of one run or of some lines."""
+    values = toy.measured.values.copy()
+    values[slice(None) if run is None else run, slice(None) if lines is None else lines] = 5.0 - 3.0j
+    return replace(toy, measured=replace(toy.measured, values=values))
+
+
+def test_by_default_each_run_and_each_configuration_is_held_out_in_turn(series, lab):
+    names = [fold.name for fold in folds(series)]
+    assert names == [
+        *(f"run r{k} of one" for k in (1, 2, 3)),
+        *(f"run r{k} of two" for k in (1, 2, 3)),
+        "configuration first",
+        "configuration two",
+    ]
+    assert len(folds(Problem((lab.toy({}),)))) == 3
+    assert folds(Problem((lab.toy({}, runs=1),))) == ()
+
+
+def test_every_line_of_every_run_is_held_out_once_by_runs_and_once_by_configuration(series):
+    count = sum(len(part.measured.runs) for fold in folds(series) for part, _ in held(series, fold))
+    assert count == 2 * 6
+
+
+def test_a_fold_never_sees_what_it_holds_out(lab):
+    """However wrong the run is, the fit without it is the same."""
+    toy = lab.toy({**lab.drawn(1), **TRUTH})
+    answers = []
+    for one in (toy, spoilt(toy, run=0)):
+        problem = Problem((one,))
+        fold = folds(problem)[0]
+        alone = fit(without(problem, fold), PLAIN)
+        whole = fit(problem, PLAIN)
+        at = refitted(solved(problem, whole, PLAIN_FLOOR), fold)
+        sd = dict(zip([p.name for p in alone.parameters], np.sqrt(np.diag(alone.covariance)), strict=True))
+        answers.append(np.array([(at[name] - x) / sd[name] for name, x in alone.by_name.items()]))
+    assert_allclose(
+        answers[0], 0.0, atol=0.3
+    )  # standard deviations, of which a fit's last step leaves one tenth and more where it is bad
+    assert_allclose(answers[1], 0.0, atol=0.3)
+
+
+def test_a_block_of_frequencies_is_not_seen_either(lab):
+    toy = lab.toy({**lab.drawn(1), **TRUTH})
+    fold = every_block(Problem((toy,)), 4)[-1]
+    problem = Problem((spoilt(toy, lines=fold.blocks["one"]),))
+    at = refitted(solved(problem, fit(problem, PLAIN), PLAIN_FLOOR), fold)
+    right = refitted(solved(Problem((toy,)), fit(Problem((toy,)), PLAIN), PLAIN_FLOOR), fold)
+    assert_allclose(at["mass"], right["mass"], atol=1e-3)
+
+
+def test_blocks_are_all_lines_once(series):
+    blocks = every_block(series, 3)
+    lines = np.concatenate([fold.blocks["one"] for fold in blocks])
+    assert sorted(lines) == list(range(60))
+    for fold in blocks:
+        left = without(series, fold).lines["one"]
+        assert not set(left) & set(fold.blocks["one"])
+
+
+@pytest.mark.parametrize("count", [0, 1, 40])
+def test_blocks_too_few_or_too_narrow_are_refused(series, count):
+    with pytest.raises(BadInput, match="blocks"):
+        every_block(series, count)
+
+
+@pytest.mark.parametrize(
+    ("names", "runs", "facts"),
+    [
+        (["one/r2"], {"one": ("r2",)}, ()),
+        (["two"], {"two": ("r1", "r2", "r3")}, ()),
+        (["first"], {"one": ("r1", "r2", "r3")}, ()),
+        (["one/r1", "one/r3", "scales: mass"], {"one": ("r1", "r3")}, ("scales: mass",)),
+    ],
+)
+def test_names_of_runs_data_sets_configurations_and_facts(series, names, runs, facts):
+    fold = named(series, names)
+    assert dict(fold.runs) == runs
+    assert fold.facts == facts
+    left = without(series, fold)
+    assert [fact.name for fact in left.facts] == [name for name in ("scales: mass",) if name not in facts]
+    for one in left.predictions:
+        assert not set(one.measured.runs) & set(runs.get(one.measured.name, ()))
+
+
+def test_a_run_of_the_only_data_set_needs_no_more_than_its_name(lab):
+    assert dict(named(Problem((lab.toy({}),)), ["r2"]).runs) == {"one": ("r2",)}
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("on/r2", "Did you mean one/r2"),
+        ("tow", "Did you mean two"),
+        ("r2", "Write one of one/r2, two/r2"),
+        ("scales", "Known are"),
+    ],
+)
+def test_unknown_names_are_refused_with_the_nearest(series, name, said):
+    with pytest.raises(BadInput, match="--hold-out") as refused:
+        named(series, [name])
+    assert said in str(refused.value)
+    assert refused.value.field == name
+
+
+def test_nothing_left_to_fit_is_refused(series):
+    with pytest.raises(BadInput, match="nothing is left to fit"):
+        named(series, ["one", "two"])
+
+
+def test_what_is_named_is_in_no_fit_and_is_predicted(lab, series):
+    found = evaluate(series, hold_out=["two"])
+    assert {p.name for p in found.fitted.parameters} & {"frequency:two"} == set()
+    assert set(found.plain.by_data_set) == {"one"}
+    assert set(found.held_out.by_data_set) == {"two"}
+    assert found.held_out_names == ("two",)
+    one, two = series.predictions
+    again = evaluate(Problem((one, spoilt(two)), series.facts), hold_out=["two"])
+    assert_allclose(again.plain_fit.offsets, found.plain_fit.offsets, rtol=1e-12)
+    assert again.held_out.percent > 10 * found.held_out.percent
+
+
+def test_a_series_is_evaluated_with_every_fold(series):
+    told: list[float] = []
+    found = evaluate(series, progress=told.append)
+    assert found.held_out_names == tuple(fold.name for fold in folds(series))
+    assert set(found.held_out.by_fold) == set(found.held_out_names)
+    assert found.plain.percent < found.held_out.percent < found.held_out_nominal.percent
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+def test_frequency_blocks_take_the_place_of_runs_where_they_are_asked_for(series):
+    found = evaluate(series, blocks=3)
+    assert len(found.held_out_names) == 3
+    assert all(name.endswith("Hz") for name in found.held_out_names)
+
+
+def test_one_run_alone_has_nothing_to_hold_out(lab):
+    found = evaluate(Problem((lab.toy({}, runs=1),)))
+    assert found.held_out is None
+    assert found.held_out_names == ()
