@@ -91,7 +91,7 @@ class AcceleranceTest:
         BadInput : one of them does not act on a held structure or its channels.
         """
         for one in effects:
-            _require_acting(one, self.structure.nominal, self.measured)
+            _require_acting(one, self)
         return replace(self, effects=tuple(effects))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: bool = True) -> Predicted:
@@ -206,16 +206,18 @@ def _by_gain(A: ComplexArray, gains: Array, names: Sequence[str]) -> dict[str, C
     return found
 
 
-def _require_acting(added: Added, matrices: Matrices, of: Measured) -> None:
-    family, named = FAMILIES[added.named.family], added.named
-    there = There(article=of.configuration, parts=tuple(matrices.parts), places=tuple(matrices.places))
+def _require_acting(added: Added, test: AcceleranceTest) -> None:
+    family, named, of = FAMILIES[added.named.family], added.named, test.measured
+    matrices, channels = test.structure.nominal, (*of.channels, FORCE.partition(":")[2])
+    parts, places = tuple(matrices.parts), tuple(matrices.places)
+    own = {one.name for one in replace(test, effects=()).parameters}
     if family.stage not in (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED):
         problem, remedy = f"changes the {family.stage}, and an accelerance test has none", "Take an effect of the structure"
-    elif family.stage == CHANNEL_STAGE and named.target not in of.channels:
-        problem, remedy = f"no channel is called {named.target!r}", f"Channels are {', '.join(of.channels)}"
-    elif family.stage != CHANNEL_STAGE and not acts(named, there):
+    elif family.stage == OPENED and named.id not in own:
+        problem, remedy = "is no tolerance of this test", f"Tolerances are {', '.join(sorted(own))}"
+    elif not acts(named, There(article=of.configuration, parts=parts, places=places, channels=channels)):
         problem = f"acts on nothing of {of.configuration}"
-        remedy = f"Parts are {', '.join(there.parts)}; places {', '.join(there.places)}"
+        remedy = f"Parts are {', '.join(parts)}; places {', '.join(places)}; channels {', '.join(channels)}"
     else:
         return
     raise BadInput(source=of.name, field=named.id, problem=problem, remedy=remedy)
