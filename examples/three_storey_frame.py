@@ -2,9 +2,9 @@
 
     python examples/three_storey_frame.py [--data DIR] [--out DIR]
 
-A nominal model in ten lines is compared with the measured accelerances, fails, and learns what it lacks. Tables are printed,
-pictures go to ``out/three-storey-frame``. The data are those of Cristallo (docs/three-storey-frame.md); the folder that holds them
-is given with --data or ``MASSLINE_DATA``.
+A nominal model in ten lines is compared with the measured accelerances, fails, and learns what it lacks. Tables are printed, a
+picture goes to ``out/three-storey-frame``. The data are those of Cristallo (docs/three-storey-frame.md); the folder that holds
+them is given with --data or ``MASSLINE_DATA``.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ BAND = (3.0, 90.0)
 RESONANCES = ((4.0, 12.0), (12.0, 22.0), (22.0, 40.0))
 MASS_LINE = (60.0, 90.0)
 REPEATED = (5.0, 30.0)
-"""[Hz] The band of the comparison; where each resonance is looked for; the mass line; where runs are compared with each other."""
+"""[Hz] The band of the comparison; where each resonance is looked for; the mass line; where runs are held against each other."""
 
 BETWEEN = (3.0, 5.0, 9.0, 15.0, 22.0, 30.0, 60.0, 90.0)
 """[Hz] Bands in which errors are told: noise, first mode, between, second mode, third mode, above, mass line."""
 
 AROUND_FIRST, ABOVE, PROMINENT = (5.5, 7.5), 27.0, 10.0
-"""[Hz] Where the first mode is looked at; above which modes that no model has are looked for, and by how many dB they stand out."""
+"""[Hz] Where the first mode is looked at; above which modes that no model has are sought, and how far they stand out [dB]."""
 
 MASS, WIDTH, THICKNESS, LENGTH, LEGS = 5.201, 25e-3, 3e-3, 153.3e-3, 4
 ALUMINIUM = Material(name="aluminium", density=2700.0, youngs_modulus=70e9, poisson_ratio=0.33)
@@ -310,8 +310,8 @@ def story(console: Console, test: AcceleranceTest) -> dict[str, Evaluation]:
     )
     line = mass_line(test)
     console.print(
-        f"Mass line, {MASS_LINE[0]:g} to {MASS_LINE[1]:g} Hz: {_listed(line['alone'])} kg by each drive point as if no spring held it, "
-        f"{_listed(line['together'])} kg by all three together; nominal {MASS} kg."
+        f"Mass line, {MASS_LINE[0]:g} to {MASS_LINE[1]:g} Hz: {_listed(line['alone'])} kg by each drive point as if no spring "
+        f"held it, {_listed(line['together'])} kg by all three together; nominal {MASS} kg."
     )
     found = climbed(test)
     first = found["nominal"]
@@ -328,16 +328,17 @@ def _say_what_is_left(console: Console, test: AcceleranceTest, found: Mapping[st
     factor = float(np.exp(found["modulus"].plain_fit.by_name["modulus:legs"]))  # the offset is that of the logarithm
     other, cut = aliases(test, factor), ringing(test)
     console.print(
-        f"One factor of {factor:.3f} on all stiffnesses is as well a modulus {other['modulus_sigmas']:+.0f} sigma from the literature, legs "
-        f"{other['thickness_mm']:+.2f} mm thick or {other['length_mm']:+.1f} mm long: no data of this test tell these from clamps. "
-        f"Weight on the lowest legs ({other['weight_percent']:.1f} %) and shear ({other['shear_percent']:.2f} %) are too small."
+        f"One factor of {factor:.3f} on all stiffnesses is as well a modulus {other['modulus_sigmas']:+.0f} sigma from the "
+        f"literature, legs {other['thickness_mm']:+.2f} mm thick or {other['length_mm']:+.1f} mm long: no data of this test tell "
+        f"these from clamps. Weight on the lowest legs ({other['weight_percent']:.1f} %) and shear "
+        f"({other['shear_percent']:.2f} %) are too small."
     )
     last = LADDER[-1]
     modes = ", ".join(f"{f:.1f}" for f in others(test, last, found[last].plain_fit.by_name))
     console.print(
-        f"Not explained: resonances at {modes} Hz that no model here has; why the floors should differ in mass; and the record's end: "
-        f"{cut['left_percent']:.0f} % of the first mode still rang, which lifts it by {cut['lifted_percent']:.0f} % and turns it by "
-        f"{cut['turned_deg']:.1f}°; measured {cut['measured_turn_deg']:.1f}°."
+        f"Not explained: resonances at {modes} Hz that no model here has; why the floors should differ in mass; and the record's "
+        f"end: {cut['left_percent']:.0f} % of the first mode still rang, which lifts it by {cut['lifted_percent']:.0f} % and turns "
+        f"it by {cut['turned_deg']:.1f}°; measured {cut['measured_turn_deg']:.1f}°."
     )
 
 

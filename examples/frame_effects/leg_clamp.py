@@ -1,4 +1,4 @@
-"""`leg-clamp`: the ends of a storey's legs turn a little in their clamps. A user's own effect, for `examples/three_storey_frame.py`.
+"""`leg-clamp`: the ends of a storey's legs turn a little in their clamps. A user's own effect, for the three-storey frame.
 
 A leg of length L, held at both ends, that shifts sideways by F/k = F L³ / (12 E I) bends its clamps by the moment F L / 2 each.
 Clamps of compliance c [rad/(N m)] add the energy 2 (F L / 2)² c / 2, hence (Castigliano) the shift F c L² / 2; four legs share F.
@@ -39,7 +39,7 @@ FAMILY = Family(
     change=change,
     equation="1/k' = 1/k + c L² / 8 of a storey on four legs",
     mistaken_for=("modulus:legs", "storey-mass"),
-    confirmed_by="tighten or clamp the ends harder: the frequencies rise; weigh a leg and bend it alone: its modulus is what it was",
+    confirmed_by="clamp the ends harder and the frequencies rise; a leg that is weighed and bent alone has the modulus it had",
     reference="Castigliano; Timoshenko, Strength of Materials I, beams with elastically built-in ends",
     sentence="The ends of the legs below {target} are not held as firmly as was drawn.",
 )

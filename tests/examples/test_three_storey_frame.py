@@ -5,6 +5,7 @@ import json
 import runpy
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -165,8 +166,8 @@ def test_the_error_falls_from_rung_to_rung_and_on_drive_points_held_out(
     rungs = [found[story] for story in program["LADDER"]]
     plain = [one.plain.percent for one in rungs]
     held = [one.held_out.percent for one in rungs if one.held_out]
-    assert all(after < 0.75 * before for before, after in zip(plain, plain[1:], strict=False))
-    assert all(after < 0.75 * before for before, after in zip(held, held[1:], strict=False))
+    assert all(after < 0.75 * before for before, after in pairwise(plain))
+    assert all(after < 0.75 * before for before, after in pairwise(held))
     last = rungs[-1].held_out
     assert last is not None
     assert max(last.by_run.values()) < 0.25 * min(rungs[0].held_out.by_run.values())  # type: ignore[union-attr]

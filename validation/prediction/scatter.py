@@ -1,13 +1,12 @@
 """Noise of lines that brought no records along, from the lines themselves.
 
-First, what is left when each line is compared with the mean of its neighbours.
-A response function is smooth over three lines but for its resonances, noise is not: of y_k - (y_k-1 + y_k+1) / 2 noise of
-variance sd² makes 3/2 sd². The median over a stretch of lines does not notice a resonance that is narrow beside it, and a
-complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for medians of deviations).
+First, what is left when each line is compared with the mean of its neighbours. A response function is smooth over three lines
+but for its resonances, noise is not: of y_k - (y_k-1 + y_k+1) / 2 noise of variance sd² makes 3/2 sd². The median over a stretch
+of lines does not notice a resonance that is narrow beside it; the bent skirts of a high one make the noise look larger there, not
+smaller. A complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for such medians).
 
-Second, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Maxwell, Rayleigh,
-The Theory of Sound, 1877, chapter 5), so that two runs measured the same number. What they differ by is no noise, it grows with
-what is read.
+Second, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Rayleigh, The
+Theory of Sound, 1877, chapter 5), so that two runs measured the same number. What they differ by grows with what is read.
 """
 
 from __future__ import annotations

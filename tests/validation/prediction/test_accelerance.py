@@ -138,7 +138,9 @@ def test_a_planted_mass_is_found_and_the_error_falls_on_drive_points_that_no_fit
     base = evaluate(Problem((test,)))
     right = evaluate(Problem((test.with_effects([added("point-mass:b", 0.0)]),)), parent=base)
     wrong = evaluate(Problem((test.with_effects([added("structural-damping:springs", 0.0)]),)), parent=base)
-    assert right.held_out is not None and wrong.held_out is not None and base.held_out is not None
+    assert right.held_out is not None
+    assert wrong.held_out is not None
+    assert base.held_out is not None
     assert right.held_out.percent < 1.2  # the noise that was put in is 1 %
     assert wrong.held_out.percent > 0.8 * base.held_out.percent
     at = [one.name for one in right.fitted.parameters].index("point-mass:b")
@@ -151,7 +153,9 @@ def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance() -> None:
     values = smooth + sd * (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
     found = scatter.noise(f, values[:, :, None])
     assert_allclose(np.median(found), sd, rtol=0.03)
-    assert_allclose(found, sd, rtol=0.5)  # a median of 101; at the resonance too, which is narrow beside the stretch
+    away = np.abs(f - 30.0) > 2.0
+    assert_allclose(np.quantile(found[:, away], [0.05, 0.95]), sd, rtol=0.4)  # a median of 101 lines scatters by a sixth
+    assert 0.5 * sd < found[:, ~away].min() < found[:, ~away].max() < 3 * sd  # skirts of a peak of 250 bend
     assert_allclose(scatter.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
 
 
