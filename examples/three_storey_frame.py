@@ -337,8 +337,8 @@ def _say_what_is_left(console: Console, test: AcceleranceTest, found: Mapping[st
     modes = ", ".join(f"{f:.1f}" for f in others(test, last, found[last].plain_fit.by_name))
     console.print(
         f"Not explained: resonances at {modes} Hz that no model here has; why the floors should differ in mass; and the record's "
-        f"end: {cut['left_percent']:.0f} % of the first mode still rang, which lifts it by {cut['lifted_percent']:.0f} % and turns "
-        f"it by {cut['turned_deg']:.1f}°; measured {cut['measured_turn_deg']:.1f}°."
+        f"end: {cut['left_percent']:.0f} % of the first mode still rang, which lifts it by {cut['lifted_percent']:.0f} % and "
+        f"turns it by {cut['turned_deg']:.1f}°; measured {cut['measured_turn_deg']:.1f}°."
     )
 
 

@@ -33,7 +33,7 @@ FAMILY = Family(
     what="compliance of each clamp of the legs below a floor",
     targets=(PLACE,),
     optional=True,
-    sizes=(Size(unit="rad/(N m)", low=-1e-3, high=1.0, plausible=2e-3),),
+    sizes=(Size(unit="rad/(N m)", low=0.0, high=1.0, plausible=2e-3),),
     example="leg-clamp=0.001",
     stage=STRUCTURE_STAGE,
     change=change,
