@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,17 +68,33 @@ HONEST = (
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Swing:
-    """A swing that has been read: direction of its axis, the pendulum, its corrections, and what was noted on the way."""
+class Swing:
+    """A swing that has been read.
+
+    Attributes
+    ----------
+    axis : (3,) direction of its axis in the article's frame
+    pendulum : lengths, mass and period
+    terms : its corrections
+    ropes : how many there are, as far as the file says: three where it states their radius; 0 for a pivot or a torsion rod
+    notes : what was noted on the way
+    """
 
     axis: tuple[float, ...]
     pendulum: RopeSwing | CompoundSwing | TorsionSwing
     terms: Terms
+    ropes: int
     notes: tuple[str, ...]
 
     @property
     def moment(self) -> UFloat:
+        """Moment of inertia [kg m²] about the axis through the CoG."""
         return self.pendulum.inertia(self.terms)
+
+    def moment_at(self, period: float) -> float:
+        """The same, had it swung with another `period` [s]."""
+        swung = replace(self.pendulum, period=0.0 * self.pendulum.period + period)
+        return float(swung.inertia(self.terms).nominal_value)
 
     def effects(self) -> dict[str, float]:
         """Relative change of the result by each term, the others as they are."""
@@ -93,21 +109,31 @@ def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:
     ------
     BadInput : something in the file cannot be used, contradicts itself, or does not determine the tensor.
     """
-    file.only((*HEAD, "gravity", "corrections", "torsion_rod", "components", "swing"))
-    article = file.inner("article").only(("name", "mass", "cog_x", "cog_y", "cog_z"))
-    swings = [_swing(entry, file, article, off) for entry in file.each("swing")]
-    results, terms = _moments(swings, file)
+    found = swings(file, off)
+    results, terms = _moments(found, file)
     return Reduction(
         title=file.text("title", "Pendulum"),
         origin=file.text("origin", "origin not stated"),
-        article=article.text("name"),
+        article=file.inner("article").text("name"),
         results=results,
         terms=terms,
-        notes=(*(note for swing in swings for note in swing.notes), HONEST),
+        notes=(*(note for swing in found for note in swing.notes), HONEST),
     )
 
 
-def _moments(swings: list[_Swing], file: Fields) -> tuple[dict[str, UFloat], dict[str, Mapping[str, float]]]:
+def swings(file: Fields, off: tuple[str, ...] = ()) -> list[Swing]:
+    """Every swing of the pendulum `file`, corrections in `off` left out.
+
+    Raises
+    ------
+    BadInput : something in the file cannot be used, or contradicts itself.
+    """
+    file.only((*HEAD, "gravity", "corrections", "torsion_rod", "components", "swing"))
+    article = file.inner("article").only(("name", "mass", "cog_x", "cog_y", "cog_z"))
+    return [_swing(entry, file, article, off) for entry in file.each("swing")]
+
+
+def _moments(swings: list[Swing], file: Fields) -> tuple[dict[str, UFloat], dict[str, Mapping[str, float]]]:
     coordinate = all(swing.axis in _AXES.values() for swing in swings)
     if not coordinate or "components" in file.table:
         components = file.table.get("components", list(SIX))
@@ -126,18 +152,19 @@ def _moments(swings: list[_Swing], file: Fields) -> tuple[dict[str, UFloat], dic
     return results, terms
 
 
-def _mean_effects(swings: list[_Swing]) -> dict[str, float]:
+def _mean_effects(swings: list[Swing]) -> dict[str, float]:
     each = [swing.effects() for swing in swings]
     names = [name for name in TERMS if any(name in effects for effects in each)]
     return {name: sum(effects.get(name, 0.0) for effects in each) / len(each) for name in names}
 
 
-def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -> _Swing:
+def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -> Swing:
     suspension = entry.choice("suspension", tuple(_OWN_KEYS))
     entry.only(("about", "suspension", *_PERIOD_KEYS, *_OWN_KEYS[suspension]))
     period, recorded, notes = _period(entry)
     pendulum = _SUSPENSIONS[suspension](entry, file, article, period)
-    swing = _Swing(axis=_axis(entry), pendulum=pendulum, terms=_terms(entry, file, off, recorded), notes=notes)
+    terms, ropes = _terms(entry, file, off, recorded), (3 if "radius" in entry.table else 2) if suspension == "ropes" else 0
+    swing = Swing(axis=_axis(entry), pendulum=pendulum, terms=terms, ropes=ropes, notes=notes)
     moment = _moment(swing, entry).nominal_value
     if moment <= 0:
         problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
@@ -146,7 +173,7 @@ def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -
     return swing
 
 
-def _moment(swing: _Swing, entry: Fields) -> UFloat:
+def _moment(swing: Swing, entry: Fields) -> UFloat:
     try:
         return swing.moment
     except BadInput as error:  # the equations know the quantity that is at fault, but not the file

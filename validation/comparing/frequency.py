@@ -24,6 +24,9 @@ AROUND = 0.3
 LONGEST = 3.0
 """[Hz] to either side that count at most."""
 
+SHIFTED, STEPS = 0.08, 12
+"""Share of its frequency by which a mode may lie elsewhere, and how many steps to either side are tried."""
+
 Function = Callable[[Array], Array | ComplexArray]
 
 SHARES: Mapping[str, Function] = {
@@ -81,15 +84,30 @@ def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float
 def _resonance(
     frequency: Array, y: ComplexArray, motion: ComplexArray, modes: Sequence[NamedMode], band: tuple[float, float]
 ) -> str:
-    """The mode within `band` whose resonance, and the derivative of that, the deviation follows."""
+    """The mode near `band` whose resonance the deviation follows: as it is predicted and as it would be a little elsewhere."""
     found = {}
-    for mode in (one for one in modes if band[0] <= one.frequency <= band[1]):
-        near = np.abs(frequency - mode.frequency) <= min(AROUND * mode.frequency, LONGEST)
-        r = frequency[near] / mode.frequency
-        L = 1 / (1 - r**2 + 2j * mode.damping_ratio * r)
-        found[mode.name] = _explained(y[near], [factor * motion[near] * L**k for factor in (1, 1j) for k in (1, 2)])
+    for mode in modes:
+        if band[0] / (1 + SHIFTED) <= mode.frequency <= band[1] * (1 + SHIFTED):
+            near = np.abs(frequency - mode.frequency) <= min(AROUND * mode.frequency, LONGEST)
+            found[mode.name] = max(_beside(frequency[near], y[near], motion[near], mode, shift) for shift in _shifts())
     best = max(found, key=lambda name: found[name], default="")
     return f"follows the {best}" if best and found[best] >= EXPLAINED else ""
+
+
+def _shifts() -> Array:
+    """Relative shifts of a mode, dense about none."""
+    return np.asarray(SHIFTED * np.linspace(-1.0, 1.0, 2 * STEPS + 1) ** 3)
+
+
+def _beside(frequency: Array, y: ComplexArray, motion: ComplexArray, mode: NamedMode, shift: float) -> float:
+    """What two resonances explain that lie by `shift` apart; by none, a resonance and its derivative."""
+    L, other = (_resonates(frequency / mode.frequency / by, mode.damping_ratio) for by in (1.0, 1.0 + shift))
+    second = L**2 if not shift else other
+    return _explained(y, [factor * motion * of for factor in (1, 1j) for of in (L, second)])
+
+
+def _resonates(ratio: Array, zeta: float) -> ComplexArray:
+    return np.asarray(1 / (1 - ratio**2 + 2j * zeta * ratio))
 
 
 def _explained(y: ComplexArray, basis: Sequence[ComplexArray]) -> float:

@@ -154,17 +154,28 @@ def _merged(spots: Sequence[Spot]) -> list[Spot]:
         same = next((k for k, one in enumerate(kept) if _same(one, spot)), None)
         if same is None:
             kept.append(spot)
-        elif (spot.data_set, spot.run) not in ((one[0], one[1]) for one in _places(kept[same])):
-            elsewhere = (*kept[same].elsewhere, (spot.data_set, spot.run, spot.sigma))
-            kept[same] = replace(kept[same], elsewhere=elsewhere)
+        else:
+            kept[same] = _both(kept[same], spot)
     return kept
 
 
-def _places(spot: Spot) -> list[tuple[str, str, float]]:
-    return [(spot.data_set, spot.run, spot.sigma), *spot.elsewhere]
-
-
 def _same(one: Spot, other: Spot) -> bool:
-    """Whether both are of one row and their bands touch: a channel is the same in all data sets, a load in its own alone."""
+    """Whether both are of one row - a channel is the same in all data sets, a load in its own alone - and of one cause.
+
+    Their bands touch, or both follow the same over frequency: at a resonance a channel is calm, and its fault is the same beyond.
+    """
     touching = one.band[0] <= other.band[1] + GAP and other.band[0] <= one.band[1] + GAP
-    return one.row == other.row and touching and (not one.of_load or one.data_set == other.data_set)
+    alike = touching or bool(one.course and one.course == other.course)
+    return one.row == other.row and alike and (not one.of_load or one.data_set == other.data_set)
+
+
+def _both(one: Spot, other: Spot) -> Spot:
+    """`one`, with `other` in its band where both are of one run and alike bad, else as a further place."""
+    here = (other.data_set, other.run)
+    if here == (one.data_set, one.run):
+        if other.sigma < REGION * one.sigma:
+            return one
+        return replace(one, band=(min(one.band[0], other.band[0]), max(one.band[1], other.band[1])))
+    if here in ((data_set, run) for data_set, run, _ in one.elsewhere):
+        return one
+    return replace(one, elsewhere=(*one.elsewhere, (*here, other.sigma)))

@@ -38,7 +38,7 @@ def heavy_ropes(swing: Swing, targets: tuple[str, ...], values: Values) -> Swing
 
 
 def stretched(swing: Swing, targets: tuple[str, ...], values: Values) -> Swing:
-    """Each rope is longer by ``c m g / n``; c [m/N] of one rope."""
+    """Each rope is longer by ``c m g / n``, c [m/N] of one rope; where they share the weight alike."""
     longer = values[""] * _stated(swing, "mass") * swing.gravity / len(_radii(swing))
     return _times(swing, np.sqrt(1 + longer / _stated(swing, "length")))
 

@@ -74,7 +74,9 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
     return tuple(left), known
 
 
-def structure(stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequence[Added]) -> tuple[Matrices, dict[str, Tangent]]:
+def structure(
+    stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequence[Added], *, derivatives: bool = True
+) -> tuple[Matrices, dict[str, Tangent]]:
     """The effects on reduced matrices, and by parameter their derivatives."""
     found = dict(tangents)
     for added in _of(effects, STRUCTURE_STAGE):
@@ -82,31 +84,31 @@ def structure(stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequenc
             continue
         after = _changed(added.named, stage)
         found = {key: _through(added.named, stage, after, tangent) for key, tangent in found.items()}
-        for size in _free(added):
+        for size in _free(added) if derivatives else ():
             found[name(added.named, size.key)] = _by_size(added.named, size, stage)
         stage = after
     return stage, found
 
 
 def body(
-    stage: Mounted, tangents: Mapping[str, ComplexArray], effects: Sequence[Added]
+    stage: Mounted, tangents: Mapping[str, ComplexArray], effects: Sequence[Added], *, derivatives: bool = True
 ) -> tuple[Mounted, dict[str, ComplexArray]]:
     """The effects on a dynamic mass, and by parameter its derivatives (n, 6, 6)."""
     found = dict(tangents)
     for added in _of(effects, BODY_STAGE):
-        own = {name(added.named, size.key): _of_matrix(added.named, size, stage) for size in _free(added)}
+        own = {name(added.named, size.key): _of_matrix(added.named, size, stage) for size in _free(added) if derivatives}
         found = {key: _directional(added.named, stage, tangent) for key, tangent in found.items()} | own
         stage = _changed(added.named, stage)
     return stage, found
 
 
 def channels(
-    stage: Reading, tangents: Mapping[str, ComplexArray], effects: Sequence[Added]
+    stage: Reading, tangents: Mapping[str, ComplexArray], effects: Sequence[Added], *, derivatives: bool = True
 ) -> tuple[Reading, dict[str, ComplexArray]]:
     """The effects on what the channels read, and by parameter its derivatives (n, c, k)."""
     found = dict(tangents)
     for added in _of(effects, CHANNEL_STAGE):
-        own = {name(added.named, size.key): _of_rows(added.named, size, stage) for size in _free(added)}
+        own = {name(added.named, size.key): _of_rows(added.named, size, stage) for size in _free(added) if derivatives}
         found = {key: _changed(added.named, replace(stage, rows=rows)).rows for key, rows in found.items()} | own
         stage = _changed(added.named, stage)
     return stage, found

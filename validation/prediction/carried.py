@@ -65,7 +65,7 @@ class Carried:
         self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[Mounted, Tangents]:
         matrices, tangents = of.at(offsets, derivatives=derivatives)
-        matrices, tangents = applied.structure(matrices, tangents, effects)
+        matrices, tangents = applied.structure(matrices, tangents, effects, derivatives=derivatives)
         answered = condensation.dynamic_mass(matrices, frequency)
         changes = condensation.tangents(answered, tangents) if derivatives else {}
         R = _turned(self.standing.pose)
@@ -79,7 +79,7 @@ class Carried:
             block=drive.block,
         )
         turned = {name: R @ change @ R.T for name, change in changes.items()}
-        return applied.body(mounted, turned, effects)
+        return applied.body(mounted, turned, effects, derivatives=derivatives)
 
 
 def _turned(pose: Pose) -> Array:

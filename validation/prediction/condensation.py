@@ -22,6 +22,9 @@ from geometry.dynamic_mass import ComplexArray
 from validation.effects.stages import Matrices
 from validation.prediction.tangent import Tangent
 
+FEW = 3
+"""Up to so many coordinates a sum of outer products is the quicker way."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Answered:
@@ -31,7 +34,7 @@ class Answered:
     ----------
     frequency : (n,) [Hz]
     matrix : (n, r, d) complex: dynamic mass (n, 6, 6) about the article's origin, or accelerance [1/kg]
-    left, right : (n, k, r), (n, k, d): d matrix = sign * left^T dD right
+    left, right : (k, n, r), (k, n, d), by coordinate: d matrix = sign * left^T dD right
     sign : +1 of a dynamic mass, -1 of an accelerance
     """
 
@@ -55,7 +58,7 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> Answered:
     answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
     H = D[:, :b, :b] + D[:, :b, b:] @ answer
     moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
-    T: ComplexArray = np.concatenate([moved, answer], axis=1)
+    T = _by_coordinate(np.concatenate([moved, answer], axis=1))
     return Answered(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
 
 
@@ -77,7 +80,7 @@ def accelerance(matrices: Matrices, frequency: npt.ArrayLike, responses: npt.Arr
     whole = np.broadcast_to(loads, (len(lines), *loads.shape))
     both = np.asarray(np.linalg.solve(_dynamic(matrices, lines), whole), dtype=np.complex128)
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
-    return Answered(frequency=lines, matrix=rows @ right, left=left, right=right, sign=-1.0)
+    return Answered(frequency=lines, matrix=rows @ right, left=_by_coordinate(left), right=_by_coordinate(right), sign=-1.0)
 
 
 def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
@@ -95,9 +98,13 @@ def tangents(answered: Answered, changes: Mapping[str, Tangent]) -> dict[str, Co
     return {name: _tangent(answered, change) for name, change in changes.items()}
 
 
+def _by_coordinate(answer: ComplexArray) -> ComplexArray:
+    return np.ascontiguousarray(answer.transpose(1, 0, 2))
+
+
 def _tangent(answered: Answered, change: Tangent) -> ComplexArray:
-    """Each field by itself: those that do not change cost nothing."""
-    left, right = (np.ascontiguousarray(side[:, change.at]) for side in (answered.left, answered.right))
+    """Each field by itself: those that do not change cost nothing, nor do coordinates that do not."""
+    left, right = (side if len(change.at) == len(side) else side[change.at] for side in (answered.left, answered.right))
     omega = (2 * np.pi * answered.frequency)[:, None, None]
     found = np.zeros_like(answered.matrix)
     fields = (
@@ -108,13 +115,23 @@ def _tangent(answered: Answered, change: Tangent) -> ComplexArray:
     )
     for matrix, factor in fields:
         if np.any(matrix):
-            found = found + factor * (left.transpose(0, 2, 1) @ (matrix @ right))
+            found += factor * _product(left, matrix, right)
     return answered.sign * found
+
+
+def _product(left: ComplexArray, matrix: Array, right: ComplexArray) -> ComplexArray:
+    """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
+    k, n, d = right.shape
+    pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
+    if k <= FEW:
+        return np.asarray(np.sum(left[:, :, :, None] * pulled[:, :, None, :], axis=0))
+    return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
 def _dynamic(matrices: Matrices, lines: Array) -> ComplexArray:
     """D (n, k, k) at `lines` (n,) [Hz]."""
     omega = (2 * np.pi * lines)[:, None, None]
-    return np.asarray(
-        matrices.mass - matrices.stiffness / omega**2 - 1j * (matrices.viscous / omega + matrices.structural / omega**2)
-    )
+    D = np.empty((len(lines), *matrices.mass.shape), dtype=np.complex128)
+    D.real = matrices.mass - matrices.stiffness / omega**2
+    D.imag = -(omega * matrices.viscous + matrices.structural) / omega**2
+    return D

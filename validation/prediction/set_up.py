@@ -56,6 +56,11 @@ class Standing:
     remarks: tuple[str, ...] = ()
 
     @property
+    def modes(self) -> int:
+        """How many of its coordinates are modes."""
+        return len(self.frequency)
+
+    @property
     def there(self) -> There:
         """What effects can act on."""
         if self.matrices is None:

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.arrays import Array
+from validation.effects.describing import WARP, clipped
 from validation.effects.identifiers import parse_all
 from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.laboratory import laboratory
@@ -25,7 +26,7 @@ Sweep = Callable[..., dict[str, Array]]
 
 @pytest.fixture(scope="module")
 def sweep() -> Sweep:
-    """``sweep(axis, *effects, level)``: channels by name of a short sweep of a rigid block, nothing else drawn."""
+    """``sweep(axis, *effects, level, rate)``: channels by name of a short sweep of a rigid block, nothing else drawn."""
     plan = replace(
         exact(Plan(article="fmd+disc+cuboid", model=RIGID, band=(8.0, 16.0), octaves_per_minute=240.0, cross=0.0)),
         quiet=0.1,
@@ -34,8 +35,8 @@ def sweep() -> Sweep:
         ringing=1e-3,
     )
 
-    def run(axis: str, *effects: str, level: float = 1.0) -> dict[str, Array]:
-        own = replace(plan, effects=planted(parse_all(effects)), levels=(level,))
+    def run(axis: str, *effects: str, level: float = 1.0, rate: float = 240.0) -> dict[str, Array]:
+        own = replace(plan, effects=planted(parse_all(effects)), levels=(level,), octaves_per_minute=rate)
         made = next(one for one in runs(own) if one.name == axis)
         return dict(zip(NAMES, recording(own, laboratory(own), made).values.T, strict=True))
 
@@ -72,3 +73,18 @@ def test_a_cell_that_lifts_pulls_no_more_than_its_preload_and_the_others_take_ov
     total, whole = (sum(one[f"fmd-z{k}"] for k in range(1, 5)) for one in (lifting, plain))
     n = min(len(total), len(whole))
     assert_allclose(total[:n], whole[:n], rtol=0, atol=0.05 * np.max(np.abs(whole)))  # hardly visible in the dynamic mass
+
+
+@pytest.mark.parametrize("preload", [5.0, 15.0])
+def test_in_a_slow_sweep_a_lifting_cell_reads_its_describing_function_and_the_others_the_rest(
+    sweep: Sweep, preload: float
+) -> None:
+    """By exudyn in time, against the catalogue's equation: the median over the lines, which the ends of the sweep make ripple."""
+    plain, lifting = sweep("z", rate=30.0), sweep("z", f"gap:1={preload:g}", rate=30.0)
+    n = min(len(one["fmd-z1"]) for one in (plain, lifting))
+    inside = slice(*np.searchsorted(np.fft.rfftfreq(n, 1 / 256.0), (9.0, 15.0)))
+    was, now = ({k: np.fft.rfft(one[f"fmd-z{k}"][:n])[inside] for k in range(1, 5)} for one in (plain, lifting))
+    expected = clipped(preload, np.array([np.max(np.abs(plain["fmd-z1"]))]))[0]
+    assert np.median((now[1] / was[1]).real) == pytest.approx(expected, rel=0.01)
+    carried = [np.median(((now[k] - was[k]) / (now[1] - was[1])).real) for k in range(1, 5)]
+    assert_allclose(carried, WARP["1"], atol=0.02)

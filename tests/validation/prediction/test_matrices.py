@@ -1,0 +1,199 @@
+"""Reduced matrices against the structures that they were made of: the nominal one, and one that is changed and solved anew."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fem import beam
+from fem.damping import Damping
+from fem.dynamic_mass import direct
+from fem.dynamic_mass import modal as by_modes
+from fem.modes import Modes, fixed_base
+from fem.structure import Structure
+from geometry.arrays import Array
+from geometry.articles import built_in
+from geometry.articles.locations import locations
+from geometry.frames import rigid_transformation_6
+from geometry.inertia import Inertia
+from geometry.multibody import inertia
+from validation.effects.stages import Matrices
+from validation.prediction import condensation, matrices
+
+LINES = np.linspace(4.0, 32.0, 57)
+ARTICLES = ("clumod-1", "clumod-4", "disc+cuboid")
+LOSSES, RATIO = None, Damping(ratio=0.003)
+
+NOMINAL = 5e-6
+"""Of the largest entry at any line, in units of the diagonals: as near as 30 modes and their static answers come."""
+
+CHANGED = 1e-5
+"""The same where a part is 10 % stiffer: without the answers to the parts' forces it is 2e-2."""
+
+
+@cache
+def structure(article: str) -> Structure:
+    return beam.structure(article)
+
+
+@cache
+def modes(article: str, damping: Damping | None) -> Modes:
+    return fixed_base(structure(article), 30, damping=damping)
+
+
+@cache
+def made(article: str, damping: Damping | None = None) -> Matrices:
+    whole = built_in(article)
+    places = locations(article)
+    return matrices.of_structure(
+        structure(article), modes(article, damping), places, inertia(whole).cog, damping=damping, article=whole
+    )
+
+
+def apart(found: Array, truth: Array) -> float:
+    """Largest difference at any line, each entry in units of what the diagonals reach in the band."""
+    size = np.sqrt(np.abs(np.einsum("nii->ni", truth)).max(axis=0))
+    return float(np.abs((found - truth) / np.outer(size, size)).max())
+
+
+@pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
+@pytest.mark.parametrize("article", ARTICLES)
+def test_the_dynamic_mass_is_that_of_the_whole_structure(article: str, damping: Damping | None) -> None:
+    found = condensation.dynamic_mass(made(article, damping), LINES).matrix
+    assert apart(found, direct(structure(article), LINES, damping, modes=modes(article, damping)).matrix) < NOMINAL
+
+
+def test_structural_damping_stays_structural() -> None:
+    m = made("clumod-4")
+    assert not np.any(m.viscous)
+    assert np.any(m.structural)
+    assert not np.any(made("clumod-4", RATIO).structural)
+
+
+@pytest.mark.parametrize("part", ["mast", "lower-1", "upper-short", "upper-short-silicone"])
+def test_a_stiffer_part_is_what_the_stiffer_structure_is(part: str) -> None:
+    m, whole = made("clumod-4"), structure("clumod-4")
+    shares = {name: K * (1.1 if matrices.sheet(name) == part else 1.0) for name, K in whole.part_stiffness.items()}
+    stiffer = replace(whole, stiffness=sum(shares.values()), part_stiffness=shares)
+    loss = next(eta for name, eta in whole.loss_factors.items() if matrices.sheet(name) == part)
+    share = 0.1 * m.parts[part]
+    changed = replace(m, stiffness=m.stiffness + share, structural=m.structural + loss * share)
+    truth = direct(stiffer, LINES).matrix
+    assert apart(condensation.dynamic_mass(changed, LINES).matrix, truth) < CHANGED
+    assert apart(condensation.dynamic_mass(m, LINES).matrix, truth) > 1000 * CHANGED
+
+
+@pytest.mark.parametrize("place", ["mast-top", "hub-3", "lower-1+"])
+def test_a_mass_at_a_place_is_what_the_heavier_structure_is(place: str) -> None:
+    from scipy.sparse import csr_array
+
+    whole, at = structure("clumod-4"), locations("clumod-4")[place]
+    node = int(np.argmin(np.linalg.norm(whole.points - at, axis=1)))
+    np.testing.assert_allclose(whole.points[node], at, atol=1e-9)  # a node lies there, so the structure can bear the mass
+    mass = whole.mass.toarray()
+    mass[whole.translations[node], whole.translations[node]] += 0.5
+    truth = direct(replace(whole, mass=csr_array(mass)), LINES).matrix
+    m = made("clumod-4")
+    phi = m.places[place]
+    assert apart(condensation.dynamic_mass(replace(m, mass=m.mass + 0.5 * phi.T @ phi), LINES).matrix, truth) < CHANGED
+
+
+def test_parts_share_the_whole_stiffness_and_sheets_of_one_material_are_one_part() -> None:
+    m = made("clumod-4")
+    assert set(m.parts) == {"mast", "lower-1", "lower-2", "upper-long", "upper-short", "upper-short-silicone"}
+    np.testing.assert_allclose(sum(m.parts.values()), m.stiffness, atol=1e-9 * np.abs(m.stiffness).max())
+
+
+def test_a_rigid_body_is_its_mass_matrix_and_its_places_ride_on_it() -> None:
+    body = inertia(built_in("cuboid"))
+    m = matrices.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
+    found = condensation.dynamic_mass(m, LINES).matrix
+    np.testing.assert_allclose(found, np.broadcast_to(body.about(np.zeros(3)).mass_matrix, found.shape), rtol=1e-14)
+    np.testing.assert_allclose(m.places["top"] @ [0, 0, 0, 0, 1.0, 0], [0.4, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(m.cog, body.cog)
+
+
+@pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
+def test_modal_data_alone_answer_as_their_modes_and_residual_do(damping: Damping | None) -> None:
+    bare = replace(modes("clumod-1", damping), shapes=np.zeros((0, 30)), condensed=None)
+    found = condensation.dynamic_mass(matrices.of_modes(bare), LINES).matrix
+    assert apart(found, by_modes(bare, LINES).matrix) < 1e-5  # carriers of R lie four times above the modes
+
+
+def test_a_structure_about_another_point_is_the_same_about_the_origin() -> None:
+    whole, point = structure("clumod-1"), np.array([0.1, -0.2, 0.3])
+    moved = replace(whole, rigid=whole.rigid @ rigid_transformation_6(-point), reference_point=point)
+    found = matrices.of_structure(moved, fixed_base(moved, 30), locations("clumod-1"), article=built_in("clumod-1"))
+    expected = condensation.dynamic_mass(made("clumod-1"), LINES).matrix
+    assert apart(condensation.dynamic_mass(found, LINES).matrix, expected) < 1e-9
+
+
+def test_a_model_twice_as_large_of_the_same_material_scales() -> None:
+    """Lengths x s: masses x s³, inertia x s⁵, frequencies / s; the axes of rotations count no length."""
+    s, whole = 2.0, structure("clumod-1")
+    found = matrices.of_structure(
+        scaled(whole, s), fixed_base(scaled(whole, s), 30), {"mast-top": s * locations("clumod-1")["mast-top"]}
+    )
+    length = np.repeat([1.0, s], 3)
+    expected = s**3 * np.outer(length, length) * condensation.dynamic_mass(made("clumod-1"), LINES).matrix
+    assert apart(condensation.dynamic_mass(found, LINES / s).matrix, expected) < NOMINAL
+
+
+def scaled(whole: Structure, s: float) -> Structure:
+    """`whole` of `s` times the lengths, same modulus and density: K_tt x s, K_tr x s², K_rr x s³ and M x s² beside that."""
+    from scipy.sparse import diags_array
+
+    turns = np.ones(whole.mass.shape[0])
+    turns[(whole.translations + 3).ravel()] = s
+    turns[3:6] = s
+    D, length = diags_array(turns), np.repeat([1.0, s], 3)
+    parts = {name: s * D @ K @ D for name, K in whole.part_stiffness.items()}
+    return replace(
+        whole,
+        stiffness=s * D @ whole.stiffness @ D,
+        mass=s**3 * D @ whole.mass @ D,
+        rigid=s * (whole.rigid / turns[:, None]) * length / s,
+        points=s * whole.points,
+        part_stiffness=parts,
+    )
+
+
+def test_modes_of_other_damping_are_refused() -> None:
+    with pytest.raises(ValueError, match="that of `modes`"):
+        matrices.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
+
+
+def test_modes_without_shapes_are_refused() -> None:
+    with pytest.raises(ValueError, match="shapes"):
+        matrices.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
+
+
+def test_a_held_structure_answers_a_force_as_the_whole_one_does() -> None:
+    whole, at = structure("clumod-1"), locations("clumod-1")
+    m = matrices.held(whole, modes("clumod-1", LOSSES), at)
+    assert m.base == 0
+    drive, *responses = (condensation.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "mast-top", "hub-1"))
+    found = condensation.accelerance(m, LINES, responses, drive).matrix
+    truth = held_directly(whole, [at["mast-top"], at["hub-1"]], at["mast-top"])
+    np.testing.assert_allclose(found[:, :, 0], truth, rtol=0, atol=1e-6 * np.abs(truth).max())
+
+
+def held_directly(whole: Structure, points: list[Array], drive: Array) -> Array:
+    """(n, r) accelerations along x of all degrees of freedom of the structure, solved line by line."""
+    free = whole.free
+    K, M = (matrix.toarray()[np.ix_(free, free)] for matrix in (whole.stiffness, whole.mass))
+    S = sum(whole.loss_factors[name] * share.toarray()[np.ix_(free, free)] for name, share in whole.part_stiffness.items())
+    at = [
+        int(np.flatnonzero(free == whole.translations[np.argmin(np.linalg.norm(whole.points - p, axis=1)), 0])[0])
+        for p in (*points, drive)
+    ]
+    force = np.zeros(len(free))
+    force[at[-1]] = 1.0
+    omega = 2 * np.pi * LINES
+    return np.array([(-(w**2) * np.linalg.solve(K + 1j * S - w**2 * M, force))[at[:-1]] for w in omega])
+
+
+def test_the_inertia_of_the_whole_is_in_the_first_six_coordinates() -> None:
+    found = Inertia.from_mass_matrix(made("clumod-4").mass[:6, :6])
+    np.testing.assert_allclose(found.mass, structure("clumod-4").rigid_mass[0, 0], rtol=1e-12)

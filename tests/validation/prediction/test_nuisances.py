@@ -1,0 +1,116 @@
+"""What a model knows within tolerances: what it is called, what it does, and every derivative against differences."""
+
+import numpy as np
+import pytest
+
+from fem import beam
+from fem.modes import fixed_base
+from geometry.articles import built_in
+from validation.engine.parameter import DECLARED, SENSOR
+from validation.models.model import StructureTolerances
+from validation.prediction import condensation, matrices, nuisances
+from validation.prediction.nuisances import Nuisances
+
+LINES = np.array([5.0, 11.5, 12.4, 28.0])
+
+DIFFERENCE = 1e-5
+"""Of the largest entry: a central difference of steps of 1e-4 tolerances is as near as that at a resonance."""
+
+
+@pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
+def one(request: pytest.FixtureRequest) -> Nuisances:
+    structure = beam.structure(request.param)
+    modes = fixed_base(structure, 20)
+    made = matrices.of_structure(structure, modes, article=built_in(request.param))
+    return nuisances.of(request.param, made, modes.frequency, structure.loss_factors, highest=20.0)
+
+
+def away(one: Nuisances) -> dict[str, float]:
+    """Offsets of one tolerance, this way and that."""
+    generator = np.random.default_rng(7)
+    return {parameter.name: parameter.tolerance * float(generator.standard_normal()) for parameter in one.parameters}
+
+
+def test_every_derivative_is_its_difference(one: Nuisances) -> None:
+    at = away(one)
+    m, tangents = one.at(at)
+    found = condensation.tangents(condensation.dynamic_mass(m, LINES), tangents)
+    assert set(found) == {parameter.name for parameter in one.parameters}
+    for parameter in one.parameters:
+        step = 1e-4 * parameter.tolerance
+        above, below = (
+            condensation.dynamic_mass(one.at({**at, parameter.name: at[parameter.name] + side * step})[0], LINES).matrix
+            for side in (1, -1)
+        )
+        scale = np.abs(found[parameter.name]).max()
+        assert scale > 0, parameter.name
+        rounding = 1e-12 * np.abs(above).max() / step
+        np.testing.assert_allclose(
+            found[parameter.name],
+            (above - below) / (2 * step),
+            rtol=0,
+            atol=DIFFERENCE * scale + rounding,
+            err_msg=parameter.name,
+        )
+
+
+def test_nothing_moves_at_no_offset(one: Nuisances) -> None:
+    m, _ = one.at({})
+    for name in ("mass", "stiffness", "viscous", "structural"):
+        np.testing.assert_array_equal(getattr(m, name), getattr(one.nominal, name))
+
+
+def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one: Nuisances) -> None:
+    m, _ = one.at({name: 10 * offset for name, offset in away(one).items() if not name.startswith(("coupling", "participation"))})
+    for name in ("stiffness", "structural"):
+        matrix = getattr(m, name)[6:, 6:]
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * np.abs(matrix).max())
+        assert np.linalg.eigvalsh(matrix)[0] > -1e-9 * np.abs(matrix).max()
+
+
+def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
+    by_name = {parameter.name: parameter for parameter in one.parameters}
+    of, name = StructureTolerances(), one.configuration
+    expected = {
+        "modulus:mast": (of.modulus, DECLARED),
+        f"frequency:{name}:1": (of.frequency, DECLARED),
+        f"damping:{name}:2": (of.damping, DECLARED),
+        f"participation:{name}:1:alpha": (of.participation, SENSOR),
+        f"coupling:{name}:1:2": (of.mode_coupling, SENSOR),
+    }
+    assert {key: (by_name[key].tolerance, by_name[key].kind) for key in expected} == expected
+    assert all(each.within == 2.5 * each.tolerance for each in by_name.values() if each.kind == DECLARED)
+
+
+def test_a_modulus_is_a_relative_change_that_leaves_the_part_some_stiffness(one: Nuisances) -> None:
+    (modulus,) = (parameter for parameter in one.parameters if parameter.name == "modulus:mast")
+    assert modulus.value(0.0) == 0.0
+    m, _ = one.at({"modulus:mast": modulus.offset(0.3)})
+    np.testing.assert_allclose(m.stiffness - one.nominal.stiffness, 0.3 * one.nominal.parts["mast"], atol=1e-6)
+    assert modulus.value(-5.0) > -1
+
+
+def test_frequencies_and_damping_are_those_asked_for(one: Nuisances) -> None:
+    name = one.configuration
+    m, _ = one.at({f"frequency:{name}:1": 0.01, f"damping:{name}:1": 0.2})
+    before, after = (np.diag(x.stiffness)[6] for x in (one.nominal, m))
+    np.testing.assert_allclose(after, before * np.exp(0.02), rtol=1e-12)
+    loss = [np.diag(x.structural)[6] / np.diag(x.stiffness)[6] for x in (one.nominal, m)]
+    np.testing.assert_allclose(loss[1], loss[0] * np.exp(0.2), rtol=1e-12)
+
+
+def test_a_tolerance_of_nothing_is_no_parameter(one: Nuisances) -> None:
+    exact = StructureTolerances(modulus=0, frequency=0, damping=0, participation=0, mode_coupling=0)
+    closed = nuisances.of(one.configuration, one.nominal, one.frequency, one.losses, exact)
+    assert closed.parameters == ()
+
+
+def test_a_held_structure_has_no_participation() -> None:
+    structure = beam.structure("clumod-1")
+    modes = fixed_base(structure, 12)
+    held = matrices.held(structure, modes, {"top": structure.points[-1]})
+    found = nuisances.of("clumod-1", held, modes.frequency, structure.loss_factors, highest=20.0)
+    assert not any(parameter.name.startswith("participation") for parameter in found.parameters)
+    m, tangents = found.at({"frequency:clumod-1:1": 1e-3})
+    assert set(tangents) == {parameter.name for parameter in found.parameters}
+    assert m.stiffness[0, 0] > held.stiffness[0, 0]
