@@ -74,7 +74,7 @@ def text(root: Path) -> str:
     """The page; `root` holds the example of an effect of one's own."""
     own = (root / OWN).read_text(encoding="utf-8")
     sides = "\n".join(_side(side) for side in SIDES)
-    return HEAD + sides + TAIL.format(own=OWN, code=own)
+    return HEAD + sides + "\n" + TAIL.format(own=OWN, code=own)
 
 
 def _side(side: str) -> str:
