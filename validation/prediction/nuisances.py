@@ -203,12 +203,14 @@ def _of_modulus(of: Nuisances, now: _Now, part: str) -> Tangent:
 def _of_frequency(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
     r, m = of.nominal.base + int(mode) - 1, now.matrices
     viscous = _crossed(now.uncoupled, r) / 2
-    return of_arrays(len(m.mass), stiffness=_crossed(m.stiffness, r), structural=_crossed(m.structural, r), viscous=viscous)
+    stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
+    return of_arrays(len(m.mass), crossing=r, stiffness=stiffness, structural=structural, viscous=viscous)
 
 
 def _of_damping(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
     r, m = of.nominal.base + int(mode) - 1, now.matrices
-    return of_arrays(len(m.mass), viscous=_crossed(now.uncoupled, r) / 2, structural=_crossed(m.structural, r) / 2)
+    viscous, structural = _crossed(now.uncoupled, r) / 2, _crossed(m.structural, r) / 2
+    return of_arrays(len(m.mass), crossing=r, viscous=viscous, structural=structural)
 
 
 def _of_participation(of: Nuisances, now: _Now, configuration: str, mode: str, axis: str) -> Tangent:
