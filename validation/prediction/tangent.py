@@ -66,7 +66,7 @@ def between(before: Matrices, after: Matrices, step: float) -> Tangent:
 def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
     """The sum of both, on matrices of `size`."""
     whole = {name: full(one, name, size) + full(other, name, size) for name in FIELDS}
-    return of_arrays(size, {**one.parts, **other.parts}, **whole)
+    return of_arrays(size, {**one.parts, **other.parts}, None, **whole)
 
 
 def full(tangent: Tangent, name: str, size: int) -> Array:
