@@ -58,7 +58,8 @@ python examples/own_effect.py
 
 The equation is `change(stage, targets, values)` and returns a changed copy, `dataclasses.replace(stage, ...)`. It gets a noun of
 `validation/effects/stages.py`, the targets of the identifier, and the sizes by key, the empty key for one that stands alone.
-`plant` is what a virtual test simulates, in time and by other code: without one an effect can be fitted, but not simulated.
+`plant` is what a virtual test simulates, in time and by other code: without one an effect can be fitted, but not simulated. The
+example plants an effect of its own and finds its size again, with nothing but the model and the campaign.
 
 Before it is taken, massline tries it. At its `null` size it must change nothing; on channels it must be linear in `rows`; what it
 adds to matrices may not depend on them, since derivatives pass it unchanged. The folder is never written to, each file is
