@@ -1,7 +1,7 @@
 """The proof of the cross-check on Clumod: ``python -m benchmarks.cross_check_proof [SEED] [CASE ...]``.
 
-A series of virtual tests - Cuboid on disc and Clumod with one blade, with four where the effect needs them - is drawn with ordinary
-tolerances and one effect planted in it. Then three models are held against it, each as `massline add` would make it: the one
+A series of virtual tests - Cuboid on disc and Clumod with one blade, with four where the effect needs them - is drawn with
+ordinary tolerances and one effect planted in it. Then three models are held against it, each as `massline add` would make it: the one
 without the effect, the one with the right effect, and two with a wrong one, its most plausible neighbour and one at random.
 
     right     the plain error on every held-out sweep comes to within 1.3 times that of a laboratory in which nothing is planted,
@@ -11,9 +11,9 @@ without the effect, the one with the right effect, and two with a wrong one, its
 Sweep by sweep, because over all of them the plain error is that of one resonance: where the base hardly moves along an axis along
 which the article answers a hundredfold, accelerometers that are turned by a third of a degree say nothing.
 
-Everything that is finished is kept under ``out/cross_check_proof`` and not done again: interrupting loses none of it. What no plain
-error can see, because the tolerances that it does not fit weigh as much as the fault, is said as that. Ends with 1 where a family
-misses.
+Everything that is finished is kept under ``out/cross_check_proof`` and not done again: interrupting loses none of it. What no
+plain error can see, because the tolerances that it does not fit weigh as much as the fault, is said as that. Ends with 1 where a
+family misses.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ CASES = (
     Case(planted="channel-swap:fmd-x12:fmd-y14", neighbour="force-crosstalk:zx"),
     Case(planted="unit:cover-z3=0.102", neighbour="accelerometer-gain:cover-z1"),
 )
-"""One of each family that acts in a linear test; friction, gap, saturation and what belongs to processing or a pendulum do not."""
+"""One of each family that acts in a linear test; friction, gap, saturation and what belongs to processing or pendulums do not."""
 
 
 @cache
@@ -146,7 +146,7 @@ def model() -> Model:
 
 def proved(case: Case, seed: int, null: Json, settings: Mapping[str, Any] = SWEEPS) -> Json:
     """Every figure of one case."""
-    tests = tested(case.articles, seed, settings, case.planted)
+    tests = series(case.articles, seed, settings, case.planted)
     made = predicted(tests)
     before = evaluate(Problem(made))
     right = added(case.id, made, before)
@@ -161,7 +161,7 @@ def proved(case: Case, seed: int, null: Json, settings: Mapping[str, Any] = SWEE
     }
 
 
-def tested(articles: Sequence[str], seed: int, settings: Mapping[str, Any], effect: str = "") -> list[VirtualTest]:
+def series(articles: Sequence[str], seed: int, settings: Mapping[str, Any], effect: str = "") -> list[VirtualTest]:
     """The series of `seed` with one `effect` wherever it acts; with nothing planted for none."""
     named = [parse(effect, words())] if effect else []
     plans = [Plan(article=article, seed=seed, **settings) for article in articles]
@@ -338,7 +338,7 @@ def _null(articles: tuple[str, ...], seed: int) -> Json:
     """Of a laboratory in which nothing is planted."""
     file = _file("null-" + "-".join(articles), seed)
     if not file.exists():
-        made = figures(evaluate(Problem(predicted(tested(articles, seed, SWEEPS)))))
+        made = figures(evaluate(Problem(predicted(series(articles, seed, SWEEPS)))))
         write_text(file, json.dumps(made))
     found: Json = json.loads(file.read_text(encoding="utf-8"))
     return found
@@ -360,7 +360,7 @@ def row(case: Case, found: Json) -> list[str]:
     wrong = "\n".join(f"{name} {_percent(one, found['null'])} {_nats(one, found)}" for name, one in found["wrong"].items())
     size = found["sizes"]
     told = "\n".join(f"{size['found'][name]:.3g} ({size['truth'][name]:.3g})" for name in size["found"]) if size else "–"
-    errors = [_percent(found[name], found["null"]) for name in ("null", "before", "right")]
+    errors = [_percent(found[name], null) for name in ("null", "before", "right")]
     return [case.planted, *errors, _nats(found["right"], found), told, wrong, verdict(found).words]
 
 
