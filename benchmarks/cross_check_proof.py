@@ -1,7 +1,7 @@
 """The proof of the cross-check on Clumod: ``python -m benchmarks.cross_check_proof [SEED] [CASE ...]``.
 
 A series of virtual tests - Cuboid on disc and Clumod with one blade, with four where the effect needs them - is drawn with
-ordinary tolerances and one effect planted in it. Then three models are held against it, each as `massline add` would make it: the one
+ordinary tolerances and one effect planted in it. Then models are held against it, each as `massline add` would make it: the one
 without the effect, the one with the right effect, and two with a wrong one, its most plausible neighbour and one at random.
 
     right     the plain error on every held-out sweep comes to within 1.3 times that of a laboratory in which nothing is planted,
@@ -357,8 +357,8 @@ def _code() -> str:
 
 def row(case: Case, found: Json) -> list[str]:
     """One line of the table."""
-    wrong = "\n".join(f"{name} {_percent(one, found['null'])} {_nats(one, found)}" for name, one in found["wrong"].items())
-    size = found["sizes"]
+    null, size = found["null"], found["sizes"]
+    wrong = "\n".join(f"{name} {_percent(one, null)} {_nats(one, found)}" for name, one in found["wrong"].items())
     told = "\n".join(f"{size['found'][name]:.3g} ({size['truth'][name]:.3g})" for name in size["found"]) if size else "–"
     errors = [_percent(found[name], null) for name in ("null", "before", "right")]
     return [case.planted, *errors, _nats(found["right"], found), told, wrong, verdict(found).words]
