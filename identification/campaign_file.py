@@ -106,8 +106,8 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
     return Examined(campaign=replace(campaign, recordings=recordings, warnings=warnings), problems=tuple(problems.found))
 
 
-def write(folder: str | Path, campaign: Campaign, *, ending: str = ".h5", progress: Progress | None = None) -> None:
-    """Write `campaign` to the new `folder`, its runs as ``<name><ending>``.
+def write(folder: str | Path, campaign: Campaign, *, ending: str | None = ".h5", progress: Progress | None = None) -> None:
+    """Write `campaign` to the new `folder`, its runs as ``<name><ending>``, or with None as the files that they name.
 
     ``campaign.toml`` comes last: a folder whose writing was interrupted is none.
 
@@ -121,14 +121,16 @@ def write(folder: str | Path, campaign: Campaign, *, ending: str = ".h5", progre
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         problem = "it is there already and not empty"
         raise BadInput(source=str(folder), problem=problem, remedy="Name a new folder; a campaign is never overwritten")
-    files.require_known(f"x{ending}", "write", "ending")
-    runs = [replace(run, file=_file_name(run, ending, folder)) for run in campaign.runs]
+    if ending is not None:
+        files.require_known(f"x{ending}", "write", "ending")
+    runs = [run if ending is None else replace(run, file=_file_name(run, ending, folder)) for run in campaign.runs]
     for k, run in enumerate(runs):
         if run.name not in campaign.recordings:
             raise BadInput(
                 source=str(folder), field=f"run.{run.name}", problem="has no recording", remedy="Record or read it first"
             )
-        files.write(folder / run.file, _signals(campaign.recordings[run.name], campaign))
+        path = inside(folder, run.file, str(folder), f"run.{run.name}.file")
+        files.write(path, _signals(campaign.recordings[run.name], campaign))
         if progress is not None:
             progress((k + 1) / len(runs))
     write_text(folder / NAME, text(replace(campaign, runs=tuple(runs))))

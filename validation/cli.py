@@ -27,6 +27,7 @@ COMMANDS = {
     "dynamic-mass": "The base-excited 6 x 6 dynamic mass over frequency.",
     "excite": "Base excitation in time: sweeps, random, bursts; loads, load cells, resonances.",
     "simulate": "A virtual test on the shaker: a campaign with tolerances, noise and planted effects, and its truth.",
+    "effects": "The physical effects that can be simulated, compared, added and looked for.",
     "pretest": "Before a test: what it would tell, where pick-ups belong, which tolerance matters most.",
     "check": "What a recorded campaign holds, and what is wrong with it.",
     "identify": "Mass, CoG and inertia from a recorded campaign, with intervals and verdicts.",
@@ -35,6 +36,7 @@ COMMANDS = {
     "add": "Add an effect to a model: fitted, with the errors before and after, as the next rung of its ladder.",
     "ladder": "Every version of a model, and how its errors fell from rung to rung.",
     "undo": "Go back to the rung below; what was there is kept.",
+    "correct": "A corrected copy of a campaign: a gain, delay, polarity or place of the measurement taken out.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

@@ -28,7 +28,7 @@ FAMILY = Family(
     example="dashpot:mast-top=30",
     stage=STRUCTURE_STAGE,
     change=change,
-    equation="C += c phi^T phi, base motions among the coordinates",
+    equation="C += c φᵀφ, base motions among the coordinates",
     mistaken_for=("structural-damping", "cable"),
     confirmed_by="the run without the hose",
     reference="linear viscous damper; Meirovitch, Fundamentals of Vibrations, section 2.1",

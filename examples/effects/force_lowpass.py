@@ -35,7 +35,7 @@ FAMILY = Family(
     example="force-lowpass:fmd-z2=1e-3",
     stage=CHANNEL_STAGE,
     change=change,
-    equation="y' = y / (1 + i omega tau)",
+    equation="y' = y / (1 + i ω τ)",
     mistaken_for=("force-delay", "force-gain"),
     confirmed_by="the filter switch of the amplifier; a level that falls with frequency as the phase turns",
     reference="first-order low-pass; unlike a delay it also droops, by (omega tau)² / 2",

@@ -18,7 +18,6 @@ from identification import campaign_file
 from validation import cli
 from validation.effects.catalogue import FAMILIES
 from validation.virtual_test import command, folders
-from validation.virtual_test.effects.planting import plant_of
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -303,5 +302,5 @@ def test_a_file_or_a_full_folder_is_no_place_for_a_campaign(run: Run) -> None:
 def test_the_list_of_effects_names_every_family_and_needs_nothing_else(run: Run) -> None:
     code, out, _ = run("simulate", "--list-effects")
     assert code == cli.DONE
-    for name in (name for name, family in FAMILIES.items() if plant_of(family)):
+    for name in (name for name, family in FAMILIES.items() if family.plant):
         assert f" {name}" in out

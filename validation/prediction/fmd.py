@@ -2,7 +2,10 @@
 
 A share of an inertia means the same for all ten when it is that of the pseudo-inertia P (4x4), whose diagonal holds the mass and
 the three second moments: the standard deviation of an entry P_ij is the share times sqrt(P_ii P_jj), so that a mass known to 5 %
-goes with a centre of gravity known to 5 % of the radius of gyration. What is no body's is refused, and a fit steps back.
+goes with a centre of gravity known to 5 % of the radius of gyration.
+
+The moving part is nearly a plate: its second moment across the plane is a small difference of moments that are known to 5 % of
+their own. So a fit may pass through what no density has (P not definite); only a mass matrix that does not resist is refused.
 """
 
 from __future__ import annotations
@@ -46,9 +49,9 @@ def at(nominal: Inertia, offsets: Offsets) -> Inertia:
 
     Raises
     ------
-    numpy.linalg.LinAlgError : no body has these ten parameters.
+    numpy.linalg.LinAlgError : its mass matrix is not positive definite; a fit then steps back.
     """
     ten = nominal.parameters + np.array([offsets.get(name, 0.0) for name in names()])
     made = Inertia(parameters=ten)
-    np.linalg.cholesky(made.pseudo_inertia)
+    np.linalg.cholesky(made.mass_matrix)
     return made

@@ -1,6 +1,6 @@
 """A small, fast virtual test without any error: all six axes swept at once, a block on the FMD."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +9,7 @@ import pytest
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.sensors import ChannelTable, motion_rows, resultants
+from validation.effects import catalogue
 from validation.effects.identifiers import parse_all
 from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.laboratory import laboratory
@@ -61,6 +62,16 @@ class Recorded:
 
 
 Recorder = Callable[..., Recorded]
+
+
+@pytest.fixture(autouse=True)
+def _catalogue_as_it_was() -> Iterator[None]:
+    """A process keeps what it has read; a test gives it back."""
+    kept = [dict(one) for one in (catalogue._found, catalogue._sources, catalogue._files)]
+    yield
+    for one, before in zip((catalogue._found, catalogue._sources, catalogue._files), kept, strict=True):
+        one.clear()
+        one.update(before)
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, SOURCES
 from validation.effects.identifiers import parse
 from validation.effects.stages import Reading
+from validation.virtual_test.effects.planting import planted
 
 EXAMPLE = "force-lowpass:fmd-z2=1e-3"
 
@@ -44,16 +45,6 @@ FAMILY = Family(
     sentence="It drifts.",
 )
 """
-
-
-@pytest.fixture(autouse=True)
-def _catalogue_as_it_was() -> Iterator[None]:
-    """A process keeps what it has read; a test gives it back."""
-    kept = [dict(one) for one in (catalogue._found, catalogue._sources, catalogue._files)]
-    yield
-    for one, before in zip((catalogue._found, catalogue._sources, catalogue._files), kept, strict=True):
-        one.clear()
-        one.update(before)
 
 
 @pytest.fixture
@@ -215,6 +206,12 @@ def test_a_plant_that_fails_is_told_in_words(folder: Callable[..., Path]) -> Non
     assert effect.id == "drift-of-gain:fmd-z2"
     with pytest.raises(BadInput, match=r"`plant`: line \d+, .* raised AttributeError: 'int' object has no attribute 'nothing'"):
         effect.record(3)
+
+
+def test_one_without_a_plant_cannot_be_simulated_and_says_so(folder: Callable[..., Path]) -> None:
+    catalogue.load(folder(mine=WHOLE.replace("side=FORCES", "side=PROCESSING").replace("FORCES,", "PROCESSING,")))
+    with pytest.raises(BadInput, match="its family says no `plant`"):
+        planted([parse("drift-of-gain:fmd-z2=0.1")])
 
 
 def test_an_installed_package_brings_effects_by_entry_point(folder: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:

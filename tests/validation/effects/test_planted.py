@@ -17,7 +17,7 @@ from geometry.errors import BadInput
 from geometry.sensors import Channel, row, summation
 from validation.effects.catalogue import FAMILIES
 from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import plant_of, planted
+from validation.virtual_test.effects.planting import planted
 
 Recorder = Callable[..., Any]
 RATE = 256.0
@@ -261,11 +261,11 @@ def test_no_family_of_the_measurement_side_is_left_out() -> None:
     measured = {
         name for name, family in FAMILIES.items() if family.side in ("force side", "acceleration side", "discrete mistake")
     }
-    left_out = {name for name in measured | {"gravity", "saturation", "noise", "mains"} if plant_of(FAMILIES[name]) is None}
+    left_out = {name for name in measured | {"gravity", "saturation", "noise", "mains"} if FAMILIES[name].plant is None}
     assert not left_out
 
 
-@pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if plant_of(family) is None])
+@pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if family.plant is None])
 def test_what_cannot_be_planted_is_refused_in_words(name: str) -> None:
     example = FAMILIES[name].example.split(", or ")[0]
     with pytest.raises(BadInput, match=f"--effect: `{name}") as refused:

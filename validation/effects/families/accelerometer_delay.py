@@ -16,7 +16,7 @@ FAMILY = Family(
     sizes=DELAY,
     example="accelerometer-delay:cover-z3=200e-6",
     tolerance=Tolerances().delay,
-    equation="y' = y exp(-i omega tau)",
+    equation="y' = y exp(-i ω τ)",
     mistaken_for=("board-delay", "force-delay", "structural-damping"),
     confirmed_by="one generator on all inputs at once; a phase against its neighbours that grows in proportion to frequency",
     reference="shift theorem of the Fourier transform",

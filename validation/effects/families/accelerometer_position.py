@@ -16,7 +16,7 @@ FAMILY = Family(
     sizes=LENGTH,
     example="accelerometer-position:cover-z3:x=0.01",
     tolerance=Tolerances().position,
-    equation="y' = d^T [G(p + dp)] u, that is y + d^T (theta x dp)",
+    equation="y' = dᵀ [G(p + dp)] u, that is y + dᵀ (θ x dp)",
     mistaken_for=("accelerometer-gain", "accelerometer-misalignment", "force-plane-offset"),
     confirmed_by="a ruler; rotation sweeps, which alone show it; more pick-ups on the same plate",
     reference="paper Eq. 3: acceleration of a point of a rigid body, with small rotations",

@@ -12,7 +12,7 @@ FAMILY = Family(
     what="the sensors' half of gravity, 1 on or 0 off",
     sizes=SWITCH,
     example="accelerometer-tilt=0",
-    equation="x pick-ups read + g beta'' / omega², y pick-ups - g alpha'' / omega²",
+    equation="x pick-ups read + g β'' / ω², y pick-ups - g α'' / ω²",
     mistaken_for=("gravity", "rigid-inertia", "force-plane-offset"),
     confirmed_by="rotation sweeps at the low end of the band; a pick-up tilted by hand that reads 1 g senses gravity",
     reference="an accelerometer reads a - g in its own axes; the two halves cancel for a rigid body (identification.gravity)",

@@ -13,7 +13,7 @@ FAMILY = Family(
     example="air-inertia=0.002",
     stage=PERIOD_STAGE,
     change=carried,
-    equation="T = T_0 sqrt(1 + I_air / I)",
+    equation="T = T₀ √(1 + I_air / I)",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity", "off-centre-suspension"),
     confirmed_by="the same swing with light plates of cardboard added; the identified inertia, which feels the air as well",
     reference="added mass of a body in an ideal fluid (Lamb, Hydrodynamics, chapter VI); of a disc of radius a turning about "

@@ -15,7 +15,7 @@ FAMILY = Family(
     sizes=DELAY,
     example="board-delay:force=200e-6",
     tolerance=Tolerances().delay,
-    equation="y' = y exp(-i omega tau) in every channel of the board",
+    equation="y' = y exp(-i ω τ) in every channel of the board",
     mistaken_for=("force-delay", "accelerometer-delay", "structural-damping"),
     confirmed_by="one generator on an input of every board; all channels of one board lag alike",
     reference="shift theorem of the Fourier transform",

@@ -15,7 +15,7 @@ FAMILY = Family(
     sizes=relative(-0.99, 99.0, 0.5),
     example="cell-stiffness:1x=0.3",
     tolerance=Tolerances().cell_stiffness,
-    equation="cells carry K_c B (B^T K_c B)^-1 F, k of one cell times (1 + v)",
+    equation="cells carry K_c B (Bᵀ K_c B)⁻¹ F, k of one cell times (1 + v)",
     mistaken_for=("force-gain", "gap", "force-crosstalk"),
     confirmed_by="the sums fmd-z1 + fmd-z3 and fmd-z2 + fmd-z4, which share by stiffness alone; torque of that cell's bolt",
     reference="statically indeterminate plate on springs: loads share by stiffness, and none is lost",

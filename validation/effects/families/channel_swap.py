@@ -19,6 +19,6 @@ FAMILY = Family(
     mistaken_for=("polarity", "accelerometer-position"),
     confirmed_by="a tap on one pick-up at a time",
     reference="definition of the channels in the campaign file",
-    sentence="Two plugs were crossed: what {target} is said to be was measured by another channel, and the other way round.",
+    sentence="The plugs of {target} were crossed: each of the two channels holds what the other measured.",
     plant=at("record", "of_signals.swap"),
 )

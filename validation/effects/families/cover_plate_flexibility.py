@@ -11,7 +11,7 @@ FAMILY = Family(
     what="the cover plate gives under the vertical force",
     sizes=(Size(unit="m/N", low=0.0, high=1e-4, plausible=1e-8),),
     example="cover-plate-flexibility=1e-9",
-    equation="vertical pick-ups of the cover plate read y - omega² c f_z",
+    equation="vertical pick-ups of the cover plate read y - ω² c f_z",
     mistaken_for=("joint-compliance", "accelerometer-gain", "fmd-compliance"),
     confirmed_by="the same load at the centre and above a corner; a pick-up on the article's flange beside those of the plate",
     reference="static deflection of an elastic plate under its load, quasi-static below its first mode",

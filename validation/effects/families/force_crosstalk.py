@@ -15,7 +15,7 @@ FAMILY = Family(
     sizes=RATIO,
     example="force-crosstalk:zx=0.02",
     tolerance=Tolerances().crosstalk,
-    equation="F' = X F, X = I + kappa E_ij",
+    equation="F' = X F, X = I + κ E_ij",
     mistaken_for=("force-plane-offset", "orientation", "accelerometer-misalignment"),
     confirmed_by="a calibration load along one axis alone, at the centre and off it",
     reference="cross-talk matrix of a three-component load cell, as its calibration sheet states it",

@@ -16,7 +16,7 @@ FAMILY = Family(
     sizes=DELAY,
     example="force-delay:fmd-z2=200e-6",
     tolerance=Tolerances().delay,
-    equation="y' = y exp(-i omega tau)",
+    equation="y' = y exp(-i ω τ)",
     mistaken_for=("board-delay", "force-highpass", "structural-damping"),
     confirmed_by="one generator on all inputs at once; a phase that grows in proportion to frequency",
     reference="shift theorem of the Fourier transform",

@@ -17,7 +17,7 @@ FAMILY = Family(
     example="gap:1=500",
     stage=CHANNEL_STAGE,
     change=lifted,
-    equation="f' = max(f, -P); of a sine of amplitude a > P: f (1/2 + (asin p + p sqrt(1 - p²)) / pi), p = P / a; "
+    equation="f' = max(f, -P); of a sine of amplitude a > P: f (1/2 + (asin p + p √(1 - p²)) / π), p = P / a; "
     "the other cells take over",
     mistaken_for=("cell-stiffness", "saturation", "force-gain"),
     confirmed_by="a second level; that cell's own channel in time, flat at one side; torque of its bolt",

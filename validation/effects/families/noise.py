@@ -16,7 +16,7 @@ FAMILY = Family(
     example="noise:cover-z3=0.05",
     stage=NOISE_STAGE,
     change=louder,
-    equation="sigma'² = sigma² + n² S_1, S_1 that of a broadband noise of 1 rms",
+    equation="σ'² = σ² + n² S_1, S_1 that of a broadband noise of 1 rms",
     mistaken_for=("mains", "force-highpass"),
     confirmed_by="the quiet part of the record; the same run twice",
     reference="variances of independent noise add; Bendat and Piersol, Random Data, chapter 9",

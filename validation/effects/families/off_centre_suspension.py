@@ -13,7 +13,7 @@ FAMILY = Family(
     example="off-centre-suspension=0.02",
     stage=PERIOD_STAGE,
     change=beside,
-    equation="T = T_0 / sqrt(1 - e² / s²), s² = s_1 s_2 of two ropes, the square of the radius of three and more",
+    equation="T = T₀ / √(1 - e² / s²), s² = s_1 s_2 of two ropes, the square of the radius of three and more",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity", "air-inertia"),
     confirmed_by="the ropes' shares of the weight, by balances; hung again half a turn on",
     reference="statics of the hanging body: sum F_i r_i² = m g (s² - e²) where sum F_i r_i = 0 (validation.pendulum)",

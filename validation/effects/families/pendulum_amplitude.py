@@ -13,7 +13,7 @@ FAMILY = Family(
     example="pendulum-amplitude=0.2",
     stage=PERIOD_STAGE,
     change=wide,
-    equation="T = T_0 2 K(sin(A/2)) / pi for long ropes or a pivot; ropes of length l: T_0 (1 + A² (1/16 - 3/16 e + k e / "
+    equation="T = T₀ 2 K(sin(A/2)) / π for long ropes or a pivot; ropes of length l: T₀ (1 + A² (1/16 - 3/16 e + k e / "
     "4)), e = s²/l², k = m s² / I",
     mistaken_for=("pendulum-damping", "rope-mass", "rope-elasticity", "air-inertia", "off-centre-suspension"),
     confirmed_by="two amplitudes of one pendulum: the period falls with the square of the amplitude as it decays",

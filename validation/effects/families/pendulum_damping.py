@@ -13,7 +13,7 @@ FAMILY = Family(
     example="pendulum-damping=0.01",
     stage=PERIOD_STAGE,
     change=damped,
-    equation="T = T_0 / sqrt(1 - zeta²)",
+    equation="T = T₀ / √(1 - ζ²)",
     mistaken_for=("pendulum-amplitude", "rope-mass", "rope-elasticity", "air-inertia", "off-centre-suspension"),
     confirmed_by="the decay of the swing: ln of the ratio of two peaks one period apart is 2 pi zeta",
     reference="free vibration with viscous damping, any textbook; validation.pendulum_corrections",

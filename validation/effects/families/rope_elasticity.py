@@ -13,7 +13,7 @@ FAMILY = Family(
     example="rope-elasticity=2e-6",
     stage=PERIOD_STAGE,
     change=stretched,
-    equation="T = T_0 sqrt(1 + c m g / (n l)): each of n ropes is longer by c m g / n",
+    equation="T = T₀ √(1 + c m g / (n l)): each of n ropes is longer by c m g / n",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "air-inertia", "off-centre-suspension"),
     confirmed_by="a ruler, with and without the load: a length measured under load holds it already",
     reference="Hooke's law, c = l / (E A), in paper Eq. 5",

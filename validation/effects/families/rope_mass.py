@@ -13,7 +13,7 @@ FAMILY = Family(
     example="rope-mass=0.3",
     stage=PERIOD_STAGE,
     change=heavy_ropes,
-    equation="T = T_0 sqrt((1 + M q / (3 I)) / (1 + M q / (2 m s_1 s_2))), q the mean square of the radii",
+    equation="T = T₀ √((1 + M q / (3 I)) / (1 + M q / (2 m s_1 s_2))), q the mean square of the radii",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-elasticity", "air-inertia", "off-centre-suspension"),
     confirmed_by="the ropes on a balance; lighter ropes of the same length",
     reference="kinetic and potential energy of uniform ropes that stay straight (validation.pendulum_corrections)",

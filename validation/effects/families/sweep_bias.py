@@ -12,7 +12,7 @@ FAMILY = Family(
     example="sweep-bias",
     stage=BODY_STAGE,
     change=held,
-    equation="H'(f) = int H(nu) k(nu) dnu / int k(nu) dnu, k = W(f - nu) exp(-i pi (nu - f)² / s), s the sweep rate in Hz/s, "
+    equation="H'(f) = ∫ H(ν) k(ν) dν / ∫ k(ν) dν, k = W(f - ν) exp(-i π (ν - f)² / s), s the sweep rate in Hz/s, "
     "W of the block's Hann window",
     mistaken_for=("structural-damping", "layer-damping", "accelerometer-gain"),
     confirmed_by="the full-record spectrum of the same run; a slower sweep",

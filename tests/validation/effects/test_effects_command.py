@@ -1,0 +1,108 @@
+"""`massline effects`: the catalogue in the terminal, and the page that is made of it."""
+
+import json
+import runpy
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from validation import cli
+from validation.effects import page
+from validation.effects.catalogue import FAMILIES
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    def run(*arguments: str) -> tuple[int, str, str]:
+        code = cli.run(["effects", *arguments])
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.mark.parametrize("columns", ["80", "100", "132"])
+def test_the_list_names_every_family_whatever_the_width(run: Run, columns: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    code, out, err = run()
+    assert (code, err) == (cli.DONE, "")
+    words = out.replace("[", " ").replace(":", " ").split()
+    assert set(FAMILIES) <= set(words)
+    assert "…" not in out
+    assert max(map(len, out.splitlines())) <= int(columns)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_each_has_a_page_of_its_own_with_all_that_is_known_of_it(run: Run, name: str) -> None:
+    code, out, _ = run(name)
+    family, flat = FAMILIES[name], " ".join(out.split())
+    assert code == cli.DONE
+    for said in (family.what, family.equation, family.confirmed_by, family.reference, *family.mistaken_for):
+        assert " ".join(said.split()) in flat
+    assert "{target}" not in out
+
+
+def test_an_effect_with_its_target_is_told_of_that_target(run: Run) -> None:
+    _, out, _ = run("force-gain:fmd-y14", "gap:3")
+    assert "The force channel fmd-y14 reads too much" in out
+    assert "Cell 3 has lost" in out
+
+
+def test_json_holds_every_size_and_no_figure_that_is_none(run: Run) -> None:
+    _, out, _ = run("--json")
+    found = {one["id"]: one for one in json.loads(out)["effects"]}
+    assert list(found) == list(FAMILIES)
+    assert found["gap"]["sizes"][0]["null"] is None  # a cell that never lifts: infinity is no JSON
+    assert found["force-delay"]["tolerance"] == pytest.approx(20e-6)
+    assert {one["from"] for one in found.values()} == {"massline"}
+    _, out, _ = run("--json", "noise:cover-z3")
+    assert [one["id"] for one in json.loads(out)["effects"]] == ["noise"]
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("force-gian", "no effect is called 'force-gian'. Did you mean force-gain?"),
+        ("force-gain:fmd-z9", "no force channel is called 'fmd-z9'. Did you mean fmd-z4?"),
+        ("polarity:fmd-z1:x", "it acts on channel, found fmd-z1:x"),
+    ],
+)
+def test_what_is_not_there_ends_with_2_and_the_nearest(run: Run, name: str, says: str) -> None:
+    code, out, err = run(name)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert says in err
+
+
+def test_a_users_effects_are_listed_with_the_file_they_come_from(run: Run, root: Path) -> None:
+    folder = root / "examples" / "effects"
+    _, out, _ = run("--effects-from", str(folder), "--json")
+    found = {one["id"]: one["from"] for one in json.loads(out)["effects"]}
+    assert found["dashpot"] == str(folder / "dashpot.py")
+    assert found["force-lowpass"] == str(folder / "force_lowpass.py")
+
+
+def test_the_page_of_the_catalogue_is_that_of_the_code(root: Path) -> None:
+    again = "write it again: python -m validation.effects.page"
+    assert page.text(root) == (root / page.PAGE).read_text(encoding="utf-8"), again
+
+
+def test_the_page_is_written_where_it_is_asked_for(root: Path, tmp_path: Path) -> None:
+    written = tmp_path / "effects.md"
+    subprocess.run([sys.executable, "-P", "-m", "validation.effects.page", str(written)], cwd=root, check=True)
+    assert written.read_text(encoding="utf-8") == (root / page.PAGE).read_text(encoding="utf-8")
+
+
+def test_the_example_of_an_effect_of_ones_own_finds_its_equation_in_a_virtual_test(root: Path) -> None:
+    worst = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
+    assert worst < 2e-3  # noise is off; the bilinear rule and the ends of a short sweep are left
+
+
+def test_an_effect_of_ones_own_is_about_thirty_lines(root: Path) -> None:
+    for name in ("dashpot", "force_lowpass"):
+        lines = (root / "examples" / "effects" / f"{name}.py").read_text(encoding="utf-8").splitlines()
+        assert len([line for line in lines if line.strip() and not line.startswith(("import", "from", '"""'))]) <= 35

@@ -1,0 +1,83 @@
+"""docs/model-file.md: its files can be read, its program runs, its facts are those of the data. Its commands run with all pages."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geometry.tolerances import Tolerances
+from validation.correcting.corrected import CORRECTIONS
+from validation.models import laboratory, reading
+from validation.models.model import KINDS, StructureTolerances
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "model-file.md").read_text(encoding="utf-8")
+EXAMPLE = ROOT / "examples" / "example_series.toml"
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def test_the_file_on_the_page_is_the_example() -> None:
+    assert blocks("toml")[0] == EXAMPLE.read_text(encoding="utf-8")
+
+
+def test_the_effects_on_the_page_can_stand_in_it() -> None:
+    model = reading.of_text(blocks("toml")[0] + blocks("toml")[1], "page.toml")
+    assert [(one.named.id, dict(one.deviation), one.fixed) for one in model.effects] == [
+        ("force-gain:fmd-z2", {"": 0.003}, False),
+        ("appendage:z", {"m": 0.004, "f": 0.02}, False),
+        ("polarity:fmd-z1", {}, True),
+    ]
+
+
+def test_an_article_of_ones_own_is_written_as_on_the_page(tmp_path: Path) -> None:
+    (tmp_path / "satellite.h5").touch()
+    text = 'format = 1\n[model]\narticle = "fmd+satellite"\n' + blocks("toml")[2]
+    assert reading.of_text(text, str(tmp_path / "lab.toml")).own == {"fmd+satellite": str(tmp_path / "satellite.h5")}
+
+
+def test_the_example_says_what_nominal_json_says(data: Path) -> None:
+    known, model = json.loads((data / "example_series" / "nominal.json").read_text()), reading.read(EXAMPLE)
+    assert model.fmd is not None
+    np.testing.assert_allclose(model.fmd.mass_matrix, known["fmd"]["mass_matrix_about_F"], rtol=1e-6, atol=1e-9)  # 7 digits
+    assert model.cell_stiffness is not None
+    np.testing.assert_allclose(model.cell_stiffness, [known["cell_stiffness_N_per_m"][axis] for axis in "xyz"])
+    assert model.damping_ratio == known["damping_ratio_expected"]
+    assert f"within {100 * model.fmd_tolerance:.0f} %" in known["note"]
+
+
+def test_the_example_belongs_to_the_campaigns_of_the_data(data: Path) -> None:
+    from identification.campaign_file import read_description
+    from validation.models.pairing import require_pair
+
+    campaigns = [read_description(data / "example_series" / name) for name in ("fmd+disc+cuboid", "fmd+clumod-1")]
+    require_pair(reading.read(EXAMPLE), campaigns)
+
+
+def test_every_key_is_on_the_page() -> None:
+    names = [one.name for one in fields(StructureTolerances)] + [key for key, _ in laboratory.SCALES.values()]
+    tables = (*reading.MODEL, *reading.STRUCTURE, *laboratory.LABORATORY, *laboratory.FMD, *KINDS, "id", "value", "sd", "fixed")
+    for key in (*names, *tables):
+        assert re.search(rf"[`.]{key}[`\]= ]", PAGE), key
+    assert {one.name for one in fields(Tolerances)} == {*laboratory.SCALES, "fmd_inertia"}
+
+
+def test_every_correction_is_on_the_page() -> None:
+    for family in CORRECTIONS:
+        assert f"`{family}`" in PAGE, family
+
+
+def test_the_program_on_the_page_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(ROOT)
+    (program,) = blocks("python")
+    exec(compile(program, "page", "exec"), {})
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == "fmd+clumod-1 18.08 0.0005"
+    assert printed[1:] == ["['force-gain:fmd-z2=0.08']", "True"]

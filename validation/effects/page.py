@@ -1,0 +1,116 @@
+"""docs/effects.md, made of the catalogue: ``python -m validation.effects.page`` in the root of the repository writes it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from geometry.atomic import write_text
+from validation.effects import described
+from validation.effects.catalogue import FAMILIES, SOURCES
+from validation.effects.family import SIDES, Family
+from validation.tables.grid import Grid
+from validation.tables.markdown import escaped, pipes
+
+PAGE = Path("docs/effects.md")
+OWN = "examples/effects/dashpot.py"
+
+HEAD = """\
+# The catalogue of effects
+
+What may be missing in a model, or wrong in a measurement, under one name each. One effect takes part in everything: it is
+simulated, compared, added to a model, refitted and shown. This page is made of the code, by `python -m validation.effects.page`.
+
+```sh
+massline effects
+massline effects force-gain:fmd-z2 saturation
+massline effects gap --json
+massline effects force-gian    # exit 2
+```
+
+## How to read it
+
+An effect is `family:target`, and `family:target=VALUE` gives its size in SI; several sizes are `key:number,key:number`.
+*Tolerance* is what a careful laboratory admits of it anyway, *plausible* what a fault may be, each one standard deviation before
+anything was measured; × 7.4 is a factor either way. An effect that is added leaves its tolerance: what is known of it beforehand
+widens from the one to the other.
+
+A prediction is made in stages, from the matrices of the structure to what every channel reads. An effect changes one of them, or
+opens a parameter that every laboratory has anyway.
+
+"""
+
+TAIL = """\
+## An effect of your own
+
+One file, with a `FAMILY`, in a folder that `--effects-from` names; the option may be repeated. A file whose name begins with an
+underscore is left alone. An installed package brings effects by entry points of the group `massline.effects`. This is
+`{own}`, whole:
+
+```python
+{code}```
+
+```sh
+massline effects --effects-from examples/effects dashpot force-lowpass
+massline simulate fmd+clumod-1 --out out/hose --octaves-per-minute 60 --effects-from examples/effects --effect dashpot:mast-top=30
+python examples/own_effect.py
+```
+
+The equation is `change(stage, targets, values)` and returns a changed copy, `dataclasses.replace(stage, ...)`. It gets a noun of
+`validation/effects/stages.py`, the targets of the identifier, and the sizes by key, the empty key for one that stands alone.
+`plant` is what a virtual test simulates, in time and by other code: without one an effect can be fitted, but not simulated.
+
+Before it is taken, massline tries it. At its `null` size it must change nothing; on channels it must be linear in `rows`; what it
+adds to matrices may not depend on them, since derivatives pass it unchanged. The folder is never written to, each file is
+executed once, and what fails in it is told with its own line and exit code 2:
+
+```sh
+massline effects --effects-from examples/nowhere    # exit 2
+```
+"""
+
+
+def text(root: Path) -> str:
+    """The page; `root` holds the example of an effect of one's own."""
+    own = (root / OWN).read_text(encoding="utf-8")
+    sides = "\n".join(_side(side) for side in SIDES)
+    return HEAD + sides + TAIL.format(own=OWN, code=own)
+
+
+def _side(side: str) -> str:
+    families = [family for name, family in FAMILIES.items() if family.side == side and name not in SOURCES]
+    return f"## {side.capitalize()}\n\n{pipes(_grid(families))}\n\n" + "\n".join(map(_entry, families))
+
+
+def _grid(families: list[Family]) -> Grid:
+    lines = tuple(
+        (
+            f"`{described.identifier(one)}`",
+            escaped(described.unit(one)),
+            described.tolerance(one),
+            described.plausible(one),
+            escaped(one.what),
+        )
+        for one in families
+    )
+    return Grid(header=("effect", "unit", "tolerance", "plausible", "what"), lines=lines, words=True)
+
+
+def _entry(family: Family) -> str:
+    looks = ", ".join(one if " " in one else f"`{one}`" for one in family.mistaken_for)
+    written = ", ".join(f"`{one}`" for one in described.examples(family))
+    return f"""\
+### `{family.name}`
+
+{escaped(described.sentence(family))}
+
+- Equation: `{family.equation}`. It {described.DOES[family.stage]}.
+- Mistaken for {looks}.
+- What would confirm it: {escaped(family.confirmed_by)}.
+- Reference: {escaped(family.reference)}.
+- Written {written}.
+"""
+
+
+if __name__ == "__main__":
+    write_text(Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE, text(Path()))
