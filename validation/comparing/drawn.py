@@ -137,7 +137,7 @@ def _pairs(of: Pairs, modes: Sequence[NamedMode], path: Path) -> None:
 def _dynamic_mass(found: Comparison, path: Path) -> None:
     by_name = {of.data_set: (of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None}
     panels = [_entry(pair, *by_name[pair.data_set]) for pair in worst_pairs(found.maps, PAIRS)]
-    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: the model at the plain fit, made likewise."
+    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: model, plain fit, made likewise."
     chosen(f"{found.title}: predicted beside measured", panels, path, note)
 
 
@@ -145,9 +145,7 @@ def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str,
     marks = _Marks(frequency=np.array(_frequencies(modes)), effective_mass=np.full((len(modes), 6), np.inf))
     both = ((of.predicted, "predicted", ""), (of.measured, "measured", MEASURED))
     curves = tuple(
-        Curve(
-            name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots
-        )
+        Curve(name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots)
         for matrix, name, dots in both
     )
     return f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz", pair.load, pair.motion, curves

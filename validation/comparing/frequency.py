@@ -1,12 +1,12 @@
 """How a deviation depends on frequency, where that is plain: a share that is constant, grows, falls, or a resonance.
 
-Each candidate is fitted by weighted least squares with one real number, a resonance with two complex ones, and is named only when it
-explains nearly all of the deviation. What follows nothing plain gets no name.
+Each candidate is fitted by weighted least squares with one real number, a resonance with two complex ones, and is named only
+when it explains nearly all of the deviation. What follows nothing plain gets no name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,22 +27,20 @@ LONGEST = 3.0
 SHIFTED, STEPS = 0.08, 12
 """Share of its frequency by which a mode may lie elsewhere, and how many steps to either side are tried."""
 
-Function = Callable[[Array], Array | ComplexArray]
-
-SHARES: Mapping[str, Function] = {
-    "the same share at all frequencies": lambda w: np.ones(len(w)),
-    "a share that grows with frequency, as of a delay": lambda w: 1j * w,
-    "a share that falls with frequency, as of a high-pass": lambda w: 1j / w,
-    "a share that grows with the square of frequency": lambda w: w**2,
-    "a share that falls with the square of frequency": lambda w: 1 / w**2,
+SHARES: Mapping[str, tuple[complex, int]] = {
+    "the same share at all frequencies": (1, 0),
+    "a share that grows with frequency, as of a delay": (1j, 1),
+    "a share that falls with frequency, as of a high-pass": (1j, -1),
+    "a share that grows with the square of frequency": (1, 2),
+    "a share that falls with the square of frequency": (1, -2),
 }
-"""Of what a channel reads."""
+"""Of what a channel reads: factor and power of the frequency."""
 
-LOADS: Mapping[str, Function] = {
-    "constant over frequency, as of a mass": lambda w: np.ones(len(w)),
-    "grows with the square of frequency, as of a compliance": lambda w: w**2,
-    "falls with the square of frequency, as of a spring to ground or of gravity": lambda w: 1 / w**2,
-    "falls with frequency, as of a damper to ground": lambda w: 1j / w,
+LOADS: Mapping[str, tuple[complex, int]] = {
+    "constant over frequency, as of a mass": (1, 0),
+    "grows with the square of frequency, as of a compliance": (1, 2),
+    "falls with the square of frequency, as of a spring to ground or of gravity": (1, -2),
+    "falls with frequency, as of a damper to ground": (1j, -1),
 }
 """Of the motion that a run drives."""
 
@@ -72,13 +70,13 @@ class Course:
 def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float]) -> str:
     """What the deviation follows, in words; empty where nothing plain. It stands out in `band` [Hz]."""
     weight = 1 / np.maximum(course.expected, np.finfo(np.float64).tiny)
-    y, omega = weight * course.deviation, 2 * np.pi * course.frequency
+    y, f = weight * course.deviation, course.frequency
     if not np.any(np.abs(y) > 0):
         return ""
     functions, driver = (LOADS, course.motion) if course.of_load else (SHARES, course.reading)
-    shares = {name: _explained(y, [weight * driver * of(omega)]) for name, of in functions.items()}
+    shares = {name: _explained(y, [factor * weight * driver * f**power]) for name, (factor, power) in functions.items()}
     best = max(shares, key=lambda name: shares[name])
-    return best if shares[best] >= EXPLAINED else _resonance(course.frequency, y, weight * course.motion, modes, band)
+    return best if shares[best] >= EXPLAINED else _resonance(f, y, weight * course.motion, modes, band)
 
 
 def _resonance(

@@ -1,9 +1,9 @@
 """Predicted beside measured 6 x 6 dynamic mass, pair of axes by pair of axes.
 
-The measured one is `identification.dynamic_mass` on base motions and resultants as everywhere. The predicted one goes the same way:
-the channels that the model predicts for the very runs are put through the same operators, so that an effect on a channel which the
-model knows is in both, and what they differ by is not the way in which they were made. With T and R the rows of motions and
-resultants, an error of the channels by dy changes H by
+The measured one is `identification.dynamic_mass` on base motions and resultants as everywhere. The predicted one goes the
+same way: the channels that the model predicts for the very runs are put through the same operators, so that an effect on a
+channel which the model knows is in both, and what they differ by is not the way in which they were made. With T and R the
+rows of motions and resultants, an error of the channels by dy changes H by
 
     dH = (R dy - H T dy) S_u^-1                                                   (from Eq. 10)
 

@@ -1,9 +1,9 @@
 """The worst spots: connected regions of the maps, merged over neighbouring lines and over all rows that say the same.
 
-One fault shows in many cells of a map. A spot therefore takes the worst row of a run, the stretch of lines around its peak on which
-it stays above half of that, and whatever else in this run and stretch is less bad than it. What is left is looked at again: something
-worse in the same stretch is a spot of its own. The same row in other runs, and the same channel in other data sets, is one spot with
-the worst of them.
+One fault shows in many cells of a map. A spot therefore takes the worst row of a run, the stretch of lines around its peak on
+which it stays above half of that, and whatever else in this run and stretch is less bad than it. What is left is looked at
+again: something worse in the same stretch is a spot of its own. The same row in other runs, and the same channel in other
+data sets, is one spot with the worst of them.
 """
 
 from __future__ import annotations
@@ -107,9 +107,7 @@ def _take(left: Array, sigma: Array, row: int, first: int, last: int, frequency:
     left[reach.any(axis=1), row] = 0.0
 
 
-def _spot(
-    of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[int, int], modes: Sequence[NamedMode]
-) -> Spot:
+def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[int, int], modes: Sequence[NamedMode]) -> Spot:
     first, last = stretch
     band = (float(of.frequency[first]), float(of.frequency[last]))
     peaks = sigma[first : last + 1].max(axis=0)

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.errors import CheckFailed
+from validation.engine.descent import BREAKDOWNS
 from validation.engine.evaluation import Share
 from validation.engine.inputs import left_of_run
 from validation.engine.likelihood import observed
-from validation.engine.prediction import Lines, Offsets, Prediction
+from validation.engine.prediction import Lines, Offsets, Predicted, Prediction
 
 FLOOR = 0.0015
 """Model-error floor in the weights by which inputs are estimated."""
@@ -45,11 +47,11 @@ def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None
 
     Raises
     ------
-    CheckFailed : the channels that are not judged do not tell the inputs; nothing is judged.
+    CheckFailed : the channels that are not judged do not tell the inputs; the model breaks down.
     """
     measured = prediction.measured
     chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
-    predicted = prediction.at(offsets, chosen, derivatives=False)
+    predicted = _predicted(prediction, offsets, chosen)
     seen, judged = observed(measured, chosen), measured.judged
     weight, found = seen.weight(FLOOR, predicted.noise), []
     for k, run in enumerate(measured.runs):
@@ -60,6 +62,13 @@ def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
         found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
     return found
+
+
+def _predicted(prediction: Prediction, offsets: Offsets, lines: Lines) -> Predicted:
+    try:
+        return prediction.at(offsets, lines, derivatives=False)
+    except BREAKDOWNS as error:
+        raise CheckFailed(f"the model of {prediction.measured.name} breaks down: {error}") from error
 
 
 def share(found: Sequence[Squares]) -> Share:

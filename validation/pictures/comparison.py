@@ -1,7 +1,7 @@
 """Pictures of a comparison: maps of deviations in sigmas, predicted beside measured dynamic mass, the four errors.
 
-One scale of colours for all maps: what chance reaches stays pale, beyond the threshold the colour changes at once from blue-grey to
-yellow and darkens towards purple. Lightness falls throughout, so the scale reads without colours, too.
+One scale of colours for all maps: what chance reaches stays pale, beyond the threshold the colour changes at once from blue-
+grey to yellow and darkens towards purple. Lightness falls throughout, so the scale reads without colours, too.
 """
 
 from __future__ import annotations
@@ -227,7 +227,9 @@ VERDICTS = {"": "#7c8798", "good": "#2456c4", "doubtful": "#f39b2c", "failed": "
 """Blue against orange and red-purple: told apart by everybody."""
 
 
-def draw_errors(title: str, bars: Sequence[DrawnError], explained: float, prices: Sequence[DrawnError], path: Path, note: str = "") -> None:
+def draw_errors(
+    title: str, bars: Sequence[DrawnError], explained: float, prices: Sequence[DrawnError], path: Path, note: str = ""
+) -> None:
     """Write errors in per cent, and below them chi² and z² over what is expected of them.
 
     Parameters

@@ -179,6 +179,9 @@ def test_two_files_cannot_share_a_name(folder: Callable[..., Path]) -> None:
     where = folder(a=WHOLE, b=WHOLE)
     with pytest.raises(BadInput, match=r"b\.py: `name`: an effect called 'drift-of-gain' is there already, from .*a\.py"):
         catalogue.load(where)
+    assert "drift-of-gain" not in FAMILIES
+    (where / "b.py").unlink()
+    assert catalogue.load(where)[0].name == "drift-of-gain"
 
 
 def test_what_is_no_folder_of_effects_is_refused(folder: Callable[..., Path], tmp_path: Path) -> None:

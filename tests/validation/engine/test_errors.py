@@ -63,6 +63,17 @@ def test_several_data_sets_weigh_by_their_lines(lab):
     assert_allclose(found.percent**2, parts / 150, rtol=1e-12)
 
 
+def test_a_model_that_breaks_down_is_said_so_with_the_data_set(lab):
+    class Broken:
+        measured, parameters = lab.toy({}).measured, ()
+
+        def at(self, offsets, lines=None, *, derivatives=True):
+            raise np.linalg.LinAlgError("a stiffness turned negative")
+
+    with pytest.raises(CheckFailed, match="the model of one breaks down: a stiffness turned negative"):
+        squares(Broken(), {})
+
+
 def test_the_scale_of_the_data_does_not_matter(lab):
     toy = lab.toy(lab.drawn(1))
     larger = replace(toy, measured=replace(toy.measured, values=7 * toy.measured.values, noise=7 * toy.measured.noise))

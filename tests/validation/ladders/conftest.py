@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from validation.ladders.nouns import Body, Errors, Rung, Size, Source
+from validation.ladders.nouns import Body, Conditions, Errors, Rung, Size, Source
 
 MakeRung = Callable[..., Rung]
 
@@ -23,15 +23,14 @@ def errors(plain: float, held_out: float | None = None) -> Errors:
         tolerances=270,
         log_evidence=-1234.5678901234567,
         held_out_names=("a/x",),
+        by_channel={"fmd-z1": 0.7 * plain, "fmd-z2": 0.3 * plain},
     )
 
 
 def body(shift: float = 0.0) -> Body:
     reference = np.array([47.4, 1e-3, 0.0, 0.31, 2.3, 2.2, 0.4, 0.01, 0.02, -0.03])
     deviation = np.array([0.05, 1e-4, 1e-4, 3e-4, 0.02, 0.02, 0.01, 0.001, 0.001, 0.001])
-    return Body(
-        article="clumod-1", origin="article", values=reference + shift * deviation, deviation=deviation, reference=reference
-    )
+    return Body(article="clumod-1", values=reference + shift * deviation, deviation=deviation, reference=reference)
 
 
 @pytest.fixture
@@ -43,11 +42,12 @@ def rung() -> MakeRung:
             "cause": "start" if parent is None else "added",
             "effect": "" if parent is None else "force-gain:fmd-z2",
             "effects": {"force-gain:fmd-z2": (Size(key="", value=0.0801, unit="1", deviation=0.0013),)},
-            "data": (Source(path="../one", digest="ab" * 32),),
+            "conditions": Conditions(data=(Source(path="../one", digest="ab" * 32),), hold_out=("one/x",), band=(4.0, 32.0)),
             "errors": errors(4.1, 4.3),
             "gain": None if parent is None else 27.3,
             "bodies": (body(0.5),),
-            "offsets": {"fmd:m": 0.125, "force-gain:fmd-z2": 0.1 + 0.2},
+            "plain_offsets": {"fmd:m": 0.125},
+            "fitted_offsets": {"fmd:m": 0.1, "force-gain:fmd-z1": 0.1 + 0.2},
             "verdict": ("It is worth a parameter.",),
             "settings": {"effects_from": ["mine"]},
             "when": "2026-11-21T17:00:00+00:00",
