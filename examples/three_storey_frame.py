@@ -36,6 +36,7 @@ from validation.engine.evaluation import Evaluation
 from validation.engine.problem import Problem
 from validation.models.model import Added, StructureTolerances
 from validation.pictures.accelerances import DrawnModel, draw_accelerances
+from validation.pictures.ladder import DrawnRung, draw_fall
 from validation.prediction import nuisances, scatter
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 from validation.prediction.nuisances import Nuisances
@@ -74,8 +75,9 @@ MODELS: Mapping[str, tuple[str, ...]] = {
 }
 """The candidates, each by itself, and the rungs after the winner. The sizes are where a fit begins."""
 
-PARENTS = {"and its mass": "clamps, each storey"}
 LADDER = ("nominal", "leg clamps", "clamps, each storey", "and its mass")
+GROWN = {"and its mass": "clamps, each storey"}
+"""The rungs, and the model that has all effects of the one before it; all others grow from the nominal one."""
 
 
 def nominal() -> Nuisances:
@@ -157,7 +159,7 @@ def climbed(test: AcceleranceTest, *, quiet: bool = False) -> dict[str, Evaluati
     """Every model of `MODELS` evaluated, each drive point held out in turn."""
     found: dict[str, Evaluation] = {}
     for name in counted(MODELS, "Fitting", quiet=quiet):
-        parent = None if name == "nominal" else found[PARENTS.get(name, "nominal")]
+        parent = None if name == "nominal" else found[GROWN.get(name, "nominal")]
         found[name] = evaluate(Problem((test.with_effects(effects(MODELS[name])),)), parent=parent)
     return found
 
@@ -268,6 +270,39 @@ def figures(test: AcceleranceTest, found: Mapping[str, Evaluation]) -> dict[str,
     return {"plain_percent": {name: one.plain.percent for name, one in found.items()}, "held_out_percent": held}
 
 
+def draw_ladder(found: Mapping[str, Evaluation], folder: Path) -> Path:
+    """How the errors fall along the ladder, the other candidates beside it, into `folder`."""
+    numbers, path = {name: k for k, name in enumerate(found)}, folder / "three-storey-frame-ladder.png"
+    rungs = []
+    for name, one in found.items():
+        depth = LADDER.index(name) if name in LADDER else 1
+        before = LADDER[max(depth - 1, 0)]
+        rung = DrawnRung(
+            number=numbers[name],
+            parent=numbers[before] if depth else None,
+            title=name,
+            depth=depth,
+            here=name in LADDER,
+            errors=_drawn(name, one),
+            gain=one.fitted.log_evidence - found[before].fitted.log_evidence,
+        )
+        rungs.append(rung)
+    aside = ", ".join(f"{numbers[name]} {name}" for name in found if name not in LADDER)
+    draw_fall("The frame's errors, from rung to rung", rungs, path, f"Each by itself: {aside}")
+    return path
+
+
+def _drawn(name: str, one: Evaluation) -> dict[str, float]:
+    """Errors of one rung; the nominal one is that of the model as drawn."""
+    return {
+        "nominal": one.nominal.percent if name == "nominal" else np.nan,
+        "plain": one.plain.percent,
+        "held out": one.held_out.percent if one.held_out else np.nan,
+        "chi² per degree of freedom": one.fitted.chi2 / one.fitted.degrees_of_freedom,
+        "sum z² per tolerance": one.fitted.tolerance_z2 / one.fitted.tolerances,
+    }
+
+
 def draw(test: AcceleranceTest, found: Mapping[str, Evaluation], folder: Path) -> Path:
     """The accelerances with the rungs of the ladder, into `folder`."""
     drawn = []
@@ -346,7 +381,7 @@ def main(folder: Path, out: Path) -> None:
             raise click.UsageError(f"{absent} is absent; give the data folder with --data or MASSLINE_DATA")
     test, console = tested(folder / "three_storey_frame"), Console()
     found = tell(console, test)
-    console.print(f"Drawn: {draw(test, found, out)}")
+    console.print(f"Drawn: {draw(test, found, out)}, {draw_ladder(found, out)}")
 
 
 if __name__ == "__main__":
