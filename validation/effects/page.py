@@ -52,7 +52,7 @@ underscore is left alone. An installed package brings effects by entry points of
 
 ```sh
 massline effects --effects-from examples/effects dashpot force-lowpass
-massline simulate fmd+clumod-1 --out out/hose --octaves-per-minute 60 --effects-from examples/effects --effect dashpot:mast-top=30
+massline simulate fmd+cuboid --out c --octaves-per-minute 99 --effects-from examples/effects --effect force-lowpass:fmd-z2=1e-3
 python examples/own_effect.py
 ```
 
@@ -74,7 +74,7 @@ def text(root: Path) -> str:
     """The page; `root` holds the example of an effect of one's own."""
     own = (root / OWN).read_text(encoding="utf-8")
     sides = "\n".join(_side(side) for side in SIDES)
-    return HEAD + sides + TAIL.format(own=OWN, code=own)
+    return HEAD + sides + "\n" + TAIL.format(own=OWN, code=own)
 
 
 def _side(side: str) -> str:

@@ -40,7 +40,7 @@ def evaluate(
     Raises
     ------
     BadInput : an unknown name in `hold_out`; too many `blocks`.
-    CheckFailed : a fit without a parent does not converge; the channels that are not judged do not tell latent inputs.
+    CheckFailed : a fit without a parent does not converge; without some channel the others do not tell latent inputs.
     """
     tell = progress or (lambda share: None)
     apart = named(problem, hold_out) if hold_out else None
