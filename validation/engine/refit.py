@@ -93,7 +93,7 @@ def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array
 
 
 def _standing(cost: Cost, x: Array, step: Array) -> Array:
-    """`step`, or the half of it that is the longest from which the model does not break down: no body has every ten parameters."""
+    """`step`, or its longest half from which the model does not break down: no body has every ten parameters."""
     for _ in range(SHORTER):
         try:
             cost.predicted(x + step)

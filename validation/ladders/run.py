@@ -99,8 +99,9 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
         catalogue.load(asked.effects_from)
     at = standing(asked.model)
     model = reading.of_text(at.text, str(at.path))
-    paths, conditions, said = _conditions(asked, at)
+    paths = _paths(asked, at)
     data = gathered(paths, model, tell)
+    conditions, said = _conditions(asked, at, paths)
     effect, left = candidates.read(asked.effect, model, _words(data), fixed=asked.fixed)
     rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
     bench = _bench(model, data, conditions, lambda share: tell("spectra", share))
@@ -171,25 +172,33 @@ def _said_of(asked: Asked, chosen: Candidate) -> dict[str, object]:
     }
 
 
-def _conditions(asked: Asked, at: Standing) -> tuple[tuple[str, ...], Conditions, tuple[str, ...]]:
-    """Where the data are, what is held against what, and what is to be said about it."""
-    folder, below = at.path.parent, _with_data(at)
-    if asked.data:
-        method = asked.method or Conditions().method
-        made = Conditions(data=sources.sources(asked.data, folder), hold_out=asked.hold_out, band=asked.band, method=method)
-        return asked.data, made, () if below is None else sources.changed(below.conditions, made)
-    if below is None:
+def _paths(asked: Asked, at: Standing) -> tuple[str, ...]:
+    """Where the data are: as named, else where the ladder knows them."""
+    below = _with_data(at)
+    if asked.data or below is None:
+        _require_data(asked)
+        return asked.data
+    return sources.paths(below.conditions, at.path.parent, str(file.beside(at.path)))
+
+
+def _require_data(asked: Asked) -> None:
+    if not asked.data:
         problem = "there is no data: the model has no ladder yet that knows any"
-        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders: massline add MODEL EFFECT DATA ...")
-    known = below.conditions
-    paths = sources.paths(known, folder, str(file.beside(at.path)))
+        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
+
+
+def _conditions(asked: Asked, at: Standing, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
+    """What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said."""
+    below = _with_data(at)
+    known = Conditions() if below is None else below.conditions
+    like = Conditions() if asked.data else known
     now = Conditions(
-        data=sources.sources(paths, folder),
-        hold_out=asked.hold_out or known.hold_out,
-        band=asked.band or known.band,
-        method=asked.method or known.method,
+        data=sources.sources(paths, at.path.parent),
+        hold_out=asked.hold_out or like.hold_out,
+        band=asked.band or like.band,
+        method=asked.method or like.method,
     )
-    return paths, now, sources.changed(known, now)
+    return now, sources.changed(known, now)
 
 
 def _with_data(at: Standing) -> Rung | None:

@@ -56,6 +56,21 @@ def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right() -
     assert error < 0.02
 
 
+def test_longer_blocks_help_and_a_slower_sweep_does_not() -> None:
+    """What the catalogue says would confirm it; the lines are a seventh of the half-power width apart."""
+    lines = np.arange(10.5, 14.2, 0.0125)
+    exact = mode(lines, 0.0035)
+    inner = (lines > 11.6) & (lines < 13.0)
+
+    def bias(octaves_per_minute: float, block: float) -> float:
+        found = operator(lines, octaves_per_minute / 60, block) @ exact
+        return float(np.max(np.abs(found - exact)[inner]) / np.max(np.abs(exact)))
+
+    paper = bias(2.0, BLOCK / RATE)
+    assert bias(0.5, BLOCK / RATE) == pytest.approx(paper, rel=0.01)
+    assert bias(2.0, 2 * BLOCK / RATE) < 0.55 * paper
+
+
 def test_a_heavily_damped_mode_and_a_mass_line_stay_as_they_are() -> None:
     lines = np.arange(11.0, 13.6, 0.05)
     S = operator(lines, 2 / 60, BLOCK / RATE)
