@@ -161,7 +161,7 @@ def _explained(measured: Measured, part: Chunk, S: ComplexArray) -> Array:
     """(r, n) of the error that the engine calls plain, with inputs as it estimates them."""
     seen, judged = observed(measured, part.lines), measured.judged
     weight = np.sqrt(2) / part.noise
-    gains = [left_of_run(seen, A, judged, w, run).gain for run, (A, w) in enumerate(zip(part.rows, weight, strict=True))]
+    gains = [left_of_run(seen, A, w, run).gain for run, (A, w) in enumerate(zip(part.rows, weight, strict=True))]
     spread = np.stack(
         [own if gain is None else gain @ own @ gain.conj().swapaxes(-1, -2) for gain, own in zip(gains, S, strict=True)]
     )

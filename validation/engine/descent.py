@@ -103,7 +103,7 @@ def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solutio
     if not len(start):
         return _nothing_to_do(cost, start)
     try:
-        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size)
+        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start))
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 

@@ -136,4 +136,4 @@ def fitted(end: End) -> Fit:
 
 
 def _degrees(end: End) -> int:
-    return end.cost.size - sum(not np.isfinite(one.tolerance) for one in end.cost.free)
+    return end.cost.size(end.x) - sum(not np.isfinite(one.tolerance) for one in end.cost.free)

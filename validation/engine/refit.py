@@ -27,9 +27,8 @@ NEAR = 3.0
 FEW = 8
 """Evaluations that a fold may take beyond that."""
 
-
-HALVINGS = 10
-"""Of a step to where the model breaks down, before it is given up."""
+SHORTER = 8
+"""Times that a step is halved at which the model breaks down."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,9 +62,9 @@ def refitted(at: Solved, fold: Fold) -> dict[str, float]:
     left = _left(at, rest, fold)
     away, rows = rest.knowledge(at.x)
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
-    step = _tenable(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
+    step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
     offsets = rest.offsets(at.x + step)
-    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size, 1))))
+    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size(at.x), 1))))
     if float(step @ matrix @ step) < (NEAR * excess) ** 2:
         return offsets
     return _further(rest, offsets)
@@ -93,9 +92,9 @@ def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array
     return step
 
 
-def _tenable(cost: Cost, x: Array, step: Array) -> Array:
-    """`step`, halved until the model does not break down at its end: a quadratic model knows no physics."""
-    for _ in range(HALVINGS):
+def _standing(cost: Cost, x: Array, step: Array) -> Array:
+    """`step`, or its longest half from which the model does not break down: no body has every ten parameters."""
+    for _ in range(SHORTER):
         try:
             cost.predicted(x + step)
         except BREAKDOWNS:
