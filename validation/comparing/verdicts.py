@@ -95,9 +95,11 @@ def expected_z2(of: Fit) -> float:
 
 
 def absurd(of: Fit) -> bool:
-    """Whether the tolerances of a fit cost more than chance."""
+    """Whether the tolerances of a fit, together or one of them, cost more than chance."""
     from scipy.stats import chi2
 
+    if any(abs(one.z) >= ABSURD for one in tolerances(of)[:1]):
+        return True
     return bool(chi2.sf(of.tolerance_z2, max(expected_z2(of), 1.0)) < UNLIKELY)
 
 
@@ -128,7 +130,7 @@ def _plain(of: Evaluation, explained: float, peak: float) -> Told:
         figure=percent(of.plain.percent),
         meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
         verdict=FAILED if high else GOOD,
-        text=f"{said}, but not where it fails, by up to {peak:.2g} sigma" if high else f"{said}, and nothing stands out",
+        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
     )
 
 
@@ -178,6 +180,11 @@ def _held_out(of: Evaluation) -> Told:
 def named(some: Sequence[Tolerance]) -> str:
     """The tolerances by name, each with its z."""
     return " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in some)
+
+
+def figure(value: float) -> str:
+    """Two digits that mean something."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
 def percent(value: float) -> str:
