@@ -43,7 +43,8 @@ class Asked:
     ----------
     model, effect : path and ``ID[=VALUE]``
     data : campaign folders and measurement files; none for those that the ladder knows
-    hold_out, band, method, effects_from : as of `massline compare`
+    hold_out, band, method : as of `massline compare`
+    effects_from : folders of the user's own effects
     fixed : whether the effect stays at its size
     alias_ok : whether an exact alias of what the model has may be added
     """
@@ -54,7 +55,7 @@ class Asked:
     hold_out: tuple[str, ...] = ()
     band: tuple[float, float] | None = None
     method: str | None = None
-    effects_from: str | None = None
+    effects_from: tuple[str, ...] = ()
     fixed: bool = False
     alias_ok: bool = False
 
@@ -95,8 +96,8 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     """
     tell = progress or (lambda what, share: None)
     require_band(asked.band)
-    if asked.effects_from is not None:
-        catalogue.load(asked.effects_from)
+    for folder in asked.effects_from:
+        catalogue.load(folder)
     at = standing(asked.model)
     model = reading.of_text(at.text, str(at.path))
     paths = _paths(asked, at)
@@ -167,7 +168,7 @@ def _said_of(asked: Asked, chosen: Candidate) -> dict[str, object]:
     return {
         "asked": asked.effect,
         "fixed": chosen.added.fixed,
-        "effects_from": asked.effects_from,
+        "effects_from": list(asked.effects_from),
         "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
     }
 
