@@ -150,6 +150,14 @@ def test_leg_clamps_win_over_mass_damping_and_boundary_and_tie_with_the_modulus(
     assert price["leg clamps"] < 0.6 * min(price[name] for name in ("nominal", "added mass", "damping", "boundary"))
 
 
+def test_the_literature_makes_clamps_tens_of_nats_more_probable_than_a_modulus_within_it(found: dict[str, Evaluation]) -> None:
+    evidence = {name: one.fitted.log_evidence - found["nominal"].fitted.log_evidence for name, one in found.items()}
+    assert evidence["leg clamps"] == pytest.approx(60, abs=5)
+    assert evidence["leg clamps"] > evidence["added mass"] + 5
+    # a modulus that may leave the literature is the same number by another name
+    assert evidence["leg clamps"] == pytest.approx(evidence["modulus"], abs=1)
+
+
 def test_added_mass_is_wrong_where_mass_alone_is_read(program: dict[str, Any], test: Any, found: dict[str, Evaluation]) -> None:
     line = {s: program["where"](test, s, found[s].plain_fit.by_name)[-1] for s in ("nominal", "added mass", "leg clamps")}
     assert line["leg clamps"] < line["nominal"]
