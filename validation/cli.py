@@ -34,6 +34,9 @@ COMMANDS = {
     "model": "A commented model file to start from: laboratory, structure, tolerances, effects.",
     "compare": "Where a model fails: errors, maps and worst spots beside a series of campaigns.",
     "correct": "A corrected copy of a campaign: a gain, delay, polarity or place of the measurement taken out.",
+    "add": "Add an effect to a model: fitted, with the errors before and after, as the next rung of its ladder.",
+    "ladder": "Every version of a model, and how its errors fell from rung to rung.",
+    "undo": "Go back to the rung below; what was there is kept.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

@@ -15,7 +15,7 @@ from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
 from validation.engine import hold_out, likelihood
 from validation.engine.cost import Cost, cost_of
-from validation.engine.descent import direct, within
+from validation.engine.descent import BREAKDOWNS, direct, within
 from validation.engine.evaluation import Fit
 from validation.engine.hold_out import Fold
 from validation.engine.parameter import DECLARED
@@ -26,6 +26,9 @@ NEAR = 3.0
 
 FEW = 8
 """Evaluations that a fold may take beyond that."""
+
+SHORTER = 8
+"""Times that a step is halved at which the model breaks down."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,7 +62,7 @@ def refitted(at: Solved, fold: Fold) -> dict[str, float]:
     left = _left(at, rest, fold)
     away, rows = rest.knowledge(at.x)
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
-    step = _bounded_step(rest, at.x, gradient, matrix)
+    step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
     offsets = rest.offsets(at.x + step)
     excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size(at.x), 1))))
     if float(step @ matrix @ step) < (NEAR * excess) ** 2:
@@ -87,6 +90,18 @@ def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array
         step[beyond] = np.clip(x + step, -bound, bound)[beyond] - x[beyond]
         moving &= ~beyond
     return step
+
+
+def _standing(cost: Cost, x: Array, step: Array) -> Array:
+    """`step`, or its longest half from which the model does not break down: no body has every ten parameters."""
+    for _ in range(SHORTER):
+        try:
+            cost.predicted(x + step)
+        except BREAKDOWNS:
+            step = step / 2
+        else:
+            return step
+    return np.zeros_like(step)
 
 
 def _solve(matrix: Array, force: Array) -> Array:

@@ -11,12 +11,16 @@ nothing is ever written over it.
                 "effects": {ID: [{"key", "value", "sd": number|null, "unit"}]},
                 "errors": {"nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2",
                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
-                           "held_out": [NAME]} or null; what was not held out is null,
+                           "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number}} or null; what was not held
+                           out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
-                "inertia": [{"article", "origin": "article"|"F", "identified": TEN, "sd": TEN, "reference": TEN}],
-                "data": [{"path", "sha256"}], "hold_out": [NAME], "when", "versions": {}, "settings": {},
-                "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
+                "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN, "converged"}],
+                "conditions": {"data": [{"path", "sha256"}], "hold_out": [NAME], "band_hz": [lo, hi]|null, "method"},
+                "when", "versions": {}, "settings": {},
+                "plain_offsets": {PARAMETER: number}, "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
     TEN    {"mass_kg", "cog_mm": [x, y, z], "moi_cog_kgm2": [xx, yy, zz], "poi_cog_kgm2": [xy, xz, yz]}
+
+The CoG is given from the article's own origin, moments and products about the CoG.
 """
 
 from __future__ import annotations
@@ -33,7 +37,7 @@ from geometry import toml_file
 from geometry.arrays import Array
 from geometry.atomic import write_text
 from geometry.errors import BadInput
-from validation.ladders.nouns import CAUSES, Body, Errors, Ladder, Rung, Size, Source
+from validation.ladders.nouns import CAUSES, Body, Conditions, Errors, Ladder, Rung, Size, Source
 from validation.output import json_text
 
 FORMAT = 1
@@ -52,6 +56,7 @@ _ERRORS = {
     "log_evidence": "log_evidence_nats",
     "converged": "converged",
     "held_out_names": "held_out",
+    "by_channel": "plain_percent_by_channel",
 }
 """Keys of `Errors` in the file."""
 
@@ -116,7 +121,8 @@ def ten_json(values: Array) -> dict[str, Any]:
 def errors_json(errors: Errors) -> dict[str, Any]:
     """The errors of a rung; what was not held out, or cannot be told, is null."""
     found = {key: getattr(errors, name) for name, key in _ERRORS.items()}
-    return {key: _finite(list(value) if isinstance(value, tuple) else value) for key, value in found.items()}
+    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in found.items()}
+    return {key: _finite(value) for key, value in plain.items()} | {_ERRORS["by_channel"]: dict(errors.by_channel)}
 
 
 def _rung_json(one: Rung) -> dict[str, Any]:
@@ -130,13 +136,22 @@ def _rung_json(one: Rung) -> dict[str, Any]:
         "evidence_gain_nats": _finite(one.gain),
         "verdict": list(one.verdict),
         "inertia": [_body_json(body) for body in one.bodies],
-        "data": [{"path": source.path, "sha256": source.digest} for source in one.data],
-        "hold_out": list(one.hold_out),
+        "conditions": _conditions_json(one.conditions),
         "when": one.when,
         "versions": dict(one.versions),
         "settings": dict(one.settings),
-        "fitted_offsets": dict(one.offsets),
+        "plain_offsets": dict(one.plain_offsets),
+        "fitted_offsets": dict(one.fitted_offsets),
         "model": one.model.split("\n"),
+    }
+
+
+def _conditions_json(of: Conditions) -> dict[str, Any]:
+    return {
+        "data": [{"path": source.path, "sha256": source.digest} for source in of.data],
+        "hold_out": list(of.hold_out),
+        "band_hz": None if of.band is None else list(of.band),
+        "method": of.method,
     }
 
 
@@ -147,10 +162,10 @@ def _size_json(size: Size) -> dict[str, Any]:
 def _body_json(body: Body) -> dict[str, Any]:
     return {
         "article": body.article,
-        "origin": body.origin,
         "identified": ten_json(body.values),
         "sd": ten_json(body.deviation),
         "reference": ten_json(body.reference),
+        "converged": body.converged,
     }
 
 
@@ -200,13 +215,25 @@ def _rung(table: Mapping[str, Any]) -> Rung:
         gain=_number_or_none(table["evidence_gain_nats"]),
         verdict=_strings(table["verdict"]),
         bodies=tuple(map(_body, table["inertia"])),
-        data=tuple(Source(path=str(one["path"]), digest=str(one["sha256"])) for one in table["data"]),
-        hold_out=_strings(table["hold_out"]),
+        conditions=_conditions(table["conditions"]),
         when=str(table["when"]),
         versions={str(name): str(value) for name, value in table["versions"].items()},
         settings=dict(table["settings"]),
-        offsets={str(name): _number(value) for name, value in table["fitted_offsets"].items()},
+        plain_offsets=_numbers(table["plain_offsets"]),
+        fitted_offsets=_numbers(table["fitted_offsets"]),
         model="\n".join(_strings(table["model"])),
+    )
+
+
+def _conditions(table: Mapping[str, Any]) -> Conditions:
+    band = None if table["band_hz"] is None else tuple(map(_number, table["band_hz"]))
+    if band is not None and len(band) != 2:
+        raise ValueError(f"a band has two ends, found {len(band)}")
+    return Conditions(
+        data=tuple(Source(path=str(one["path"]), digest=str(one["sha256"])) for one in table["data"]),
+        hold_out=_strings(table["hold_out"]),
+        band=None if band is None else (band[0], band[1]),
+        method=str(table["method"]),
     )
 
 
@@ -222,6 +249,8 @@ def _errors(table: Mapping[str, Any]) -> Errors:
         value = found[one.name]
         if one.name == "held_out_names":
             found[one.name] = _strings(value)
+        elif one.name == "by_channel":
+            found[one.name] = _numbers(value)
         elif one.name == "converged":
             found[one.name] = bool(value)
         elif one.type == "int":
@@ -236,10 +265,10 @@ def _errors(table: Mapping[str, Any]) -> Errors:
 def _body(table: Mapping[str, Any]) -> Body:
     return Body(
         article=str(table["article"]),
-        origin=str(table["origin"]),
         values=_ten(table["identified"]),
         deviation=_ten(table["sd"]),
         reference=_ten(table["reference"]),
+        converged=bool(table["converged"]),
     )
 
 
@@ -251,6 +280,10 @@ def _strings(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
         raise TypeError(f"a list of texts is expected, found {value!r:.60}")
     return tuple(value)
+
+
+def _numbers(table: Mapping[str, Any]) -> dict[str, float]:
+    return {str(name): _number(value) for name, value in table.items()}
 
 
 def _number_or_none(value: Any) -> float | None:

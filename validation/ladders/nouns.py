@@ -6,18 +6,23 @@ is never changed and no rung is taken away; undoing goes back to an older one, a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from geometry.arrays import Array, frozen
-from identification.quality import NORMAL_95
+from identification.campaign import METHODS
+from identification.quality import NORMAL_95, sizes
+from validation.statement import COG, inertia_of
 
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
 """Why there is a rung: the model as it was first, an effect that was added, the user's own change of the file, the same model on
 other data or with other runs held out."""
+
+SHOWN = ("%", *3 * ("mm",), *6 * ("%",))
+"""Units in which distances to the reference are told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +40,29 @@ class Source:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """What a rung was held against, and how: errors and evidence of two rungs compare only where these are the same.
+
+    Attributes
+    ----------
+    data : campaigns and measurements
+    hold_out : runs, campaigns and files that were never fitted, as the user named them; empty for the default
+    band : (low, high) [Hz]; None for that of the campaigns
+    method : of `identification.campaign.METHODS`
+    """
+
+    data: tuple[Source, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    method: str = METHODS[0]
+
+    def same(self, other: Conditions) -> bool:
+        """Whether both are, in whatever order the data were named."""
+        mine, its = (replace(one, data=tuple(sorted(one.data, key=lambda source: source.path))) for one in (self, other))
+        return mine == its
+
+
+@dataclass(frozen=True, kw_only=True)
 class Errors:
     """The four errors of a rung.
 
@@ -47,6 +75,7 @@ class Errors:
     log_evidence : [nats], up to a constant of the data
     converged : whether both fits ended by themselves
     held_out_names : what was held out
+    by_channel : plain error of every judged channel on the data that were fitted, their squares adding to its own
     """
 
     nominal: float
@@ -60,6 +89,7 @@ class Errors:
     log_evidence: float
     converged: bool = True
     held_out_names: tuple[str, ...] = ()
+    by_channel: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def chi2_per_dof(self) -> float:
@@ -73,18 +103,18 @@ class Body:
 
     Attributes
     ----------
-    article : what stands on the FMD, or the whole stack where that is unknown
-    origin : "article" or "F", from where the CoG is given
-    values : (10,) identified: mass [kg], CoG [m], moments and products [kg m²] about the CoG
+    article : what stands on the FMD
+    values : (10,) identified: mass [kg], CoG [m] from the article's own origin, moments and products [kg m²] about the CoG
     deviation : (10,) standard deviations of these
     reference : (10,) of the model with its effects
+    converged : whether the fit ended by itself
     """
 
     article: str
-    origin: str
     values: Array
     deviation: Array
     reference: Array
+    converged: bool = True
 
     def __post_init__(self) -> None:
         for name in ("values", "deviation", "reference"):
@@ -99,6 +129,13 @@ class Body:
     def distance(self) -> Array:
         """(10,) from the reference to what was identified."""
         return self.values - self.reference
+
+    @property
+    def shown(self) -> Array:
+        """(10,) distance as `SHOWN` tells it: CoG in mm, mass and moments in per cent, products in per cent of √(Θii Θjj)."""
+        size = sizes(inertia_of(self.reference))
+        size[COG] = 0.1  # [m] of which a millimetre is one per cent
+        return 100 * self.distance / size
 
     @property
     def sigmas(self) -> Array:
@@ -135,12 +172,11 @@ class Rung:
     effect : id of the effect that was added; empty where none was
     effects : by id the sizes of every effect of the model
     model : text of the model file
-    data : what it was held against
-    hold_out : as the user named it; empty for the default
+    conditions : what it was held against, and how
     errors : the four errors; None of a model that was put aside before anybody held it against data
     gain : evidence [nats] over the parent; None where both do not stand on the same data
     bodies : identified inertia of every article
-    offsets : where the fit ended, by parameter: the next rung begins there
+    plain_offsets, fitted_offsets : where both fits ended, by parameter: the next rung begins there
     verdict : in sentences
     when : ISO 8601, UTC
     versions : of the programs
@@ -153,12 +189,12 @@ class Rung:
     effect: str = ""
     effects: Mapping[str, tuple[Size, ...]] = field(default_factory=lambda: MappingProxyType({}))
     model: str
-    data: tuple[Source, ...] = ()
-    hold_out: tuple[str, ...] = ()
+    conditions: Conditions = field(default_factory=Conditions)
     errors: Errors | None = None
     gain: float | None = None
     bodies: tuple[Body, ...] = ()
-    offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    plain_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    fitted_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     verdict: tuple[str, ...] = ()
     when: str = ""
     versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
@@ -169,9 +205,9 @@ class Rung:
         """What distinguishes it from its parent, in a few words."""
         return self.effect or {START: "the model at first"}.get(self.cause, self.cause)
 
-    def stands_on(self, data: Sequence[Source], hold_out: Sequence[str]) -> bool:
-        """Whether it was held against the same `data`, with the same held out: only then its errors compare."""
-        return self.errors is not None and set(self.data) == set(data) and self.hold_out == tuple(hold_out)
+    def stands_on(self, conditions: Conditions) -> bool:
+        """Whether it was held against these."""
+        return self.errors is not None and self.conditions.same(conditions)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

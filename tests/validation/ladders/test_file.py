@@ -34,7 +34,7 @@ def test_what_was_written_is_read_back(ladder: Ladder, tmp_path: Path) -> None:
         for name in {each.name for each in fields(Rung)} - {"bodies"}:
             assert getattr(one, name) == getattr(other, name), name
         for body, its in zip(one.bodies, other.bodies, strict=True):
-            assert (body.article, body.origin) == (its.article, its.origin)
+            assert body.article == its.article
             for name in ("values", "deviation", "reference"):  # metres become millimetres and come back
                 assert_allclose(getattr(body, name), getattr(its, name), rtol=1e-15, atol=0)
 

@@ -2,22 +2,37 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem import beam
+from fem.damping import Damping
+from fem.modes import fixed_base
+from fem.users_model import write
 from geometry.errors import BadInput
+from geometry.frames import Pose, rotation_about
+from geometry.inertia import Inertia
 from identification.recording import Recording
 from validation.engine.parameter import EFFECT, Parameter
 from validation.engine.prediction import Change
+from validation.models.model import Model
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.prediction.set_up import moving_part
 from validation.virtual_test.simulate import VirtualTest, simulate
 
 CUBOID, BLADE = "fmd+disc+cuboid", "fmd+clumod-1"
 
-AGREED = {"rigid": 5e-5, "beam": 4e-4}
+RATIO = 0.05
+"""Damping ratio of every mode of the virtual tests and of their model."""
+
+LINES = [5.0, 9.0, 12.5, 20.0, 31.0]
+"""[Hz]"""
+
+AGREED = {"rigid": 1e-4, "beam": 4e-4}
 """Of a channel's rms. Rigid: products of two tolerances. Beams: a modulus that was drawn moves the frequency of a mode at its
 stated damping ratio there, and at its stated damping constant here."""
 
@@ -195,3 +210,42 @@ def test_an_article_without_a_model_is_named(ordinary: Any, model: Any) -> None:
 def test_data_sets_have_names_of_their_own(ordinary: Any, predicted: Any) -> None:
     test = ordinary(CUBOID, "rigid")
     assert len({of.measured.name for of in predicted(test, test)}) == 2
+
+
+def test_a_users_own_matrices_and_modal_data_read_as_the_built_in_beams(
+    ordinary: Any, predicted: Any, model: Any, tmp_path: Path
+) -> None:
+    campaign = ordinary(BLADE, "beam").campaign
+    structure = beam.structure("clumod-1")
+    modes = fixed_base(structure, 30, damping=Damping(ratio=RATIO))
+    write(structure, tmp_path / "matrices.npz")
+    write(modes, tmp_path / "modal.npz")
+    (built_in,) = predictions(model(), [campaign], lines=LINES)
+    for name in ("matrices.npz", "modal.npz"):
+        (own,) = predictions(model(own={"clumod-1": str(tmp_path / name)}, damping_ratio=RATIO), [campaign], lines=LINES)
+        known = built_in.dynamic_mass({})
+        size = np.sqrt(np.abs(np.einsum("nii,njj->nij", known, known)))
+        assert np.abs((own.dynamic_mass({}) - known) / size).max() < 1e-4, name
+
+
+def test_a_fmd_alone_is_its_inertia(plan: Any, predicted: Any, at_truth: Any, unexplained: Any) -> None:
+    test = simulate(plan(article="fmd"))
+    (of,) = predicted(test)
+    assert np.ptp(of.dynamic_mass({}), axis=0).max() == 0
+    assert max(unexplained(of, at_truth(of, test)).values()) < AGREED["rigid"]
+
+
+def test_an_article_mounted_turned_reads_as_the_same_turned(ordinary: Any, model: Any) -> None:
+    """A quarter turn: H about F is that of the article with x for y and -y for x."""
+    campaign = ordinary(BLADE, "beam").campaign
+    pose = Pose(position=campaign.mounting.position, rotation=rotation_about("z", np.pi / 2))
+    (drawn,), (turned,) = (
+        predictions(model(fmd=nothing(model())), [one], lines=LINES) for one in (campaign, replace(campaign, mounting=pose))
+    )
+    R = np.kron(np.eye(2), rotation_about("z", np.pi / 2))
+    assert_allclose(turned.dynamic_mass({}), R @ drawn.dynamic_mass({}) @ R.T, atol=1e-9)
+
+
+def nothing(of: Model) -> Inertia:
+    """A moving part so light that what stands on it is all."""
+    return moving_part(of).scaled(1e-12)
