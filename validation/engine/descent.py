@@ -12,7 +12,7 @@ from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise
 from validation.engine.cost import Cost
-from validation.engine.parameter import DECLARED, SENSOR
+from validation.engine.parameter import DECLARED, SENSOR, STRUCTURAL
 from validation.engine.prediction import Offsets
 
 COARSE = (0.2, 0.06)
@@ -76,7 +76,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress) -> End:
     found = dict(offsets)
     stages = [(floor, False) for floor in COARSE if floor > cost.floor] + [(floor, True) for floor in FINE if floor > cost.floor]
     for done, (floor, everything) in enumerate(stages):
-        moving = tuple(one for one in cost.free if everything or one.kind != SENSOR)
+        moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
         stage = replace(cost, free=moving, floor=floor, base={**cost.base, **found})
         found |= stage.offsets(_solved(stage, found, close=ROUGHLY, most=STEPS).x)
         progress((done + 1) / (len(stages) + 2))
