@@ -73,10 +73,12 @@ class Evaluation:
     ----------
     nominal : the model as it stands, nothing fitted
     plain : tolerances of the measurement not fitted
-    held_out : plain error on runs, data sets and blocks of lines that were not fitted; None where nothing was held out
+    held_out : plain error on runs, blocks of lines and whatever was named that were not fitted; None where nothing was held out
     held_out_nominal : nominal error on the same
     plain_fit, fitted : the fits; surprise is `fitted.tolerance_z2` beside `fitted.tolerances`
     held_out_names : what was held out, in words
+    held_out_configurations, held_out_configurations_nominal : the same on each configuration of a series in turn, of which not
+        even the modes were fitted; None where nothing but one was tested, or something was named
     """
 
     nominal: Share
@@ -86,3 +88,5 @@ class Evaluation:
     plain_fit: Fit
     fitted: Fit
     held_out_names: tuple[str, ...] = field(default=())
+    held_out_configurations: Share | None = None
+    held_out_configurations_nominal: Share | None = None

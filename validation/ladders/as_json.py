@@ -100,4 +100,5 @@ def _body(body: Body) -> dict[str, Any]:
         "reference": file.ten_json(body.reference),
         "distance": {"cog_mm": body.shown[1:4].tolist(), "percent": body.shown[[0, *range(4, 10)]].tolist()},
         "sigma": body.sigmas.tolist(),
+        "converged": body.converged,
     }

@@ -14,7 +14,7 @@ nothing is ever written over it.
                            "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number}} or null; what was not held
                            out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
-                "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN}],
+                "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN, "converged"}],
                 "conditions": {"data": [{"path", "sha256"}], "hold_out": [NAME], "band_hz": [lo, hi]|null, "method"},
                 "when", "versions": {}, "settings": {},
                 "plain_offsets": {PARAMETER: number}, "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
@@ -165,6 +165,7 @@ def _body_json(body: Body) -> dict[str, Any]:
         "identified": ten_json(body.values),
         "sd": ten_json(body.deviation),
         "reference": ten_json(body.reference),
+        "converged": body.converged,
     }
 
 
@@ -267,6 +268,7 @@ def _body(table: Mapping[str, Any]) -> Body:
         values=_ten(table["identified"]),
         deviation=_ten(table["sd"]),
         reference=_ten(table["reference"]),
+        converged=bool(table["converged"]),
     )
 
 

@@ -17,6 +17,7 @@ from geometry.inertia import PARAMETERS
 from identification.classical import jacobian, quantities
 from identification.self_calibration.structure import ten_matrices
 from validation.effects.identifiers import Named
+from validation.engine.evaluation import Fit
 from validation.engine.fit import fit
 from validation.engine.parameter import PLAIN
 from validation.engine.prediction import Offsets, Prediction
@@ -31,18 +32,14 @@ from validation.prediction.tangent import full
 FAMILY = "rigid-inertia"
 
 
-def identified(problem: Problem, article: str, plain: Offsets, progress: Callable[[float], None] | None = None) -> Body | None:
+def identified(problem: Problem, article: str, plain: Fit, progress: Callable[[float], None] | None = None) -> Body | None:
     """Inertia of `article` from the data of `problem`; None where no data set has it.
 
     Parameters
     ----------
     problem : whose predictions are `SeriesPrediction`
     article : what stands on the FMD
-    plain : where the plain fit of the model ended
-
-    Raises
-    ------
-    CheckFailed : the fit does not converge.
+    plain : the plain fit of the model, in whose place this one never costs more
     """
     freed, of = _freed(problem, article)
     if of is None:
@@ -58,6 +55,7 @@ def identified(problem: Problem, article: str, plain: Offsets, progress: Callabl
         article=article,
         values=quantities(ten),
         deviation=np.sqrt(np.einsum("ij,jk,ik->i", through, C, through)),
+        converged=found.converged,
         reference=quantities(reference),
     )
 

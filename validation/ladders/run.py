@@ -43,7 +43,8 @@ class Asked:
     ----------
     model, effect : path and ``ID[=VALUE]``
     data : campaign folders and measurement files; none for those that the ladder knows
-    hold_out, band, method, effects_from : as of `massline compare`
+    hold_out, band, method : as of `massline compare`
+    effects_from : folders of the user's own effects
     fixed : whether the effect stays at its size
     alias_ok : whether an exact alias of what the model has may be added
     """
@@ -54,7 +55,7 @@ class Asked:
     hold_out: tuple[str, ...] = ()
     band: tuple[float, float] | None = None
     method: str | None = None
-    effects_from: str | None = None
+    effects_from: tuple[str, ...] = ()
     fixed: bool = False
     alias_ok: bool = False
 
@@ -95,12 +96,13 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     """
     tell = progress or (lambda what, share: None)
     require_band(asked.band)
-    if asked.effects_from is not None:
-        catalogue.load(asked.effects_from)
+    for folder in asked.effects_from:
+        catalogue.load(folder)
     at = standing(asked.model)
     model = reading.of_text(at.text, str(at.path))
-    paths, conditions, said = _conditions(asked, at)
+    paths = _paths(asked, at)
     data = gathered(paths, model, tell)
+    conditions, said = _conditions(asked, at, paths)
     effect, left = candidates.read(asked.effect, model, _words(data), fixed=asked.fixed)
     rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
     bench = _bench(model, data, conditions, lambda share: tell("spectra", share))
@@ -166,30 +168,38 @@ def _said_of(asked: Asked, chosen: Candidate) -> dict[str, object]:
     return {
         "asked": asked.effect,
         "fixed": chosen.added.fixed,
-        "effects_from": asked.effects_from,
+        "effects_from": list(asked.effects_from),
         "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
     }
 
 
-def _conditions(asked: Asked, at: Standing) -> tuple[tuple[str, ...], Conditions, tuple[str, ...]]:
-    """Where the data are, what is held against what, and what is to be said about it."""
-    folder, below = at.path.parent, _with_data(at)
-    if asked.data:
-        method = asked.method or Conditions().method
-        made = Conditions(data=sources.sources(asked.data, folder), hold_out=asked.hold_out, band=asked.band, method=method)
-        return asked.data, made, () if below is None else sources.changed(below.conditions, made)
-    if below is None:
+def _paths(asked: Asked, at: Standing) -> tuple[str, ...]:
+    """Where the data are: as named, else where the ladder knows them."""
+    below = _with_data(at)
+    if asked.data or below is None:
+        _require_data(asked)
+        return asked.data
+    return sources.paths(below.conditions, at.path.parent, str(file.beside(at.path)))
+
+
+def _require_data(asked: Asked) -> None:
+    if not asked.data:
         problem = "there is no data: the model has no ladder yet that knows any"
-        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders: massline add MODEL EFFECT DATA ...")
-    known = below.conditions
-    paths = sources.paths(known, folder, str(file.beside(at.path)))
+        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
+
+
+def _conditions(asked: Asked, at: Standing, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
+    """What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said."""
+    below = _with_data(at)
+    known = Conditions() if below is None else below.conditions
+    like = Conditions() if asked.data else known
     now = Conditions(
-        data=sources.sources(paths, folder),
-        hold_out=asked.hold_out or known.hold_out,
-        band=asked.band or known.band,
-        method=asked.method or known.method,
+        data=sources.sources(paths, at.path.parent),
+        hold_out=asked.hold_out or like.hold_out,
+        band=asked.band or like.band,
+        method=asked.method or like.method,
     )
-    return paths, now, sources.changed(known, now)
+    return now, sources.changed(known, now)
 
 
 def _with_data(at: Standing) -> Rung | None:

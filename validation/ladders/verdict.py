@@ -40,6 +40,8 @@ def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls
         return
     if not (old.converged and new.converged):
         yield "A fit did not converge: none of these figures is the last word."
+    if not all(body.converged for body in after.bodies):
+        yield "The fit of the identified inertia did not converge: its figures are not the last word."
     yield _evidence(after.gain)
     yield _fall(old, new)
     yield from _most(old, new)
