@@ -137,7 +137,10 @@ def _place(data: Normal, x: Array, knowledge: Knowledge) -> _Place:
 
 
 def _solution(at: _Place, x: Array, converged: bool, evaluations: int) -> Solution:
-    return Solution(x=x, seen=at.x, normal=at.total, data=at.data, converged=converged, decrement=at.decrement, evaluations=evaluations)
+    decrement = at.decrement
+    return Solution(
+        x=x, seen=at.x, normal=at.total, data=at.data, converged=converged, decrement=decrement, evaluations=evaluations
+    )
 
 
 def inverse(matrix: Array) -> Array:

@@ -169,9 +169,7 @@ def _held_out(of: Evaluation) -> Told:
     said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
     others, before = of.held_out_configurations, of.held_out_configurations_nominal
     if others is not None and before is not None:
-        said += (
-            f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
-        )
+        said += f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
     return Told(
         name="held-out error", figure=percent(of.held_out.percent), meaning=meaning, verdict=DOUBTFUL if high else GOOD, text=said
     )

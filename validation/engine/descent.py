@@ -113,7 +113,7 @@ def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solutio
 
 def _nothing_to_do(cost: Cost, x: Array) -> Solution:
     whole, data, _ = cost.total(x)
-    return Solution(x=x, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
+    return Solution(x=x, seen=x, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
 
 
 def within(end: End, progress: Progress, *, most: int = MOST) -> End:

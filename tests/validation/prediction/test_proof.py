@@ -55,5 +55,6 @@ def test_the_right_effect_explains_a_fault_and_a_wrong_one_does_not(
     monkeypatch.setattr(proof, "at_random", lambda case, seed: case.neighbour)
     found = proof.proved(case, laboratory, null)
     verdict = proof.verdict(found)
-    assert verdict.met and verdict.visible, (verdict.words, found)
+    assert verdict.met, (verdict.words, found)
+    assert verdict.visible, (verdict.words, found)
     assert all(proof.worst(one, null) > proof.WITHIN for one in found["wrong"].values() if one is not None)
