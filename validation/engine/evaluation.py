@@ -42,7 +42,7 @@ class Fit:
     cost : half the sum of squares of whitened residuals, knowledge beforehand included
     chi2 : of the data alone
     degrees_of_freedom : real numbers left when inputs and free parameters without knowledge beforehand are taken out
-    tolerance_z2 : sum of squares of offset / tolerance over the tolerances (kinds "sensor" and "declared")
+    tolerance_z2 : sum of squares of offset / tolerance over the `TOLERANCES`
     tolerances : how many these are
     log_evidence : Laplace approximation [nats], up to a constant of the data
     converged : whether the iteration ended by itself
