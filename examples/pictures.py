@@ -3,11 +3,14 @@
     python examples/pictures.py [FOLDER] [SHEET]
 
 Writes one picture an article into FOLDER (``out/pictures``) and the contact sheet to SHEET (``docs/pictures/articles.png``);
-beside the sheet go the modes of Clumod, its dynamic mass, a sweep that it was driven with, and Clumod on three ropes. These carry
-what they show in figures too, so that a test sees when the articles have moved on.
+beside the sheet go the modes of Clumod, its dynamic mass, a sweep that it was driven with, Clumod on three ropes, and, where the
+measured data are, the three-storey frame. These carry what they show in figures too, so that a test sees when the articles have
+moved on.
 """
 
 import json
+import os
+import runpy
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -95,6 +98,17 @@ def pendulum(folder: Path) -> None:
     pendulum_picture(drawn(found, Unchanged()), folder / "swing.png", about=json.dumps(swung(found.record.setup)))
 
 
+def three_storey_frame(folder: Path, data: Path) -> None:
+    """Draw the three-storey frame of `data` with the models of its ladder into `folder`; nothing where the data are absent."""
+    if not data.is_dir():
+        return
+    program = runpy.run_path(str(Path(__file__).with_name("three_storey_frame.py")))
+    test = program["tested"](data)
+    found = program["climbed"](test)
+    program["draw"](test, found, folder)
+    program["draw_ladder"](found, folder)
+
+
 def swing_setup() -> Setup:
     """The pendulum of the picture."""
     texts = {
@@ -140,3 +154,4 @@ if __name__ == "__main__":
     flexible_bodies(sheet.parent)
     base_excitation(sheet.parent)
     pendulum(sheet.parent)
+    three_storey_frame(sheet.parent, Path(os.environ.get("MASSLINE_DATA", "../shared/data")) / "three_storey_frame")

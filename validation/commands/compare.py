@@ -18,7 +18,7 @@ METHODS = ("full-record", "peak-reference-hold")
     "--hold-out",
     multiple=True,
     metavar="NAME",
-    help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run and configuration in turn]",
+    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run and configuration in turn]",
 )
 @click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaigns']")
 @click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
@@ -37,8 +37,9 @@ def command(
 ) -> None:
     """Where MODEL fails: four errors with their verdicts, the ten worst spots in words, maps over frequency.
 
-    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. Spots are told in standard deviations
-    of what noise and tolerances let expect, and in per cent of the dynamic mass; docs/compare.md says how to read them.
+    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. Spots are told in standard
+    deviations of what noise and tolerances let expect, and in per cent of the dynamic mass; docs/compare.md says how to read
+    them.
 
     Exit code 0 whatever it finds; 1 when a fit does not converge; 2 when the input cannot be used.
     """

@@ -1,17 +1,19 @@
-"""A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted may move it.
+"""A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted
+may move it.
 
 All tangents of a series on all lines are more than a laptop holds; a chunk of lines is soon done and forgotten.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from validation.comparing.doubt import Doubt
 from validation.engine.fit import FLOOR
 from validation.engine.likelihood import observed
 from validation.engine.prediction import Lines, Offsets, Predicted, Prediction
@@ -29,7 +31,7 @@ class Chunk:
     lines : (n,) indices
     rows : (r, n, c, k) what the channels read for a unit of every input
     noise : (r, n, c) standard deviation by noise and model-error floor
-    spread : (r, n, c, p) what one standard deviation of every tolerance that was not fitted does to the readings, SI
+    spread : (r, n, c, q) what one standard deviation of everything that is not known does to the readings, SI
     """
 
     lines: Lines
@@ -38,15 +40,14 @@ class Chunk:
     spread: ComplexArray
 
 
-def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, fitted: Collection[str]) -> Iterator[Chunk]:
+def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unknown: Doubt) -> Iterator[Chunk]:
     """The lines of `prediction` at `offsets`, in order.
 
     Parameters
     ----------
     inputs : (r, n, k) of the runs, which turn a tolerance into a reading
-    fitted : names of parameters that were, and so are not in doubt any more
+    unknown : what may be otherwise
     """
-    tolerances = {one.name: one.tolerance for one in prediction.parameters if one.name not in fitted and np.isfinite(one.tolerance)}
     measured = prediction.measured
     count = len(measured.frequency)
     for first in range(0, count, TOGETHER):
@@ -58,14 +59,23 @@ def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, fitte
             lines=lines,
             rows=np.broadcast_to(found.rows, shape),
             noise=np.sqrt(2) / weight,
-            spread=_spread(found, u, tolerances),
+            spread=_spread(found, u, unknown),
         )
 
 
-def _spread(found: Predicted, u: ComplexArray, tolerances: dict[str, float]) -> ComplexArray:
-    names = [name for name in found.changes if tolerances.get(name, 0.0) > 0]
-    spread = np.zeros((*u.shape[:2], found.rows.shape[-2], len(names)), dtype=np.complex128)
+def _spread(found: Predicted, u: ComplexArray, unknown: Doubt) -> ComplexArray:
+    """(r, n, c, q + p): tolerances with what the fit made of them, then what the fit itself does not know."""
+    tolerances = np.array(list(unknown.tolerances.values()))
+    direct = _readings(found, u, tuple(unknown.tolerances)) * tolerances
+    of_fit = _readings(found, u, unknown.fitted)
+    return np.concatenate([direct + of_fit @ unknown.answer, of_fit @ unknown.own], axis=-1)
+
+
+def _readings(found: Predicted, u: ComplexArray, names: Sequence[str]) -> ComplexArray:
+    """(r, n, c, len(names)) d readings / d offset."""
+    readings = np.zeros((*u.shape[:2], found.rows.shape[-2], len(names)), dtype=np.complex128)
     for k, name in enumerate(names):
-        change = found.changes[name]
-        spread[:, :, list(change.channels), k] = tolerances[name] * (change.rows @ u[..., None])[..., 0]
-    return spread
+        change = found.changes.get(name)
+        if change is not None:
+            readings[:, :, list(change.channels), k] = (change.rows @ u[..., None])[..., 0]
+    return readings

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from validation.comparing.comparison import Beside, Comparison
+from validation.comparing.doubt import doubt
 from validation.comparing.gathered import Data
 from validation.comparing.maps import Map, Rig, mapped
 from validation.comparing.modes import NamedMode, named
@@ -16,12 +17,16 @@ from validation.comparing.verdicts import MOST, told, tolerances
 from validation.engine import hold_out as held
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation, Fit
-from validation.engine.prediction import Fact, Offsets, Prediction
+from validation.engine.prediction import Offsets
 from validation.engine.problem import Problem
-from validation.engine.residuals import Residuals, residuals
+from validation.engine.residuals import residuals
 from validation.models.model import Model
-from validation.prediction.facts import facts
+from validation.prediction import applied
+from validation.prediction.facts import ArticleFact, facts
 from validation.prediction.series import SeriesPrediction, predictions
+
+UNITS = ("kg", "m", "m", "m", *("kg m²",) * 6)
+"""SI, of the quantities of `identification.classical`."""
 
 Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
@@ -40,7 +45,8 @@ def compared(
 
     Parameters
     ----------
-    hold_out : names of runs, campaigns and files that are predicted and never fitted; each run and configuration in turn by default
+    hold_out : names of runs, campaigns and files that are predicted and never fitted; by default each run and configuration in
+        turn
     band : (low, high) [Hz]; that of the campaigns by default
     method : of `identification.campaign.METHODS`
 
@@ -51,24 +57,25 @@ def compared(
     """
     tell = progress or (lambda what, share: None)
     made = predictions(model, data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share))
-    problem = Problem(made, facts(model, data.classical))
+    said = facts(model, data.classical)
+    problem = Problem(made, said)
     names = meant(problem, data, hold_out)
-    if names:
-        held.named(problem, names)  # refuses a name that is none before minutes are spent
+    known = held.without(problem, held.named(problem, names)) if names else problem  # refused before minutes are spent
     evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
-    maps, explained = mapped_all(made, problem, evaluation, lambda share: tell("maps", share))
-    modes = tuple(_modes(one) for one in made)
+    maps = mapped_all(made, problem, known.thinned(), evaluation.plain_fit, lambda share: tell("maps", share))
+    modes = tuple(_modes(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
+    spots = worst(maps, modes)
     return Comparison(
         title=model.title or model.article,
         source=model.source,
         evaluation=evaluation,
-        explained=explained,
-        errors=told(evaluation, explained),
+        explained=explained(maps),
+        errors=told(evaluation, explained(maps), max((spot.sigma for spot in spots), default=0.0)),
         absurd=tolerances(evaluation.fitted)[:MOST],
         maps=maps,
         modes=modes,
-        worst=worst(maps, modes),
-        facts=beside(problem, evaluation),
+        worst=spots,
+        facts=beside(said, problem, evaluation),
         effects=tuple(one.named.id for one in model.effects),
         remarks=_remarks(made, maps, evaluation),
     )
@@ -76,7 +83,9 @@ def compared(
 
 def meant(problem: Problem, data: Data, names: Sequence[str]) -> tuple[str, ...]:
     """`names` as the engine knows them: a campaign may be named by its folder, a fact by its file."""
-    folders = {Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=True)}
+    folders = {
+        Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=True)
+    }
     found: list[str] = []
     for name in names:
         of_file = [fact.name for fact in problem.facts if name in data.classical and fact.name.startswith(name)]
@@ -85,50 +94,60 @@ def meant(problem: Problem, data: Data, names: Sequence[str]) -> tuple[str, ...]
 
 
 def mapped_all(
-    made: Sequence[SeriesPrediction], problem: Problem, evaluation: Evaluation, progress: Callable[[float], None]
-) -> tuple[tuple[Map, ...], float]:
-    """The maps of all campaigns at the plain fit, and the per cent of the plain error that tolerances explain."""
-    plain = evaluation.plain_fit
+    made: Sequence[SeriesPrediction], problem: Problem, known: Problem, plain: Fit, progress: Callable[[float], None]
+) -> tuple[Map, ...]:
+    """The maps of all campaigns at the plain fit; `known` is what was fitted."""
     left = residuals(problem, plain)
-    fitted = [one.name for one in plain.parameters]
+    unknown = doubt(known, plain)
     found = []
     for k, one in enumerate(made):
         campaign = one.tested.campaign
         rig = Rig(table=campaign.table, gravity=campaign.gravity)
         share = _part(progress, k, len(made))
-        found.append(mapped(one, {**problem.start, **plain.by_name}, fitted, left[k].inputs, rig, share))
-    return tuple(found), explained(made, left)
+        found.append(mapped(one, {**problem.start, **plain.by_name}, unknown, left[k].inputs, rig, share))
+    return tuple(found)
 
 
-def explained(made: Sequence[Prediction], left: Sequence[Residuals]) -> float:
+def explained(maps: Sequence[Map]) -> float:
     """Per cent that the plain error comes to by noise, model-error floor and tolerances alone."""
-    shares = []
-    for one, of in zip(made, left, strict=True):
-        judged = one.measured.judged
-        level = np.sum(np.abs(one.measured.values[..., judged]) ** 2, axis=-1)
-        expected = np.sum(of.sigma[..., judged] ** 2, axis=-1)
-        shares.append((expected / np.maximum(level, np.finfo(np.float64).tiny)).ravel())
-    return float(100 * np.sqrt(np.mean(np.concatenate(shares))))
+    return float(100 * np.sqrt(np.mean(np.concatenate([of.explained.ravel() ** 2 for of in maps]))))
 
 
-def beside(problem: Problem, evaluation: Evaluation) -> tuple[Beside, ...]:
-    """Every fact of `problem`, at the plain fit and of the model as it stands."""
-    return tuple(_beside(fact, {**problem.start, **evaluation.plain_fit.by_name}, problem.start) for fact in problem.facts)
+def beside(facts: Sequence[ArticleFact], problem: Problem, evaluation: Evaluation) -> tuple[Beside, ...]:
+    """Every fact, at the plain fit and of the model as it stands."""
+    return tuple(_beside(fact, {**problem.start, **evaluation.plain_fit.by_name}, problem.start) for fact in facts)
 
 
-def _beside(fact: Fact, plain: Offsets, nominal: Offsets) -> Beside:
-    return Beside(name=fact.name, sigma=fact.residual(plain)[0], nominal_sigma=fact.residual(nominal)[0])
+def _beside(fact: ArticleFact, plain: Offsets, nominal: Offsets) -> Beside:
+    sigma = fact.residual(plain)[0]
+    return Beside(
+        name=fact.name,
+        unit=UNITS[int(np.argmax(np.abs(fact.weights)))],
+        predicted=fact.value + sigma * fact.deviation,
+        measured=fact.value,
+        tolerance=fact.deviation,
+        sigma=sigma,
+        nominal_sigma=fact.residual(nominal)[0],
+    )
 
 
-def _modes(prediction: SeriesPrediction) -> tuple[NamedMode, ...]:
-    stands = prediction.tested.carried.standing
-    return () if stands.matrices is None else named(stands.matrices, stands.modes)
+def _modes(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+    """Of the structure as the plain fit has it, its effects acting."""
+    carried = prediction.tested.carried
+    if carried.nuisances is None:
+        return ()
+    matrices, _ = carried.nuisances.at(offsets, derivatives=False)
+    return named(applied.structure(matrices, {}, applied.at(prediction.effects, offsets), derivatives=False)[0])
 
 
 def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:
     said = [text for one in made for text in (*one.tested.campaign.warnings, *one.tested.carried.standing.remarks)]
     said += [text for one in maps for text in one.remarks]
-    said += [_unconverged(name, of) for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted)) if not of.converged]
+    said += [
+        _unconverged(name, of)
+        for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted))
+        if not of.converged
+    ]
     return tuple(dict.fromkeys(text.rstrip(".") for text in said))
 
 

@@ -59,10 +59,10 @@ def _errors(found: Comparison, path: Path) -> None:
     nominal, plain, fitted, held = found.errors
     bars = [
         pages.DrawnError(name="nominal", percent=of.nominal.percent, verdict=nominal.verdict),
-        pages.DrawnError(name="plain", percent=of.plain.percent, verdict=plain.verdict, text=plain.text.partition(": ")[2]),
+        pages.DrawnError(name="plain", percent=of.plain.percent, verdict=plain.verdict),
     ]
     if of.held_out is not None:
-        bars.append(pages.DrawnError(name="held out, plain", percent=of.held_out.percent, verdict=held.verdict, text=held.text))
+        bars.append(pages.DrawnError(name="held out, plain", percent=of.held_out.percent, verdict=held.verdict))
     price = of.fitted.tolerance_z2 / max(expected_z2(of.fitted), 1.0)
     prices = [
         pages.DrawnError(name="chi² per degree of freedom", percent=misfit(of.fitted), verdict=_chi2(found)),
@@ -130,14 +130,14 @@ def _pairs(of: Pairs, modes: Sequence[NamedMode], path: Path) -> None:
         rules=(6, 12, 18, 24, 30),
     )
     percent = replace(sigma, title="in per cent of the dynamic mass", sigma=of.percent.reshape(len(of.frequency), 36))
-    note = "Predicted beside measured, about F. " + NOTE + THRESHOLD
+    note = f"Predicted beside measured, about F; sigma as in the maps of the channels. {THRESHOLD}"
     pages.draw_pairs(f"{of.campaign}: dynamic mass, load and base motion", sigma, percent, path, note)
 
 
 def _dynamic_mass(found: Comparison, path: Path) -> None:
     by_name = {of.data_set: (of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None}
     panels = [_entry(pair, *by_name[pair.data_set]) for pair in worst_pairs(found.maps, PAIRS)]
-    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: the model at the plain fit, made likewise."
+    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: model, plain fit, made likewise."
     chosen(f"{found.title}: predicted beside measured", panels, path, note)
 
 
@@ -145,9 +145,7 @@ def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str,
     marks = _Marks(frequency=np.array(_frequencies(modes)), effective_mass=np.full((len(modes), 6), np.inf))
     both = ((of.predicted, "predicted", ""), (of.measured, "measured", MEASURED))
     curves = tuple(
-        Curve(
-            name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots
-        )
+        Curve(name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots)
         for matrix, name, dots in both
     )
     return f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz", pair.load, pair.motion, curves

@@ -1,12 +1,12 @@
 """How a deviation depends on frequency, where that is plain: a share that is constant, grows, falls, or a resonance.
 
-Each candidate is fitted by weighted least squares with one real number, a resonance with two complex ones, and is named only when it
-explains nearly all of the deviation. What follows nothing plain gets no name.
+Each candidate is fitted by weighted least squares with one real number, a resonance with two complex ones, and is named only
+when it explains nearly all of the deviation. What follows nothing plain gets no name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,25 +24,26 @@ AROUND = 0.3
 LONGEST = 3.0
 """[Hz] to either side that count at most."""
 
-SHIFTED, STEPS = 0.08, 12
-"""Share of its frequency by which a mode may lie elsewhere, and how many steps to either side are tried."""
+SHIFTED = 0.12
+"""Share of its frequency by which a mode may lie elsewhere."""
 
-Function = Callable[[Array], Array | ComplexArray]
+WIDTHS = 6
+"""Damping ratios to either side of a peak within which the mode is sought that makes it."""
 
-SHARES: Mapping[str, Function] = {
-    "the same share at all frequencies": lambda w: np.ones(len(w)),
-    "a share that grows with frequency, as of a delay": lambda w: 1j * w,
-    "a share that falls with frequency, as of a high-pass": lambda w: 1j / w,
-    "a share that grows with the square of frequency": lambda w: w**2,
-    "a share that falls with the square of frequency": lambda w: 1 / w**2,
+SHARES: Mapping[str, tuple[complex, int]] = {
+    "the same share at all frequencies": (1, 0),
+    "a share that grows with frequency, as of a delay": (1j, 1),
+    "a share that falls with frequency, as of a high-pass": (1j, -1),
+    "a share that grows with the square of frequency": (1, 2),
+    "a share that falls with the square of frequency": (1, -2),
 }
-"""Of what a channel reads."""
+"""Of what a channel reads: factor and power of the frequency."""
 
-LOADS: Mapping[str, Function] = {
-    "constant over frequency, as of a mass": lambda w: np.ones(len(w)),
-    "grows with the square of frequency, as of a compliance": lambda w: w**2,
-    "falls with the square of frequency, as of a spring to ground or of gravity": lambda w: 1 / w**2,
-    "falls with frequency, as of a damper to ground": lambda w: 1j / w,
+LOADS: Mapping[str, tuple[complex, int]] = {
+    "constant over frequency, as of a mass": (1, 0),
+    "grows with the square of frequency, as of a compliance": (1, 2),
+    "falls with the square of frequency, as of a spring to ground or of gravity": (1, -2),
+    "falls with frequency, as of a damper to ground": (1j, -1),
 }
 """Of the motion that a run drives."""
 
@@ -69,40 +70,49 @@ class Course:
     of_load: bool
 
 
-def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float]) -> str:
-    """What the deviation follows, in words; empty where nothing plain. It stands out in `band` [Hz]."""
+def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float], peak: float) -> str:
+    """What the deviation follows, in words; empty where nothing plain. It stands out in `band` [Hz], most at `peak`."""
     weight = 1 / np.maximum(course.expected, np.finfo(np.float64).tiny)
-    y, omega = weight * course.deviation, 2 * np.pi * course.frequency
+    y, f = weight * course.deviation, course.frequency
     if not np.any(np.abs(y) > 0):
         return ""
     functions, driver = (LOADS, course.motion) if course.of_load else (SHARES, course.reading)
-    shares = {name: _explained(y, [weight * driver * of(omega)]) for name, of in functions.items()}
+    shares = {name: _explained(y, [factor * weight * driver * f**power]) for name, (factor, power) in functions.items()}
     best = max(shares, key=lambda name: shares[name])
-    return best if shares[best] >= EXPLAINED else _resonance(course.frequency, y, weight * course.motion, modes, band)
+    return best if shares[best] >= EXPLAINED else _resonance(f, y, weight * course.motion, modes, band, peak)
 
 
 def _resonance(
-    frequency: Array, y: ComplexArray, motion: ComplexArray, modes: Sequence[NamedMode], band: tuple[float, float]
+    frequency: Array,
+    y: ComplexArray,
+    motion: ComplexArray,
+    modes: Sequence[NamedMode],
+    band: tuple[float, float],
+    peak: float,
 ) -> str:
     """The mode near `band` whose resonance the deviation follows: as it is predicted and as it would be a little elsewhere."""
     found = {}
     for mode in modes:
         if band[0] / (1 + SHIFTED) <= mode.frequency <= band[1] * (1 + SHIFTED):
             near = np.abs(frequency - mode.frequency) <= min(AROUND * mode.frequency, LONGEST)
-            found[mode.name] = max(_beside(frequency[near], y[near], motion[near], mode, shift) for shift in _shifts())
+            tried = [(mode.frequency, mode.damping_ratio), *_elsewhere(peak, mode.damping_ratio)]
+            found[mode.name] = max(_beside(frequency[near], y[near], motion[near], mode, other) for other in tried)
     best = max(found, key=lambda name: found[name], default="")
     return f"follows the {best}" if best and found[best] >= EXPLAINED else ""
 
 
-def _shifts() -> Array:
-    """Relative shifts of a mode, dense about none."""
-    return np.asarray(SHIFTED * np.linspace(-1.0, 1.0, 2 * STEPS + 1) ** 3)
+def _elsewhere(peak: float, zeta: float) -> Iterator[tuple[float, float]]:
+    """Frequencies [Hz] about `peak` and damping ratios that a mode might have there."""
+    for times in (0.25, 0.5, 1.0, 2.0):
+        for width in np.linspace(-WIDTHS, WIDTHS, 4 * WIDTHS + 1):
+            yield peak * (1 + width * times * zeta), times * zeta
 
 
-def _beside(frequency: Array, y: ComplexArray, motion: ComplexArray, mode: NamedMode, shift: float) -> float:
-    """What two resonances explain that lie by `shift` apart; by none, a resonance and its derivative."""
-    L, other = (_resonates(frequency / mode.frequency / by, mode.damping_ratio) for by in (1.0, 1.0 + shift))
-    second = L**2 if not shift else other
+def _beside(frequency: Array, y: ComplexArray, motion: ComplexArray, mode: NamedMode, other: tuple[float, float]) -> float:
+    """What a resonance explains as predicted and as it might be, frequency and damping; where they are one, its derivative."""
+    L, second = (_resonates(frequency / f, zeta) for f, zeta in ((mode.frequency, mode.damping_ratio), other))
+    if other == (mode.frequency, mode.damping_ratio):
+        second = L**2
     return _explained(y, [factor * motion * of for factor in (1, 1j) for of in (L, second)])
 
 

@@ -1,7 +1,7 @@
 """The data of a comparison: campaign folders and classical measurement files together, told apart and read.
 
-What contradicts itself is refused before the first signal is read: the same folder twice, one article on two FMDs, files without any
-campaign. What a model has to do with them is `validation.models.pairing`.
+What contradicts itself is refused before the first signal is read: the same folder twice, one article on two FMDs, files
+without any campaign. What a model has to do with them is `validation.models.pairing`.
 """
 
 from __future__ import annotations
@@ -84,7 +84,9 @@ def _require_once(paths: Sequence[str]) -> None:
         where = Path(path).resolve()
         if where in seen:
             same = "is named twice" if seen[where] == path else f"is the same as {seen[where]}"
-            raise BadInput(source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once")
+            raise BadInput(
+                source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once"
+            )
         seen[where] = path
 
 

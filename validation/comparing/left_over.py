@@ -1,7 +1,7 @@
 """What a channel reads beyond what all the others say it should, and how surprising that is.
 
-At one line of one run y = A u + e, e with the covariance S = D + V V^H of noise D and of all tolerances V that were not fitted. With
-latent inputs u the projector
+At one line of one run y = A u + e, e with the covariance S = D + V V^H of noise D and of all tolerances V that were not
+fitted. With latent inputs u the projector
 
     P = S^-1 - S^-1 A (A^H S^-1 A)^-1 A^H S^-1                      (P = S^-1 and y - A u in place of y where u is known)
 
@@ -9,11 +9,11 @@ gives for every channel c at once what it reads beyond its prediction from all o
 
     d_c = (P y)_c / P_cc ,      sd_c = P_cc^-1/2
 
-(leave-one-out residuals of generalised least squares; Dubrule, Math. Geology 15, 1983). A channel that is off by itself stands out
-by d_c; neighbours that merely share its tolerances do not. y^H P y is chi² over all of them.
+(leave-one-out residuals of generalised least squares; Dubrule, Math. Geology 15, 1983). A channel that is off by itself
+stands out by d_c; neighbours that merely share its tolerances do not. y^H P y is chi² over all of them.
 
-What the model gets wrong shows in the loads instead: their error R (y_f - A_f u), u from the channels that are not judged, adds up
-what every load cell sees a little of. Its covariance is that of the same linear form.
+What the model gets wrong shows in the loads instead: their error R (y_f - A_f u), u from the channels that are not judged,
+adds up what every load cell sees a little of. Its covariance is that of the same linear form.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
@@ -78,7 +79,7 @@ def left_over(y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexA
 
 
 def judged_error(
-    y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexArray | None, judged: Array
+    y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexArray | None, judged: npt.NDArray[np.bool_]
 ) -> tuple[ComplexArray, ComplexArray]:
     """Error (..., f) of the judged channels with inputs from all others, and its covariance (..., f, f).
 

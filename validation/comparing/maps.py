@@ -6,7 +6,7 @@ floor and those tolerances let expect, and in per cent of the level there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,9 +18,11 @@ from geometry.observability import LOADS, of_motions, of_resultants
 from geometry.sensors import ChannelTable, resultants
 from identification.self_calibration.elimination import smoothed_level
 from validation.comparing.chunks import Chunk, chunks
+from validation.comparing.doubt import Doubt
 from validation.comparing.left_over import Deviations, combined, covariance, judged_error, left_over
 from validation.comparing.pairs import Operators, Pairs, joined, lines, operators, through
-from validation.engine.likelihood import floor_of
+from validation.engine.inputs import left_of_run
+from validation.engine.likelihood import floor_of, observed
 from validation.engine.measured import Measured
 from validation.engine.prediction import Offsets, Prediction
 
@@ -45,6 +47,7 @@ class Map:
     level : (r, n, m) of which a deviation is told in per cent
     inputs : (r, n, k) base motions or known inputs, as the channels that are not judged tell them
     misfit : (r, n) chi² per degree of freedom of all channels together, tolerances counted
+    explained : (r, n) share of the judged channels' readings that the plain error is expected to be
     pairs : of the dynamic mass; None where runs or channels do not tell it
     remarks : sentences
     """
@@ -62,6 +65,7 @@ class Map:
     level: Array
     inputs: ComplexArray
     misfit: Array
+    explained: Array
     pairs: Pairs | None = None
     remarks: tuple[str, ...] = field(default=())
 
@@ -93,7 +97,7 @@ class Rig:
 def mapped(
     prediction: Prediction,
     offsets: Offsets,
-    fitted: Collection[str],
+    unknown: Doubt,
     inputs: ComplexArray,
     rig: Rig | None = None,
     progress: Callable[[float], None] | None = None,
@@ -102,7 +106,8 @@ def mapped(
 
     Parameters
     ----------
-    offsets, fitted : of the plain fit, and the names of the parameters that it moved
+    offsets : of the plain fit
+    unknown : what may be otherwise there
     inputs : (r, n, k) of the runs, with which tolerances act
     rig : of a base-excitation test; without it there are neither loads nor pairs
     """
@@ -110,7 +115,7 @@ def mapped(
     R = None if rig is None else _resultants(measured, rig)
     of, remarks = (None, ()) if rig is None else _operators(measured, rig)
     said, both, told = [], [], progress or (lambda share: None)
-    for part in chunks(prediction, offsets, inputs, fitted):
+    for part in chunks(prediction, offsets, inputs, unknown):
         said.append(_of_lines(measured, part, R))
         if of is not None:
             both.append(lines(of, measured.frequency, measured.values, inputs, part))
@@ -125,7 +130,7 @@ def mapped(
         rows=(*measured.channels, *(() if R is None else LOADS)),
         channels=len(measured.channels),
         inputs=inputs,
-        level=_levels(measured, found.pop("loads")),
+        level=_levels(measured, found),
         pairs=joined(measured.name, measured.frequency, both) if both else None,
         remarks=remarks,
         **found,
@@ -133,7 +138,7 @@ def mapped(
 
 
 def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
-    """What a chunk says, by field of `Map`; `loads` (r, n, 6 or 0) are those predicted."""
+    """What a chunk says, by field of `Map`."""
     y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
     own, chi2 = left_over(y, A, S, known)
@@ -147,17 +152,35 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
-        "loads": predicted,
+        "explained": _explained(measured, part, S),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
     }
 
 
-def _levels(measured: Measured, loads: ComplexArray) -> Array:
-    """(r, n, m): of a channel that of the model-error floor, of a load all six of its run, moments over their nominal length."""
-    level = floor_of(measured)
-    if not loads.shape[-1]:
+def _explained(measured: Measured, part: Chunk, S: ComplexArray) -> Array:
+    """(r, n) of the error that the engine calls plain, with inputs as it estimates them."""
+    seen, judged = observed(measured, part.lines), measured.judged
+    weight = np.sqrt(2) / part.noise
+    gains = [left_of_run(seen, A, w, run).gain for run, (A, w) in enumerate(zip(part.rows, weight, strict=True))]
+    spread = np.stack(
+        [own if gain is None else gain @ own @ gain.conj().swapaxes(-1, -2) for gain, own in zip(gains, S, strict=True)]
+    )
+    expected = np.diagonal(spread, axis1=-2, axis2=-1).real[..., judged].sum(axis=-1)
+    level = np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1)
+    return np.asarray(np.sqrt(expected / np.maximum(level, np.finfo(np.float64).tiny)))
+
+
+def _levels(measured: Measured, found: Mapping[str, Array]) -> Array:
+    """(r, n, m): of a channel that of the model-error floor; of a load all six of its run, predicted or measured, the greater.
+
+    Moments count divided by their nominal length.
+    """
+    level, of_loads = floor_of(measured), slice(len(measured.channels), None)
+    predicted = found["reading"][..., of_loads]
+    if not predicted.shape[-1]:
         return level
-    power = smoothed_level(measured.frequency, loads / LENGTHS)
+    loads = (predicted, predicted + found["deviation"][..., of_loads])
+    power = np.maximum(*(smoothed_level(measured.frequency, one / LENGTHS) for one in loads))
     together = np.sqrt(np.sum(power**2, axis=-1, keepdims=True))
     return np.concatenate([level, together * LENGTHS], axis=-1)
 

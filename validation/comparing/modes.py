@@ -1,4 +1,5 @@
-"""Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its modes."""
+"""Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its
+modes."""
 
 from __future__ import annotations
 
@@ -9,7 +10,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from validation.effects.stages import Matrices
-from validation.flexible.places import family
+from validation.flexible.places import Integers, family
+
+PART = 0.05
+"""Share of the greatest effective mass of several modes that one of them must have to be driven."""
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
@@ -23,15 +27,17 @@ class NamedMode:
     name : "first mast mode"
     frequency : [Hz]
     damping_ratio : [1]
+    effective_mass : (6,) along and about every axis [kg], [kg m²]; empty where it is not known
     """
 
     name: str
     frequency: float
     damping_ratio: float
+    effective_mass: tuple[float, ...] = ()
 
 
-def named(matrices: Matrices, count: int) -> tuple[NamedMode, ...]:
-    """The lowest `count` modes of `matrices` with the base held, ascending."""
+def named(matrices: Matrices) -> tuple[NamedMode, ...]:
+    """The modes of `matrices` with the base held, ascending; the last of them stand for the static answer of all others."""
     from scipy.linalg import eigh
 
     own = np.arange(matrices.base, len(matrices.mass))
@@ -39,13 +45,22 @@ def named(matrices: Matrices, count: int) -> tuple[NamedMode, ...]:
         return ()
     K, M, C, S = (one[np.ix_(own, own)] for one in (matrices.stiffness, matrices.mass, matrices.viscous, matrices.structural))
     squares, shapes = eigh(K, M)
-    omega, shapes = np.sqrt(np.maximum(squares, 0.0))[:count], shapes[:, :count]
+    omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
     zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
     names = in_order(_holders(matrices, own, shapes))
+    effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
     return tuple(
-        NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z))
-        for name, w, z in zip(names, omega, zeta, strict=True)
+        NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=tuple(map(float, m)))
+        for name, w, z, m in zip(names, omega, zeta, effective, strict=True)
     )
+
+
+def taking_part(modes: Sequence[NamedMode], axis: int) -> tuple[NamedMode, ...]:
+    """Those of `modes` that a motion of the base along `axis` (index in `MOTIONS`) drives; all where that is not known."""
+    if any(len(one.effective_mass) <= axis for one in modes):
+        return tuple(modes)
+    most = max((one.effective_mass[axis] for one in modes), default=0.0)
+    return tuple(one for one in modes if one.effective_mass[axis] >= PART * most)
 
 
 def in_order(holders: Sequence[str]) -> list[str]:
@@ -58,7 +73,7 @@ def ordinal(number: int) -> str:
     return ORDINALS[number - 1] if number <= len(ORDINALS) else f"{number}th"
 
 
-def _holders(matrices: Matrices, own: Array, shapes: Array) -> list[str]:
+def _holders(matrices: Matrices, own: Integers, shapes: Array) -> list[str]:
     """By mode the part with the largest share of strain energy; empty words where the model does not say."""
     shares: dict[str, Array] = {}
     for part, K in matrices.parts.items():
@@ -70,4 +85,4 @@ def _holders(matrices: Matrices, own: Array, shapes: Array) -> list[str]:
 
 
 def _energy(matrix: Array, shapes: Array) -> Array:
-    return np.einsum("im,ij,jm->m", shapes, matrix, shapes)
+    return np.asarray(np.einsum("im,ij,jm->m", shapes, matrix, shapes))

@@ -1,9 +1,9 @@
 """The worst spots: connected regions of the maps, merged over neighbouring lines and over all rows that say the same.
 
-One fault shows in many cells of a map. A spot therefore takes the worst row of a run, the stretch of lines around its peak on which
-it stays above half of that, and whatever else in this run and stretch is less bad than it. What is left is looked at again: something
-worse in the same stretch is a spot of its own. The same row in other runs, and the same channel in other data sets, is one spot with
-the worst of them.
+One fault shows in many cells of a map. A spot therefore takes the worst row of a run, the stretch of lines around its peak on
+which it stays above half of that, and whatever else in this run and stretch is less bad than it. What is left is looked at
+again: something worse in the same stretch is a spot of its own. The same row in other runs, and the same channel in other
+data sets, is one spot with the worst of them.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.dynamic_mass import MOTIONS
 from validation.comparing.frequency import Course, follows
 from validation.comparing.maps import LENGTHS, Map
-from validation.comparing.modes import NamedMode
+from validation.comparing.modes import NamedMode, taking_part
 
 COUNT = 10
 
@@ -107,19 +107,18 @@ def _take(left: Array, sigma: Array, row: int, first: int, last: int, frequency:
     left[reach.any(axis=1), row] = 0.0
 
 
-def _spot(
-    of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[int, int], modes: Sequence[NamedMode]
-) -> Spot:
+def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[int, int], modes: Sequence[NamedMode]) -> Spot:
     first, last = stretch
     band = (float(of.frequency[first]), float(of.frequency[last]))
     peaks = sigma[first : last + 1].max(axis=0)
     others = [k for k in np.argsort(-peaks) if k != row and peaks[k] >= REGION * sigma[line, row]]
+    driven = _driven(of, run)
     course = Course(
         frequency=of.frequency,
         deviation=of.deviation[run, :, row],
         expected=of.expected[run, :, row],
         reading=of.reading[run, :, row],
-        motion=_driven(of, run),
+        motion=of.inputs[run, :, driven],
         of_load=row >= of.channels,
     )
     return Spot(
@@ -133,18 +132,18 @@ def _spot(
         band=band,
         sigma=float(sigma[line, row]),
         percent=float(of.percent[run, line, row]),
-        course=follows(course, modes, band),
+        course=follows(course, taking_part(modes, driven), band, float(of.frequency[line])),
         others=tuple(of.rows[k] for k in others),
     )
 
 
-def _driven(of: Map, run: int) -> ComplexArray:
-    """(n,) the input that the run drives: that of its axis, else the greatest."""
+def _driven(of: Map, run: int) -> int:
+    """Which of the inputs the run drives: that of its axis, else the greatest."""
     u = of.inputs[run]
     if of.axes[run] in MOTIONS and u.shape[1] == len(MOTIONS):
-        return np.asarray(u[:, MOTIONS.index(of.axes[run])])
+        return MOTIONS.index(of.axes[run])
     scaled = u * LENGTHS if u.shape[1] == len(MOTIONS) else u
-    return np.asarray(u[:, int(np.argmax(np.sum(np.abs(scaled) ** 2, axis=0)))])
+    return int(np.argmax(np.sum(np.abs(scaled) ** 2, axis=0)))
 
 
 def _merged(spots: Sequence[Spot]) -> list[Spot]:

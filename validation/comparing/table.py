@@ -1,20 +1,21 @@
-"""The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes, tolerances, facts."""
+"""The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes,
+tolerances, facts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from geometry.dynamic_mass import MOTIONS
 from validation.comparing.comparison import Comparison, worst_pairs
 from validation.comparing.maps import Map
-from validation.comparing.verdicts import ABSURD, absurd
-from validation.comparing.words import STANDS_OUT, figure, text
-from validation.rows import NONE
+from validation.comparing.verdicts import ABSURD, STANDS_OUT, absurd, figure
+from validation.comparing.words import text
+from validation.rows import NONE, rounded
 from validation.tables.grid import Grid, aligned
 
 PAIRS = 5
+
+CHANCE = 3
+"""Spots that are shown where none stands out."""
 
 SIGNS = ("x", "y", "z", "α", "β", "γ")
 """Of loads and base motions in the name of an entry of H."""
@@ -40,8 +41,8 @@ def grids(found: Comparison) -> list[Grid]:
 
 def errors(found: Comparison) -> Grid:
     """The four errors: figure, meaning, verdict."""
-    lines = tuple((f"{one.name}  {one.figure}", _judged(one.verdict, one.text, one.meaning)) for one in found.errors)
-    return Grid(header=("error", "what it means, and what is to be thought of it"), lines=lines, words=True)
+    lines = tuple((one.name, one.figure, _judged(one.verdict, one.text, one.meaning)) for one in found.errors)
+    return Grid(header=("", "error", "what it means, and what is to be thought of it"), lines=lines, words=True)
 
 
 def _judged(verdict: str, text: str, meaning: str) -> str:
@@ -50,9 +51,10 @@ def _judged(verdict: str, text: str, meaning: str) -> str:
 
 
 def spots(found: Comparison) -> Grid:
-    """The worst spots in words."""
+    """The worst spots in words; where none stands out the worst three, as chance leaves them."""
     count = len(found.maps)
-    lines = tuple((f"{k:>2}", figure(one.sigma), text(one, count)) for k, one in enumerate(found.worst, start=1))
+    shown = [one for one in found.worst if one.sigma >= STANDS_OUT] or found.worst[:CHANCE]
+    lines = tuple((f"{k:>2}", figure(one.sigma), text(one, count)) for k, one in enumerate(shown, start=1))
     return Grid(header=("", "sigma", "where it fails"), lines=lines, words=True)
 
 
@@ -97,9 +99,19 @@ def _unit(unit: str) -> str:
 
 def facts(found: Comparison) -> Grid:
     """Classical measurements, predicted minus measured."""
-    lines = [(one.name, f"{one.nominal_sigma:+.1f}", f"{one.sigma:+.1f}") for one in found.facts]
+    lines = [
+        (
+            f"{one.name} [{one.unit}]",
+            rounded(one.measured, one.tolerance),
+            rounded(one.tolerance, one.tolerance),
+            rounded(one.predicted, one.tolerance),
+            f"{one.sigma:+.1f}",
+            f"{one.nominal_sigma:+.1f}",
+        )
+        for one in found.facts
+    ]
     first, *rest = zip(*lines, strict=True)
-    header = ("classical, predicted - measured", "nominal [sigma]", "plain fit [sigma]")
+    header = ("classical measurements", "measured", "sd", "predicted", "sigma", "nominal")
     return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
 
 
@@ -108,9 +120,11 @@ def notes(found: Comparison) -> Iterator[str]:
     first = found.worst[0].sigma if found.worst else 0.0
     if first < STANDS_OUT:
         yield f"Nothing stands out: the worst spot is {figure(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
+    elif below := sum(one.sigma < STANDS_OUT for one in found.worst):
+        yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
     yield (
-        "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let expect. "
-        "A channel's is from what all other channels and the model say of it."
+        "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let "
+        "expect. A channel's is from what all other channels and the model say of it."
     )
     yield from _resonances(found)
     if found.evaluation.held_out_names:

@@ -1,8 +1,10 @@
-"""The four errors, each with what it means and what is to be thought of it. Figures come from the engine, thresholds are stated here.
+"""The four errors, each with what it means and what is to be thought of it. Figures come from the engine, thresholds are
+stated here.
 
-A chi² can be bought: tolerances swallow a fault without a trace in it, at an absurd price in themselves. So chi² and the sum of squares
-of the tolerances are judged together. What tolerances cost when nothing is wrong is known: each moves from its prior to its posterior,
-so that the sum of z² is expected to be sum(1 - sd²/tolerance²), the number of tolerances that the data really tell.
+A chi² can be bought: tolerances swallow a fault without a trace in it, at an absurd price in themselves. So chi² and the sum
+of squares of the tolerances are judged together. What tolerances cost when nothing is wrong is known: each moves from its
+prior to its posterior, so that the sum of z² is expected to be sum(1 - sd²/tolerance²), the number of tolerances that the
+data really tell.
 """
 
 from __future__ import annotations
@@ -13,9 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from validation.engine.evaluation import Evaluation, Fit
-from validation.engine.parameter import DECLARED, SENSOR, Parameter
+from validation.engine.parameter import TOLERANCES, Parameter
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
+
+STANDS_OUT = 4.0
+"""Sigmas from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three."""
 
 MISFIT = 1.5
 """Chi² per degree of freedom from which data and model contradict each other, whatever the tolerances."""
@@ -28,6 +33,7 @@ UNLIKELY = 1e-3
 
 ABSURD = 4.0
 """z of one tolerance that no careful laboratory has."""
+
 
 MOST = 5
 """Tolerances that are named."""
@@ -76,28 +82,36 @@ class Tolerance:
 def tolerances(of: Fit) -> tuple[Tolerance, ...]:
     """The tolerances of a fit, the most absurd first."""
     both = zip(of.parameters, of.offsets, strict=True)
-    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in (SENSOR, DECLARED) and one.tolerance > 0]
+    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in TOLERANCES and one.tolerance > 0]
     return tuple(sorted((one for one in found if np.isfinite(one.parameter.tolerance)), key=lambda one: -abs(one.z)))
 
 
 def expected_z2(of: Fit) -> float:
     """Sum of z² that the tolerances of a fit come to when nothing is wrong."""
     prior = np.array([one.tolerance for one in of.parameters])
-    counted = [one.kind in (SENSOR, DECLARED) and 0 < one.tolerance < np.inf for one in of.parameters]
+    counted = [one.kind in TOLERANCES and 0 < one.tolerance < np.inf for one in of.parameters]
     share = np.diag(of.covariance)[counted] / prior[counted] ** 2
     return float(np.sum(np.clip(1 - share, 0.0, 1.0)))
 
 
 def absurd(of: Fit) -> bool:
-    """Whether the tolerances of a fit cost more than chance."""
+    """Whether the tolerances of a fit, together or one of them, cost more than chance."""
     from scipy.stats import chi2
 
+    if any(abs(one.z) >= ABSURD for one in tolerances(of)[:1]):
+        return True
     return bool(chi2.sf(of.tolerance_z2, max(expected_z2(of), 1.0)) < UNLIKELY)
 
 
-def told(of: Evaluation, explained: float) -> tuple[Told, ...]:
-    """The four errors of `of`; `explained` per cent of the plain error would be there by tolerances alone."""
-    return (_nominal(of), _plain(of, explained), _fitted(of.fitted), _held_out(of))
+def told(of: Evaluation, explained: float, peak: float) -> tuple[Told, ...]:
+    """The four errors of `of`.
+
+    Parameters
+    ----------
+    explained : per cent that the plain error would be by tolerances alone
+    peak : the worst spot of the maps [sigma]
+    """
+    return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of))
 
 
 def _nominal(of: Evaluation) -> Told:
@@ -108,15 +122,15 @@ def _nominal(of: Evaluation) -> Told:
     )
 
 
-def _plain(of: Evaluation, explained: float) -> Told:
-    high = of.plain.percent > MORE * explained
-    said = f"tolerances of the measurement alone explain {percent(explained)}"
+def _plain(of: Evaluation, explained: float, peak: float) -> Told:
+    high = peak >= STANDS_OUT
+    said = f"tolerances alone let expect {percent(explained)}"
     return Told(
         name="plain error",
         figure=percent(of.plain.percent),
         meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
         verdict=FAILED if high else GOOD,
-        text=f"{said}: something is missing" if high else f"{said}: nothing need be missing",
+        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
     )
 
 
@@ -125,8 +139,9 @@ def _fitted(of: Fit) -> Told:
     verdict, text = _judged(ratio, absurd(of), of)
     return Told(
         name="fitted error",
-        figure=f"chi² {ratio:.3g} a degree of freedom, z² {of.tolerance_z2:.3g} of {of.tolerances} tolerances",
-        meaning=f"every tolerance fitted; z² is their price, about {expected_z2(of):.0f} where nothing is wrong",
+        figure=f"χ² {ratio:.3g}, z² {of.tolerance_z2:.3g}",
+        meaning=f"every tolerance fitted: χ² per degree of freedom, and its price, the sum of z² of {of.tolerances} tolerances, "
+        f"about {expected_z2(of):.0f} where nothing is wrong",
         verdict=verdict,
         text=text,
     )
@@ -142,7 +157,7 @@ def _judged(ratio: float, costly: bool, of: Fit) -> tuple[str, str]:
     if ratio > MISFIT:
         return FAILED, "no tolerance explains the data" + (f", though {worst} try" if costly else "")
     if costly:
-        return FAILED, f"a good chi² with absurd tolerances is a failed model: {worst}"
+        return FAILED, f"a good χ² with absurd tolerances is a failed model: {worst}"
     return GOOD, "data and tolerances are content"
 
 
@@ -151,18 +166,23 @@ def _held_out(of: Evaluation) -> Told:
     if of.held_out is None:
         return Told(name="held-out error", figure="–", meaning=meaning, text="nothing was held out: one run of one campaign")
     high = of.held_out.percent > MORE * of.plain.percent
+    said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
+    others, before = of.held_out_configurations, of.held_out_configurations_nominal
+    if others is not None and before is not None:
+        said += f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
     return Told(
-        name="held-out error",
-        figure=percent(of.held_out.percent),
-        meaning=meaning,
-        verdict=DOUBTFUL if high else GOOD,
-        text="what was fitted does not hold there" if high else "the fit holds on data that it has not seen",
+        name="held-out error", figure=percent(of.held_out.percent), meaning=meaning, verdict=DOUBTFUL if high else GOOD, text=said
     )
 
 
 def named(some: Sequence[Tolerance]) -> str:
     """The tolerances by name, each with its z."""
     return " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in some)
+
+
+def figure(value: float) -> str:
+    """Two digits that mean something."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
 def percent(value: float) -> str:

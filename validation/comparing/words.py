@@ -1,6 +1,6 @@
 """Spots in words: what is wrong, where, by how much, and what it follows.
 
-    moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9 sigma, 4 % of the dynamic mass, follows the first mast mode
+moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9 sigma, 4 % of the dynamic mass, follows the first mast mode
 """
 
 from __future__ import annotations
@@ -10,9 +10,14 @@ from collections.abc import Sequence
 from geometry.dynamic_mass import MOTIONS
 from geometry.observability import LOADS
 from validation.comparing.spots import Spot
+from validation.comparing.verdicts import figure
 
 SENSED = dict(
-    zip(LOADS, ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z"), strict=True)
+    zip(
+        LOADS,
+        ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z"),
+        strict=True,
+    )
 )
 """A load in words."""
 
@@ -20,9 +25,6 @@ AXES = dict(zip(MOTIONS, ("x", "y", "z", "rotation about x", "rotation about y",
 
 NAMED = 3
 """Rows or runs that are listed by name; of more, their number is."""
-
-STANDS_OUT = 4.0
-"""Sigmas from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three."""
 
 
 def text(spot: Spot, configurations: int = 2) -> str:
@@ -58,11 +60,6 @@ def band(of: tuple[float, float]) -> str:
     if low == high:
         low, high = (f"{one:.1f}" for one in of)
     return f"{low} Hz" if low == high else f"{low}-{high} Hz"
-
-
-def figure(value: float) -> str:
-    """Two digits that mean something."""
-    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
 def _elsewhere(spot: Spot) -> str:

@@ -18,6 +18,7 @@ from geometry.frames import skew
 from geometry.sensors import Channel, Place
 from identification.campaign import Campaign, Processing
 from identification.recording import Recording
+from validation.correcting import equation
 from validation.correcting.refused import refused
 from validation.correcting.signals import Response, advanced, filtered, without_highpass
 from validation.effects.identifiers import Named
@@ -25,9 +26,6 @@ from validation.effects.targets import AXES
 
 BOARDS = {"force": ("fmd",), "cover": ("cover",), "table": ("table",)}
 """Groups of the channels that a board holds."""
-
-NONE = {"unit": 1.0}
-"""Size at which a family does nothing, where it is not 0."""
 
 PARALLEL = 1e-9
 """What is less of a direction is rounding."""
@@ -62,11 +60,12 @@ def corrected(campaign: Campaign, named: Named) -> Corrected:
     ------
     BadInput : a fault that cannot be taken out of a record, and why; one that nothing of this campaign could have.
     """
-    if named.family not in CORRECTIONS:
+    correction = CORRECTIONS.get(named.family, _by_equation if equation.has_inverse(named) else None)
+    if correction is None:
         raise refused(named)
-    if named.values == {"": NONE.get(named.family, 0.0)}:
+    if named.values and all(named.values[size.key] == size.null for size in named.sizes):
         raise _idle(named, "this is the size of no effect")
-    found = CORRECTIONS[named.family](campaign, named)
+    found = correction(campaign, named)
     notes = "; ".join(part for part in (campaign.notes, f"corrected: {named} taken out ({found.did})") if part)
     return replace(found, campaign=replace(found.campaign, notes=notes))
 
@@ -138,14 +137,28 @@ def _board(campaign: Campaign, named: Named) -> Corrected:
 
 
 def _highpass(campaign: Campaign, named: Named) -> Corrected:
-    held = HELD * max((campaign.processing or Processing()).start, LOWEST)
-    column = campaign.table.names.index(named.target)
+    held, column = _held(campaign), campaign.table.names.index(named.target)
 
     def raised(recording: Recording) -> Recording:
         return filtered(recording, [column], without_highpass(named.value, 0.0 if recording.is_spectrum else held))
 
     did = f"the corner of {named.value:g} Hz taken out, of time histories from {10 * held:.3g} Hz up"
     return Corrected(campaign=_recorded(campaign, raised), channels=(named.target,), did=did)
+
+
+def _by_equation(campaign: Campaign, named: Named) -> Corrected:
+    """A family of the user's own."""
+    names, held = campaign.table.names, _held(campaign)
+    changed, chosen = equation.touched(named, names, np.array([100 * held, 1000 * held]))
+    if not changed:
+        raise _idle(named, "its equation changes no channel")
+    made = _recorded(campaign, lambda one: filtered(one, chosen, equation.inverse(named, names, chosen, held)))
+    return Corrected(campaign=made, channels=tuple(names[k] for k in changed), did="the inverse of its equation")
+
+
+def _held(campaign: Campaign) -> float:
+    """[Hz], below which an inverse that grows is held back."""
+    return HELD * max((campaign.processing or Processing()).start, LOWEST)
 
 
 def _filtered(campaign: Campaign, names: Sequence[str], response: Response, did: str) -> Corrected:

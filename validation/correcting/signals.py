@@ -20,7 +20,7 @@ from identification.recording import Recording
 
 Samples = npt.NDArray[Any]
 Response = Callable[[Array], ComplexArray]
-"""By frequency (n,) [Hz], from 0 on, what a line is multiplied with."""
+"""By frequency (n,) [Hz], from 0 on, what a line is multiplied with: (n,), or (n, k, k) where k channels mix."""
 
 MARGIN = 4096
 """Samples of the continuation at each end, or as many as the record has."""
@@ -30,7 +30,7 @@ def filtered(recording: Recording, columns: Sequence[int], response: Response) -
     """`recording` with `columns` through a filter of this frequency response."""
     values = np.array(recording.values)
     if recording.frequency is not None:
-        values[:, columns] *= response(recording.frequency)[:, None]
+        values[:, columns] = _times(response(recording.frequency), values[:, columns])
     elif recording.sampling_rate is not None:
         values[:, columns] = through(values[:, columns], recording.sampling_rate, response)
     return replace(recording, values=values)
@@ -44,8 +44,8 @@ def through(values: Samples, rate: float, response: Response) -> Array:
     margin = min(n - 1, MARGIN)
     length = next_fast_len(n + 2 * margin, real=True)
     continued = _continued(values, margin, length - n - margin)
-    factors = response(rfftfreq(length, 1 / rate))[:, None]
-    return np.asarray(irfft(rfft(continued, axis=0) * factors, n=length, axis=0)[margin : margin + n])
+    spectra = _times(response(rfftfreq(length, 1 / rate)), rfft(continued, axis=0))
+    return np.asarray(irfft(spectra, n=length, axis=0)[margin : margin + n])
 
 
 def advanced(seconds: float) -> Response:
@@ -66,6 +66,12 @@ def without_highpass(corner: float, held: float = 0.0) -> Response:
         return np.asarray(1 - 1j * corner * share, dtype=np.complex128)
 
     return response
+
+
+def _times(factors: ComplexArray, spectra: ComplexArray) -> ComplexArray:
+    if factors.ndim == 1:
+        return np.asarray(factors[:, None] * spectra)
+    return np.asarray((factors @ spectra[:, :, None])[:, :, 0])
 
 
 def _continued(values: Samples, before: int, after: int) -> Array:

@@ -101,10 +101,11 @@ def tolerance(family: Family) -> str:
     return _measured(family.tolerance, first.unit) if family.tolerance and first else NONE
 
 
-def sentence(family: Family, target: str = "") -> str:
-    """What it means, at `target`, or at the one of its example."""
-    there = target or examples(family)[0].partition("=")[0].removeprefix(family.name).lstrip(":")
-    return family.sentence.replace("{target}", there)
+def sentence(family: Family, named: str = "") -> str:
+    """What it means at the targets of `named`, ``one:two``, or at those of its example."""
+    there = named or examples(family)[0].partition("=")[0].removeprefix(family.name).lstrip(":")
+    words = there.split(":")
+    return family.sentence.replace("{targets}", " and ".join(words)).replace("{target}", words[0])
 
 
 def as_json(family: Family) -> dict[str, Any]:

@@ -95,7 +95,8 @@ class Family:
     mistaken_for : ids or families that look like it
     confirmed_by : what would confirm it in the laboratory
     reference : where the equation comes from
-    sentence : what it means, for somebody who never heard of it; ``{target}`` stands for where it acts
+    sentence : what it means, for somebody who never heard of it; ``{target}`` stands for the first of its targets, ``{targets}``
+        for all of them
     plant : makes it happen in a virtual test, ``plant(named) -> validation.virtual_test.hooks.Effect``; None for one that no
         virtual test knows
     """

@@ -10,6 +10,9 @@ from geometry.arrays import Array
 from validation.effects.family import Values
 from validation.effects.stages import Floor
 
+NEAREST = 0.1
+"""[Hz] from the mains, within which their frequency wanders."""
+
 
 def louder(floor: Floor, targets: tuple[str, ...], values: Values) -> Floor:
     """Variances of independent noise add."""
@@ -29,5 +32,10 @@ def humming(floor: Floor, targets: tuple[str, ...], values: Values) -> Floor:
 
 
 def leak(frequency: Array, mains: float = 50.0) -> Array:
-    """(n,) [1/Hz] what a hum of amplitude 1 at `mains` [Hz] leaves at a line of a full record that cuts it anywhere."""
-    return np.asarray(1 / (2 * np.pi * np.abs(frequency - mains)))
+    """(n,) [1/Hz] standard deviation of what a hum of amplitude 1 at `mains` [Hz] leaves at a line of a full record.
+
+    A record of whole or half periods leaves nothing or twice as much; how it is cut is not known, and the mean square is taken.
+    Lines closer than `NEAREST` are as those at that distance.
+    """
+    away = np.maximum(np.abs(frequency - mains), NEAREST)
+    return np.asarray(1 / (2 * np.sqrt(2) * np.pi * away))

@@ -5,7 +5,7 @@ The stages are those of no test: small, of figures that were drawn once, with ev
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from functools import cache
 from typing import Any
@@ -30,6 +30,18 @@ def null_values(family: Family, targets: tuple[str, ...], example: Mapping[str, 
 def unchanged(before: Any, after: Any) -> bool:
     """Whether two stages are alike to rounding; coordinates that were added may stand there, if nothing drives them."""
     return all(_alike(getattr(before, one.name), getattr(after, one.name)) for one in fields(before))
+
+
+def arrays(before: Any, after: Any) -> Iterator[tuple[str, Any, Any]]:
+    """By name, every array of two stages of one kind, those in mappings one by one."""
+    for one in fields(before):
+        was, now = getattr(before, one.name), getattr(after, one.name)
+        pairs = (
+            [(one.name, was, now)]
+            if not isinstance(was, Mapping)
+            else [(f"{one.name}[{key!r}]", was[key], now.get(key)) for key in was]
+        )
+        yield from ((name, old, new) for name, old, new in pairs if isinstance(old, np.ndarray) and old.dtype.kind in "fc")
 
 
 def tried(stage: str) -> Any:

@@ -52,13 +52,13 @@ underscore is left alone. An installed package brings effects by entry points of
 
 ```sh
 massline effects --effects-from examples/effects dashpot force-lowpass
-massline simulate fmd+clumod-1 --out out/hose --octaves-per-minute 60 --effects-from examples/effects --effect dashpot:mast-top=30
-python examples/own_effect.py
+massline simulate fmd+cuboid --out c --octaves-per-minute 99 --effects-from examples/effects --effect force-lowpass:fmd-z2=1e-3
 ```
 
 The equation is `change(stage, targets, values)` and returns a changed copy, `dataclasses.replace(stage, ...)`. It gets a noun of
 `validation/effects/stages.py`, the targets of the identifier, and the sizes by key, the empty key for one that stands alone.
 `plant` is what a virtual test simulates, in time and by other code: without one an effect can be fitted, but not simulated.
+`python examples/own_effect.py` plants one and finds its size again, with nothing but a model and the campaign.
 
 Before it is taken, massline tries it. At its `null` size it must change nothing; on channels it must be linear in `rows`; what it
 adds to matrices may not depend on them, since derivatives pass it unchanged. The folder is never written to, each file is
@@ -74,7 +74,7 @@ def text(root: Path) -> str:
     """The page; `root` holds the example of an effect of one's own."""
     own = (root / OWN).read_text(encoding="utf-8")
     sides = "\n".join(_side(side) for side in SIDES)
-    return HEAD + sides + TAIL.format(own=OWN, code=own)
+    return HEAD + sides + "\n" + TAIL.format(own=OWN, code=own)
 
 
 def _side(side: str) -> str:

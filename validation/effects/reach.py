@@ -34,9 +34,9 @@ class There:
 
 
 def acts(named: Named, there: There) -> bool:
-    """Whether the effect `named` has something to act on."""
+    """Whether the effect `named` has something to act on; one whose place may be left out, and is, acts on all."""
     if is_local(named):
-        return named.target in known(named, there)
+        return named.target in known(named, there) if named.targets else bool(known(named, there))
     return _is_recorded(named, there) and (not on_article(named) or bool(there.article))
 
 

@@ -54,9 +54,11 @@ def operator(frequency: Array, rate: float, block: float) -> ComplexArray:
     kernel /= kernel.sum(axis=1, keepdims=True)
     at = np.clip(frequency[:, None] + offsets, frequency[0], frequency[-1])
     interval = np.clip(np.searchsorted(frequency, at, side="right") - 1, 0, n - 2)
-    powers = (at - frequency[interval])[..., None] ** np.arange(3, -1, -1)
-    moments = np.zeros((n, n - 1, 4), dtype=np.complex128)  # of the kernel over every interval between two lines
-    np.add.at(moments, (np.arange(n)[:, None], interval), kernel[..., None] * powers)
+    where, away = (np.arange(n)[:, None] * (n - 1) + interval).ravel(), at - frequency[interval]
+    moments = np.empty((n, n - 1, 4), dtype=np.complex128)  # of the kernel over every interval between two lines
+    for k, weights in enumerate((kernel * away**power).ravel() for power in (3, 2, 1, 0)):
+        for part in ("real", "imag"):
+            getattr(moments, part)[..., k] = np.bincount(where, getattr(weights, part), n * (n - 1)).reshape(n, n - 1)
     pieces = CubicSpline(frequency, np.eye(n), bc_type="not-a-knot" if n > 3 else "natural").c  # (4, n - 1, n)
     return np.asarray(np.tensordot(moments, pieces, axes=([2, 1], [0, 1])), dtype=np.complex128)
 

@@ -115,12 +115,12 @@ class Cost:
         offsets = self.offsets(x)
         return [(seen, one.at(offsets, lines, derivatives=False)) for one, lines, seen in self.observed]
 
-    @cached_property
-    def size(self) -> int:
-        """Real numbers that the data leave when latent inputs are taken out, and the facts."""
-        inputs = {one.measured.name: one.at(self.problem.start, lines[:1], derivatives=False) for one, lines, _ in self.observed}
-        data = (likelihood.size(one.measured, inputs[one.measured.name], len(lines)) for one, lines, _ in self.observed)
-        return sum(data) + len(self.problem.facts)
+    def size(self, x: Array) -> int:
+        """Real numbers that the data leave when latent inputs are taken out, and the facts; counted at `x` (p,)."""
+        offsets, found = self.offsets(x), len(self.problem.facts)
+        for one, lines, _ in self.observed:
+            found += likelihood.size(one.measured, one.at(offsets, lines[:1], derivatives=False), len(lines))
+        return found
 
 
 def cost_of(problem: Problem, free: Sequence[Parameter], floor: float, base: Offsets = NOTHING) -> Cost:

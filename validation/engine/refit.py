@@ -64,7 +64,7 @@ def refitted(at: Solved, fold: Fold) -> dict[str, float]:
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
     step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
     offsets = rest.offsets(at.x + step)
-    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size, 1))))
+    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size(at.x), 1))))
     if float(step @ matrix @ step) < (NEAR * excess) ** 2:
         return offsets
     return _further(rest, offsets)
@@ -93,7 +93,7 @@ def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array
 
 
 def _standing(cost: Cost, x: Array, step: Array) -> Array:
-    """`step`, or the half of it that is the longest from which the model does not break down: no body has every ten parameters."""
+    """`step`, or its longest half from which the model does not break down: no body has every ten parameters."""
     for _ in range(SHORTER):
         try:
             cost.predicted(x + step)

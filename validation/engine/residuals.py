@@ -1,8 +1,8 @@
 """Residuals line by line, beside the deviation that is to be expected of them.
 
-Inputs that nobody knows are estimated from the channels that are not judged, as for the plain error, so that an error stays
-in the channel that has it. What is left, e = G y with G of those inputs, is expected to scatter by noise, by the model-error
-floor, and by the tolerances that were not fitted:
+Where inputs are not known, every channel is held against what all the others say of it, as for the plain error, so that an error
+stays in the channel that has it. What is left, e = G y (`validation.engine.inputs`), is expected to scatter by noise, by the
+model-error floor, and by the tolerances that were not fitted:
 
     sigma² = |G|² (noise² + floor²) + sum_k |G (dA/dk) u|² tolerance_k²
 
@@ -58,7 +58,7 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FLOOR, ever
 
     Raises
     ------
-    CheckFailed : the channels that are not judged do not tell latent inputs.
+    CheckFailed : without some channel the others do not tell latent inputs.
     """
     known = at.by_name if isinstance(at, Fit) else dict(at)
     fitted = set(known) if isinstance(at, Fit) else set()
@@ -75,7 +75,7 @@ def _of_one(one: Prediction, offsets: Offsets, loose: dict[str, float], lines: L
     predicted, seen = one.at(offsets, lines), observed(measured, lines)
     weight = seen.weight(floor, predicted.noise)
     rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
-    left = [left_of_run(seen, A, measured.judged, weight[run], run) for run, A in enumerate(rows)]
+    left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
     return Residuals(
         data_set=measured.name,
         frequency=measured.frequency[lines],

@@ -34,7 +34,7 @@ def of_rung(one: Rung) -> dict[str, Any]:
         "effect": one.effect or None,
         "effects": [effect(one, name) for name in one.effects],
         "errors": None if one.errors is None else file.errors_json(one.errors),
-        "evidence_gain_nats": one.gain,
+        "evidence_gain_nats": file.finite(one.gain),
         "inertia": [_body(body) for body in one.bodies],
         "verdict": list(one.verdict),
         "worth_a_parameter": worth(one) if one.effect else None,
@@ -52,7 +52,7 @@ def of_step(at: Standing, before: Rung, after: Rung, said: Sequence[str]) -> dic
         "parent": before.number,
         "effect": effect(after, after.effect),
         "errors": _both(before.errors, after.errors),
-        "evidence_gain_nats": after.gain,
+        "evidence_gain_nats": file.finite(after.gain),
         "verdict": list(after.verdict),
         "worth_a_parameter": worth(after),
         "before": of_rung(before),
@@ -70,7 +70,7 @@ def effect(one: Rung, name: str) -> dict[str, Any]:
         "value": None if alone is None else alone.value,
         "unit": None if alone is None else alone.unit,
         "interval90": None if alone is None else _interval(alone),
-        "evidence_nats": one.gain if name == one.effect else None,
+        "evidence_nats": file.finite(one.gain) if name == one.effect else None,
         "text": " ".join(one.verdict) if name == one.effect else "",
         "values": {size.key: {"value": size.value, "unit": size.unit, "interval90": _interval(size)} for size in sizes},
     }
@@ -100,4 +100,5 @@ def _body(body: Body) -> dict[str, Any]:
         "reference": file.ten_json(body.reference),
         "distance": {"cog_mm": body.shown[1:4].tolist(), "percent": body.shown[[0, *range(4, 10)]].tolist()},
         "sigma": body.sigmas.tolist(),
+        "converged": body.converged,
     }

@@ -1,8 +1,9 @@
 """What the data say of an article's inertia when its ten parameters are free beside what the plain fit frees.
 
 The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell the
-FMD from it. Tolerances of the measurement are not fitted; their share of the interval is propagated
-(`validation.ladders.considered`). The reference is the model's own inertia with its effects, at the sizes of the model file.
+FMD from it. Participation and coupling of its modes are free too, within what the model leaves open of them. Tolerances of the
+measurement are not fitted; their share of the interval is propagated (`validation.ladders.considered`). The reference is the
+model's own inertia with its effects, at the sizes of the model file.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ from geometry.inertia import PARAMETERS
 from identification.classical import jacobian, quantities
 from identification.self_calibration.structure import ten_matrices
 from validation.effects.identifiers import Named
+from validation.engine.evaluation import Fit
 from validation.engine.fit import fit
-from validation.engine.parameter import PLAIN
+from validation.engine.parameter import IDENTIFYING
 from validation.engine.prediction import Offsets, Prediction
 from validation.engine.problem import Problem
 from validation.ladders import considered
@@ -31,25 +33,21 @@ from validation.prediction.tangent import full
 FAMILY = "rigid-inertia"
 
 
-def identified(problem: Problem, article: str, plain: Offsets, progress: Callable[[float], None] | None = None) -> Body | None:
+def identified(problem: Problem, article: str, plain: Fit, progress: Callable[[float], None] | None = None) -> Body | None:
     """Inertia of `article` from the data of `problem`; None where no data set has it.
 
     Parameters
     ----------
     problem : whose predictions are `SeriesPrediction`
     article : what stands on the FMD
-    plain : where the plain fit of the model ended
-
-    Raises
-    ------
-    CheckFailed : the fit does not converge.
+    plain : the plain fit of the model, in whose place this one never costs more
     """
     freed, of = _freed(problem, article)
     if of is None:
         return None
-    found = fit(freed, PLAIN, start=plain, progress=progress)
+    found = fit(freed, IDENTIFYING, start=plain, progress=progress)
     offsets = {**freed.start, **found.by_name}
-    names, C = considered.of_plain(freed, found)
+    names, C = considered.of_fit(freed, found, IDENTIFYING)
     ten, slopes = inertia(of, offsets)
     J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
     through = jacobian(ten) @ J
@@ -58,6 +56,7 @@ def identified(problem: Problem, article: str, plain: Offsets, progress: Callabl
         article=article,
         values=quantities(ten),
         deviation=np.sqrt(np.einsum("ij,jk,ik->i", through, C, through)),
+        converged=found.converged,
         reference=quantities(reference),
     )
 

@@ -206,4 +206,4 @@ def _identified(bench: Bench, problem: Problem, plain: Fit, progress: Callable[[
     if not bench.article:
         return None
     known = hold_out.without(problem, hold_out.named(problem, bench.hold_out)) if bench.hold_out else problem
-    return identified(known.thinned(), bench.article, _kept(plain), progress)
+    return identified(known.thinned(), bench.article, _fit(_kept(plain), known), progress)

@@ -107,12 +107,14 @@ class Body:
     values : (10,) identified: mass [kg], CoG [m] from the article's own origin, moments and products [kg m²] about the CoG
     deviation : (10,) standard deviations of these
     reference : (10,) of the model with its effects
+    converged : whether the fit ended by itself
     """
 
     article: str
     values: Array
     deviation: Array
     reference: Array
+    converged: bool = True
 
     def __post_init__(self) -> None:
         for name in ("values", "deviation", "reference"):

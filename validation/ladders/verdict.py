@@ -40,6 +40,8 @@ def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls
         return
     if not (old.converged and new.converged):
         yield "A fit did not converge: none of these figures is the last word."
+    if not all(body.converged for body in after.bodies):
+        yield "The fit of the identified inertia did not converge: its figures are not the last word."
     yield _evidence(after.gain)
     yield _fall(old, new)
     yield from _most(old, new)
@@ -68,7 +70,8 @@ def _most(old: Errors, new: Errors) -> Iterator[str]:
     gained = {name: old.by_channel[name] ** 2 - new.by_channel[name] ** 2 for name in known}
     best = max(gained, key=lambda name: gained[name], default="")
     if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
-        yield f"Most of that is {best}, {percent(old.by_channel[best])} before and {percent(new.by_channel[best])} after."
+        was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
+        yield f"Of its channels {best} gains most: {was} before and {now} after."
 
 
 def _held_out(old: Errors, new: Errors) -> Iterator[str]:
@@ -120,3 +123,8 @@ def unit(of: str) -> str:
 def percent(value: float | None) -> str:
     """An error with three digits."""
     return "–" if value is None else f"{value:.3g} %"
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital and one full stop."""
+    return f"{text[:1].upper()}{text[1:].rstrip('.')}."

@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 import os.path
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -108,7 +109,7 @@ def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
         problem = f"{name!r} has no model of its own, and `structure.kind` is {USER!r}"
         raise about.refused("article", problem, "Name its file in [structure.own], or choose another kind")
     try:
-        built_in(name)
+        _require_built(name, ())
     except BadInput as error:
         remedy = f"{error.remedy}; what is your own has its file in [structure.own]"
         raise about.refused("article", error.problem, remedy) from None
@@ -137,11 +138,17 @@ def _changes(table: Fields) -> dict[str, float]:
         file = key.split(".")[0]
         if file not in known:
             raise table.refused(key, f"no part is called {file!r}", f"{nearest(file, known)}Keys begin with {', '.join(known)}")
-        _checked(table, key, lambda file=file, key=key, value=value: load(file, {key: value}))
+        _checked(table, key, partial(load, file, {key: value}))
     for name in NAMES if found else ():
         if own := changes_of(name, found):
-            _checked(table, next(iter(own)), lambda name=name, own=own: built_in(name, own))
+            _checked(table, next(iter(own)), partial(_require_built, name, tuple(own.items())))
     return found
+
+
+@lru_cache(maxsize=64)
+def _require_built(name: str, changes: tuple[tuple[str, float], ...]) -> None:
+    """Build an article once; what can be built is not built again, since texts are read over and over while they are edited."""
+    built_in(name, dict(changes))
 
 
 def _flat(table: Fields) -> dict[str, float]:
@@ -155,7 +162,7 @@ def _flat(table: Fields) -> dict[str, float]:
     return found
 
 
-def _checked(table: Fields, key: str, attempt: Any) -> None:
+def _checked(table: Fields, key: str, attempt: Callable[[], object]) -> None:
     try:
         attempt()
     except BadInput as error:
@@ -182,4 +189,4 @@ def _require_usable(table: Fields, article: str, path: str) -> None:
     if not Path(path).exists():
         raise table.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
     if not is_model(path):
-        _checked(table, article, lambda: require_file(path))
+        _checked(table, article, partial(require_file, path))

@@ -115,17 +115,27 @@ def _tangent(answered: Answered, change: Tangent) -> ComplexArray:
     )
     for matrix, factor in fields:
         if np.any(matrix):
-            found += factor * _product(left, matrix, right)
+            found += factor * _product(left, matrix, right, change.crossing)
     return answered.sign * found
 
 
-def _product(left: ComplexArray, matrix: Array, right: ComplexArray) -> ComplexArray:
+def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
     """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
+    if crossing is not None:
+        return _crossed(left, matrix[crossing], right, crossing)
     k, n, d = right.shape
     pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
     if k <= FEW:
         return np.asarray(np.sum(left[:, :, :, None] * pulled[:, :, None, :], axis=0))
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
+
+
+def _crossed(left: ComplexArray, row: Array, right: ComplexArray, r: int) -> ComplexArray:
+    """The same of a matrix of which row and column `r` alone are there, alike: two sums over the coordinates."""
+    half = np.array(row)
+    half[r] /= 2
+    over_left, over_right = (np.tensordot(half, side, axes=1) for side in (left, right))
+    return np.asarray(left[r][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[r][:, None])
 
 
 def _dynamic(matrices: Matrices, lines: Array) -> ComplexArray:

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 
 from identification.campaign import Campaign
 from identification.chain.parameter import Parameter as OfChain
 from identification.measurement_chain import Chain, chain
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import OPENED
-from validation.engine.parameter import SENSOR, Parameter
+from validation.engine.parameter import DECLARED, IDENTIFIED, SENSOR, Parameter
 from validation.models.model import Added, Model
 
 HELD = 1.0
 """Standard deviation by which the chain opens what an effect needs; `validation.prediction.applied.opened` says which it has."""
+
+
+KINDS = {"fmd-compliance": IDENTIFIED, "cell-stiffness": DECLARED}
+"""What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
+load and how far they give; the former within what is declared of the cells."""
+
+WITHIN = 2.5
+"""Tolerances by which a plain fit may move what is declared."""
 
 
 def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Chain:
@@ -43,7 +52,8 @@ def _parameter(one: OfChain) -> Parameter:
         name=one.name,
         unit=one.unit,
         tolerance=one.tolerance,
-        kind=SENSOR,
+        kind=KINDS.get(one.family, SENSOR),
+        within=WITHIN * one.tolerance if KINDS.get(one.family) == DECLARED else inf,
         nominal=1.0 if one.logarithmic else one.nominal,
         logarithmic=one.logarithmic,
         above=one.nominal - 1.0 if one.logarithmic else 0.0,

@@ -44,10 +44,10 @@ Rows = Mapping[str, Array]
 
 NOWHERE: Places = MappingProxyType({})
 
-BAND = 50.0
+BAND = 40.0
 """[Hz] Modes up to here are bent by what parts become; of those above only their own share counts."""
 
-NOTICED = 1e-3
+NOTICED = 3e-3
 """Size of an answer beside a mode's own at the top of the band, below which it is no coordinate."""
 
 HEAVY = 0.01

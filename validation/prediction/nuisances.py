@@ -1,9 +1,10 @@
 """What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
 
-    K' = E K E,  S' = D E S E D,  C' = D C D + c,  M_br' = M_br + l          E = diag(e^ln f),  D = diag(e^(ln zeta / 2))
+    K' = E K E,  S' = D E S E D,  C' = D G C G D + c,  M_br' = M_br + l,      E = diag(e^ln f),  D = diag(e^(ln zeta / 2)),
 
-on the nominal modal basis, K and S with the moduli of the parts in them. Nothing is re-diagonalised: the matrices are smooth in
-every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
+on the nominal modal basis, K and S with the moduli of the parts in them. G lets viscous damping grow with the frequency of its
+mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the matrices are smooth
+in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS
 from validation.effects.stages import Matrices
-from validation.engine.parameter import DECLARED, Parameter
+from validation.engine.parameter import DECLARED, STRUCTURAL, Parameter
 from validation.engine.prediction import Offsets
 from validation.models.model import StructureTolerances
 from validation.prediction.matrices import sheet
@@ -62,9 +63,9 @@ class Nuisances:
         made += [_declared(f"damping:{self.configuration}:{r}", of.damping) for r in modes]
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
-            made += [Parameter(name=name, unit="1", tolerance=of.participation) for name in names]
+            made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
         names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
-        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling) for name in names]
+        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling, kind=STRUCTURAL) for name in names]
         return tuple(one for one in made if one.tolerance > 0)
 
     @property
@@ -110,7 +111,7 @@ def of(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Now:
-    """Matrices at some offsets, and what they are made of: E and D (k,), K and S before them, C before the coupling."""
+    """Matrices at some offsets, and what they are made of: E and D (k,), and C before the coupling."""
 
     matrices: Matrices
     E: Array
@@ -129,16 +130,24 @@ def _now(of: Nuisances, offsets: Offsets) -> _Now:
     for part, change in stiffer.items():
         K, S = K + change * m.parts[part], S + change * of.losses.get(part, 0.0) * m.parts[part]
         parts[part] = (1 + change) * m.parts[part]
-    C = D[:, None] * m.viscous * D
+    stiffness = E[:, None] * K * E
+    GD = D * _grown(m.stiffness, stiffness)
+    C = GD[:, None] * m.viscous * GD
     made = replace(
         m,
         mass=_participating(of, offsets),
-        stiffness=E[:, None] * K * E,
+        stiffness=stiffness,
         structural=(D * E)[:, None] * S * (D * E),
         viscous=C + _coupled(of, offsets),
         parts=parts,
     )
     return _Now(matrices=made, E=E, D=D, uncoupled=C)
+
+
+def _grown(before: Array, after: Array) -> Array:
+    """G (k,): square root of how much the frequency of every coordinate has grown; 1 where it has none."""
+    old, new = np.diag(before), np.diag(after)
+    return np.asarray(np.divide(new, old, out=np.ones_like(old), where=old > 0) ** 0.25)
 
 
 def _participating(of: Nuisances, offsets: Offsets) -> Array:
@@ -181,18 +190,27 @@ def _tangent(of: Nuisances, now: _Now, parameter: str) -> Tangent:
 
 def _of_modulus(of: Nuisances, now: _Now, part: str) -> Tangent:
     K, E, DE = now.matrices.parts[part], now.E, now.D * now.E  # d / d ln: the part as it is now
-    changes = {"stiffness": E[:, None] * K * E, "structural": of.losses.get(part, 0.0) * DE[:, None] * K * DE}
+    stiffness, whole = E[:, None] * K * E, np.diag(now.matrices.stiffness)
+    grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=whole > 0)
+    changes = {
+        "stiffness": stiffness,
+        "structural": of.losses.get(part, 0.0) * DE[:, None] * K * DE,
+        "viscous": now.uncoupled * (grows[:, None] + grows),
+    }
     return of_arrays(len(K), {part: K}, **changes)
 
 
 def _of_frequency(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
     r, m = of.nominal.base + int(mode) - 1, now.matrices
-    return of_arrays(len(m.mass), stiffness=_crossed(m.stiffness, r), structural=_crossed(m.structural, r))
+    viscous = _crossed(now.uncoupled, r) / 2
+    stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
+    return of_arrays(len(m.mass), crossing=r, stiffness=stiffness, structural=structural, viscous=viscous)
 
 
 def _of_damping(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
     r, m = of.nominal.base + int(mode) - 1, now.matrices
-    return of_arrays(len(m.mass), viscous=_crossed(now.uncoupled, r) / 2, structural=_crossed(m.structural, r) / 2)
+    viscous, structural = _crossed(now.uncoupled, r) / 2, _crossed(m.structural, r) / 2
+    return of_arrays(len(m.mass), crossing=r, viscous=viscous, structural=structural)
 
 
 def _of_participation(of: Nuisances, now: _Now, configuration: str, mode: str, axis: str) -> Tangent:

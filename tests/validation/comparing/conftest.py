@@ -11,6 +11,7 @@ import pytest
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
 from identification.measurement_chain import Chain, chain
+from validation.comparing.doubt import nothing_fitted
 from validation.comparing.maps import Map, Rig, mapped
 from validation.comparing.modes import NamedMode
 from validation.engine.measured import Measured
@@ -103,7 +104,7 @@ class ByHandLaboratory:
     def mapped(test: ByHand) -> Map:
         """Its map, nothing fitted."""
         (left,) = residuals(Problem((test,)), {})
-        return mapped(test, {}, (), left.inputs, ByHandLaboratory.RIG)
+        return mapped(test, {}, nothing_fitted(Problem((test,))), left.inputs, ByHandLaboratory.RIG)
 
 
 @pytest.fixture(scope="session")

@@ -51,7 +51,7 @@ def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
     assert ids
     assert ids <= set(FAMILIES) - {family.name}
     assert family.sentence.endswith(".")
-    assert "{target}" in family.sentence or not family.targets
+    assert "{target" in family.sentence or not family.targets
 
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
@@ -108,10 +108,13 @@ def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family: Fam
 
 
 @pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
-def test_an_opened_parameter_gets_wider_than_its_tolerance(family: Family, table) -> None:
-    ordinary = [one.tolerance for one in chain(table).parameters if one.family == family.name]
-    plausible = family.sizes[0].plausible
-    assert all(plausible > tolerance for tolerance in ordinary)
+def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_chain(family: Family, table) -> None:
+    stated, assumed = (
+        {one.tolerance for one in chain(table, stiffness=stiffness).parameters if one.family == family.name}
+        for stiffness in (np.array([4e8, 4e8, 2e9]), None)
+    )
+    assert all(family.sizes[0].plausible > tolerance for tolerance in stated | assumed)
+    assert family.tolerance in (stated or {0.0})
 
 
 def test_what_depends_on_the_level_is_known_as_such() -> None:

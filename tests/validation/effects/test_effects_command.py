@@ -44,13 +44,15 @@ def test_each_has_a_page_of_its_own_with_all_that_is_known_of_it(run: Run, name:
     assert code == cli.DONE
     for said in (family.what, family.equation, family.confirmed_by, family.reference, *family.mistaken_for):
         assert " ".join(said.split()) in flat
-    assert "{target}" not in out
+    assert "{target" not in out
 
 
 def test_an_effect_with_its_target_is_told_of_that_target(run: Run) -> None:
-    _, out, _ = run("force-gain:fmd-y14", "gap:3")
+    _, out, _ = run("force-gain:fmd-y14", "gap:3", "cable:hub-1:vertical", "channel-swap:fmd-z1:fmd-z3")
     assert "The force channel fmd-y14 reads too much" in out
     assert "Cell 3 has lost" in out
+    assert "ties hub-1 to the laboratory" in out
+    assert "The plugs of fmd-z1 and fmd-z3 were crossed" in out
 
 
 def test_json_holds_every_size_and_no_figure_that_is_none(run: Run) -> None:
@@ -97,9 +99,10 @@ def test_the_page_is_written_where_it_is_asked_for(root: Path, tmp_path: Path) -
     assert written.read_text(encoding="utf-8") == (root / page.PAGE).read_text(encoding="utf-8")
 
 
-def test_the_example_of_an_effect_of_ones_own_finds_its_equation_in_a_virtual_test(root: Path) -> None:
-    worst = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
+def test_the_example_of_an_effect_of_ones_own_finds_its_equation_and_its_size(root: Path) -> None:
+    worst, found = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
     assert worst < 2e-3  # noise is off; the bilinear rule and the ends of a short sweep are left
+    assert found == pytest.approx(1e-3, rel=0.02)
 
 
 def test_an_effect_of_ones_own_is_about_thirty_lines(root: Path) -> None:

@@ -4,6 +4,8 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import fields, replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -13,8 +15,9 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from validation import cli
-from validation.effects import catalogue
+from validation.effects import catalogue, own
 from validation.effects.catalogue import FAMILIES, SOURCES
+from validation.effects.family import Family, Size
 from validation.effects.identifiers import parse
 from validation.effects.stages import Reading
 from validation.virtual_test.effects.planting import planted
@@ -132,6 +135,19 @@ def changed(old: str, new: str) -> str:
         ),
         (changed("rows = reading.rows.copy()", "rows = reading.rows"), "change", "line 7, `rows[:, reading.column(targets[0])]"),
         (changed('values[""]', 'values["size"]'), "change", "raised KeyError: 'size'"),
+        (
+            changed('sizes=(Size(unit="1", low=-0.5, high=0.5, plausible=0.1),)', "sizes=Size(unit='1', low=0.0, high=1.0)"),
+            "sizes",
+            "a tuple of Size",
+        ),
+        (changed('targets=("force channel",)', 'targets="force channel"'), "targets", "a tuple of texts"),
+        (
+            changed("reading.rows.copy()", "reading.rows[:-1].copy()"),
+            "change",
+            "leaves `rows` of shape (4, 22, 6), where (5, 22, 6)",
+        ),
+        (changed('*= 1 + values[""]', '*= (1 + values[""]) / 0.0'), "change", "raised ZeroDivisionError"),
+        (changed('*= 1 + values[""]', '*= float("nan")'), "change", "leaves values in `rows` that are no numbers"),
     ],
 )
 def test_what_is_not_whole_is_refused_with_file_field_and_remedy(
@@ -157,6 +173,29 @@ STRUCTURAL = (
 )
 
 
+JUNK = [None, 3, "", "x", (), ("",), [1], {"a": 1}, object(), float("nan"), lambda: None]
+
+
+@pytest.mark.parametrize("field", [one.name for one in fields(Family)])
+@pytest.mark.parametrize("junk", JUNK, ids=lambda junk: type(junk).__name__)
+def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(
+    field: str, junk: object, folder: Callable[..., Path]
+) -> None:
+    (whole,) = catalogue.load(folder(mine=WHOLE))
+    catalogue._forget(whole.name)
+    with suppress(BadInput):
+        catalogue._add(own.of(replace(whole, **{field: junk}), "mine.py"), "mine.py")
+
+
+@pytest.mark.parametrize("field", [one.name for one in fields(Size)])
+@pytest.mark.parametrize("junk", JUNK, ids=lambda junk: type(junk).__name__)
+def test_nor_does_junk_in_a_size(field: str, junk: object, folder: Callable[..., Path]) -> None:
+    (whole,) = catalogue.load(folder(mine=WHOLE))
+    catalogue._forget(whole.name)
+    with suppress(BadInput):
+        catalogue._add(replace(whole, sizes=(replace(whole.sizes[0], **{field: junk}),)), "mine.py")
+
+
 def test_a_structure_that_does_not_add_is_refused(folder: Callable[..., Path]) -> None:
     with pytest.raises(BadInput, match="adds to `mass` what depends on the matrices that are there"):
         catalogue.load(folder(mine=STRUCTURAL.replace("matrices.MORE", "matrices.mass")))
@@ -179,6 +218,9 @@ def test_two_files_cannot_share_a_name(folder: Callable[..., Path]) -> None:
     where = folder(a=WHOLE, b=WHOLE)
     with pytest.raises(BadInput, match=r"b\.py: `name`: an effect called 'drift-of-gain' is there already, from .*a\.py"):
         catalogue.load(where)
+    assert "drift-of-gain" not in FAMILIES
+    (where / "b.py").unlink()
+    assert catalogue.load(where)[0].name == "drift-of-gain"
 
 
 def test_what_is_no_folder_of_effects_is_refused(folder: Callable[..., Path], tmp_path: Path) -> None:

@@ -43,6 +43,34 @@ def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping: float, ov
     assert error < left * bias
 
 
+def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right() -> None:
+    """A quarter of the paper's rate, where the phase of the chirp turns four times as far across the window."""
+    native = np.arange(round(11.6 * BLOCK / RATE), round(13.0 * BLOCK / RATE)) * RATE / BLOCK
+    slow = {"start": 9.0, "stop": 16.0, "octaves_per_minute": 0.5, "rate": RATE, "overlap": 0.98}
+    measured = sweep_bias(RESONANCE, 0.0035, frequency=native, **slow)
+    lines = native[0] + np.arange(-100, 8 * len(native) + 100) * RATE / BLOCK / 8
+    predicted = (operator(lines, 0.5 / 60, BLOCK / RATE) @ mode(lines, 0.0035))[100 : 100 + 8 * len(native) : 8]
+    size = np.max(np.abs(measured.exact))
+    bias, error = (np.max(np.abs(one - measured.peak_hold)) / size for one in (measured.exact, predicted))
+    assert bias > 0.3
+    assert error < 0.02
+
+
+def test_longer_blocks_help_and_a_slower_sweep_does_not() -> None:
+    """What the catalogue says would confirm it; the lines are a seventh of the half-power width apart."""
+    lines = np.arange(10.5, 14.2, 0.0125)
+    exact = mode(lines, 0.0035)
+    inner = (lines > 11.6) & (lines < 13.0)
+
+    def bias(octaves_per_minute: float, block: float) -> float:
+        found = operator(lines, octaves_per_minute / 60, block) @ exact
+        return float(np.max(np.abs(found - exact)[inner]) / np.max(np.abs(exact)))
+
+    paper = bias(2.0, BLOCK / RATE)
+    assert bias(0.5, BLOCK / RATE) == pytest.approx(paper, rel=0.01)
+    assert bias(2.0, 2 * BLOCK / RATE) < 0.55 * paper
+
+
 def test_a_heavily_damped_mode_and_a_mass_line_stay_as_they_are() -> None:
     lines = np.arange(11.0, 13.6, 0.05)
     S = operator(lines, 2 / 60, BLOCK / RATE)

@@ -91,10 +91,11 @@ def test_the_errors_are_those_of_the_page_on_pendulums(name: str, size: float, p
 @pytest.mark.parametrize(
     ("name", "term"), [("pendulum-amplitude", "amplitude"), ("pendulum-damping", "damping"), ("rope-mass", "rope_mass")]
 )
-def test_the_corrections_take_off_what_the_effects_put_on(name: str, term: str) -> None:
+@pytest.mark.parametrize("radii", [(0.3, 0.3), (0.2, 0.4)])
+def test_the_corrections_take_off_what_the_effects_put_on(name: str, term: str, radii: tuple[float, float]) -> None:
     size = 0.3
-    changed = FAMILIES[name].change(ideal(), (), {"": size})
-    of = {key: ufloat(value, 1e-12) for key, value in {"mass": MASS, "gravity": GRAVITY, "s1": RADIUS, "s2": RADIUS}.items()}
+    changed = FAMILIES[name].change(ideal(radii), (), {"": size})
+    of = {key: ufloat(value, 1e-12) for key, value in {"mass": MASS, "gravity": GRAVITY, "s1": radii[0], "s2": radii[1]}.items()}
     swing = RopeSwing(**of, length=ufloat(LENGTH, 1e-12), period=ufloat(changed.period, 1e-12))
     terms = Terms(**{"amplitude": None, "damping": None, "rope_mass": None, term: ufloat(size, 1e-12)})
     assert swing.inertia(terms).nominal_value == pytest.approx(YAW, rel=1e-9)

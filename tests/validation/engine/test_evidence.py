@@ -27,10 +27,8 @@ def closed_form(toy, tolerances):
         change = predicted.changes[name]
         J[:, :, change.channels, k] = (change.rows @ measured.inputs[..., None])[..., 0]
     y = measured.values - (predicted.rows @ measured.inputs[..., None])[..., 0]
-    y, J = (
-        np.concatenate([y.real.ravel(), y.imag.ravel()]),
-        np.concatenate([J.real.reshape(-1, len(names)), J.imag.reshape(-1, len(names))]),
-    )
+    J = J.reshape(-1, len(names))
+    y, J = np.concatenate([y.real.ravel(), y.imag.ravel()]), np.concatenate([J.real, J.imag])
     sd = np.concatenate([measured.noise.ravel()] * 2) / np.sqrt(2)
     S = np.array(list(tolerances.values()))
     C = np.diag(sd**2) + (J * S**2) @ J.T

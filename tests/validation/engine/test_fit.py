@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
 from validation.engine.cost import cost_of
+from validation.engine.descent import direct, within
 from validation.engine.evaluation import Fit
 from validation.engine.fit import fit, parents_point
 from validation.engine.parameter import FITTED, NOMINAL, PLAIN
@@ -67,6 +68,64 @@ def test_declared_parameters_of_a_plain_fit_stop_at_their_bounds_and_the_others_
     assert_allclose(found.by_name["mass"], again.by_name["mass"], atol=0.1 * sd(found, "mass"))
     free = fit(problem, FITTED)
     assert_allclose(free.by_name["frequency:one"], 0.08, atol=1e-3)
+
+
+def test_what_is_known_of_a_parameter_at_its_bound_counts(lab):
+    problem = Problem((lab.toy({**TRUTH, "frequency:one": 0.08}, seed=None),))
+    found = fit(problem, PLAIN)
+    assert found.by_name["frequency:one"] == 0.05
+    everything = cost_of(problem, found.parameters, 0.01)
+    assert_allclose(found.cost, everything.total(found.offsets)[0].cost, rtol=1e-12)
+
+
+def test_a_parameter_at_a_bound_is_let_go_when_the_data_pull_it_back(lab):
+    problem = Problem((lab.toy(TRUTH, seed=None),))
+    held = cost_of(problem, problem.free(PLAIN), 0.01).holding({"frequency:one": 0.05})
+    end = within(direct(held, {}, lambda share: None), lambda share: None)
+    assert_allclose(end.offsets["frequency:one"], 0.02, atol=1e-3)
+
+
+class Listening:
+    """A prediction that writes down where it was asked."""
+
+    def __init__(self, toy):
+        self.toy, self.measured, self.parameters, self.asked = toy, toy.measured, toy.parameters, []
+
+    def at(self, offsets, lines=None, *, derivatives=True):
+        self.asked.append(dict(offsets))
+        return self.toy.at(offsets, lines, derivatives=derivatives)
+
+
+def test_tolerances_of_the_measurement_are_released_when_the_rest_is_near(lab):
+    toy = Listening(lab.toy({**lab.drawn(1), **TRUTH}))
+    found = fit(Problem((toy,)), FITTED)
+    released = next(one for one in toy.asked if any(one[p.name] for p in lab.LABORATORY if p.kind == "sensor"))
+    for name in TRUTH:
+        assert_allclose(released[name], found.by_name[name], atol=0.01, err_msg=name)
+
+
+def test_a_child_far_from_its_parent_is_found_by_the_annealed_floor(lab):
+    """A resonance that is 60 % higher: the sharp likelihood has no slope that leads there."""
+    stiffer = lab.effect("frequency:one", 0.5, nominal=12.0, logarithmic=True)
+    truth = {**TRUTH, "frequency:one": 0.47}
+    having = lab.toy(truth)
+    having = replace(having, parameters=(*having.parameters[:-1], stiffer))
+    parent = fit(Problem((replace(having, parameters=having.parameters[:-1]),)), PLAIN)
+    child = fit(Problem((having,)), PLAIN, start=parent)
+    assert_allclose(child.by_name["frequency:one"], 0.47, atol=0.002)
+
+
+def test_a_child_whose_own_start_breaks_down_is_found_from_its_parent(lab):
+    without, having = with_offset(lab, {**TRUTH, "offset": 0.3}, start=2.0)
+
+    class Fragile(Broken):
+        def at(self, offsets, lines=None, *, derivatives=True):
+            if offsets.get("offset", 0.0) > 1.0:
+                raise np.linalg.LinAlgError("a stiffness turned negative")
+            return self.toy.at(offsets, lines, derivatives=derivatives)
+
+    child = fit(Problem((Fragile(having),)), PLAIN, start=fit(Problem((without,)), PLAIN))
+    assert_allclose(child.by_name["offset"], 0.3, atol=0.01)
 
 
 def test_tolerances_of_the_measurement_are_not_touched_by_a_plain_fit(lab):
@@ -159,6 +218,9 @@ def test_facts_count(lab):
     problem = Problem((lab.toy(TRUTH),), (Weight(),))
     found = fit(problem, PLAIN)
     assert_allclose(found.by_name["mass"], 0.5, atol=1e-5)
+    cost = cost_of(Problem(problem.predictions), found.parameters, 0.01)
+    left = (found.by_name["mass"] - 0.5) / 1e-7
+    assert_allclose(found.chi2, 2 * cost.data(found.offsets).cost + left**2, rtol=1e-9)
     assert found.degrees_of_freedom == fit(Problem(problem.predictions), PLAIN).degrees_of_freedom + 1
 
 

@@ -14,7 +14,7 @@ from validation.engine.parameter import PLAIN
 from validation.engine.problem import Problem
 from validation.engine.refit import refitted, solved
 
-TRUTH = {"mass": 0.03, "inertia": -0.02, "damping": 0.2, "frequency:one": 0.01, "frequency:two": -0.01}
+TRUTH = {"mass": 0.03, "inertia": -0.02, "damping": 0.2, "frequency:one": 0.01, "frequency:first": 0.015, "frequency:two": -0.01}
 
 
 class Weight:
@@ -71,10 +71,19 @@ def test_a_fold_never_sees_what_it_holds_out(lab):
         at = refitted(solved(problem, whole, PLAIN_FLOOR), fold)
         sd = dict(zip([p.name for p in alone.parameters], np.sqrt(np.diag(alone.covariance)), strict=True))
         answers.append(np.array([(at[name] - x) / sd[name] for name, x in alone.by_name.items()]))
-    assert_allclose(
-        answers[0], 0.0, atol=0.3
-    )  # standard deviations, of which a fit's last step leaves one tenth and more where it is bad
+    # in standard deviations, of which the last step of a fit leaves a tenth, and more where it is bad
+    assert_allclose(answers[0], 0.0, atol=0.3)
     assert_allclose(answers[1], 0.0, atol=0.3)
+
+
+def test_of_a_configuration_that_is_held_out_only_knowledge_beforehand_is_left(series):
+    plain = fit(series, PLAIN)
+    fold = folds(series)[-1]
+    assert fold.name == "configuration two"
+    at = refitted(solved(series, plain, PLAIN_FLOOR), fold)
+    assert abs(plain.by_name["frequency:two"]) > 0.005
+    assert_allclose(at["frequency:two"], 0.0, atol=1e-9)
+    assert_allclose(at["frequency:first"], 0.015, atol=1e-3)
 
 
 def test_a_block_of_frequencies_is_not_seen_either(lab):
@@ -161,8 +170,10 @@ def test_a_series_is_evaluated_with_every_fold(series):
     told: list[float] = []
     found = evaluate(series, progress=told.append)
     assert found.held_out_names == tuple(fold.name for fold in folds(series))
-    assert set(found.held_out.by_fold) == set(found.held_out_names)
+    assert {*found.held_out.by_fold, *found.held_out_configurations.by_fold} == set(found.held_out_names)
+    assert set(found.held_out_configurations.by_fold) == {fold.name for fold in folds(series) if fold.configuration}
     assert found.plain.percent < found.held_out.percent < found.held_out_nominal.percent
+    assert found.held_out_configurations.percent < found.held_out_configurations_nominal.percent
     assert told == sorted(told)
     assert told[-1] == 1.0
 

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.engine.fit import fit
+from validation.engine.likelihood import floor_of
 from validation.engine.parameter import FITTED, PLAIN
 from validation.engine.problem import Problem
 from validation.engine.residuals import residuals
@@ -28,6 +29,14 @@ def test_over_many_laboratories_residuals_scatter_as_predicted(lab, known, per_r
         squares, expected = squares + np.abs(found.values) ** 2, expected + found.sigma**2
     ratio = np.sqrt(np.mean(squares, axis=(0, 1)) / np.mean(expected, axis=(0, 1)))
     assert_allclose(ratio, 1.0, atol=0.2)  # a gain that all lines share: 150 draws tell its deviation to 6 %
+
+
+def test_without_tolerances_the_deviation_is_that_of_noise_and_floor(lab):
+    toy = replace(lab.toy({}, known=True), parameters=())
+    (found,) = residuals(Problem((toy,)), {}, floor=0.0)
+    assert_allclose(found.sigma, toy.measured.noise, rtol=1e-12)
+    (floored,) = residuals(Problem((toy,)), {}, floor=0.01)
+    assert_allclose(floored.sigma**2 - toy.measured.noise**2, (0.01 * floor_of(toy.measured)) ** 2, rtol=1e-9)
 
 
 def test_a_fault_stands_out_in_its_own_channel(lab):

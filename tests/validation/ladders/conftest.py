@@ -1,11 +1,16 @@
-"""Rungs made by hand."""
+"""Rungs and problems made by hand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from validation.engine.measured import Measured
+from validation.engine.parameter import Parameter
+from validation.engine.prediction import Change, Lines, Offsets, Predicted
+from validation.engine.problem import Problem
 from validation.ladders.nouns import Body, Conditions, Errors, Rung, Size, Source
 
 MakeRung = Callable[..., Rung]
@@ -63,3 +68,55 @@ def model(tmp_path: Path) -> Path:
     path = tmp_path / "model.toml"
     path.write_bytes(b"# mine\r\na = 1\n")
     return path
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Affine:
+    """A hand-made prediction of channels that answer to known unit inputs, affine in every parameter."""
+
+    measured: Measured
+    parameters: tuple[Parameter, ...]
+    base: np.ndarray
+    slopes: dict[str, np.ndarray]
+
+    def on(self, runs: Sequence[str]) -> "Affine":
+        return replace(self, measured=self.measured.on(runs))
+
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: bool = True) -> Predicted:
+        chosen = slice(None) if lines is None else lines
+        rows = self.base + sum(offsets.get(name, 0.0) * slope for name, slope in self.slopes.items())
+        every = tuple(range(self.base.shape[1]))
+        changes = {name: Change(channels=every, rows=slope[chosen]) for name, slope in self.slopes.items()}
+        return Predicted(rows=rows[chosen], changes=changes if derivatives else {})
+
+
+MakeProblem = Callable[..., Problem]
+
+
+@pytest.fixture(scope="session")
+def affine() -> MakeProblem:
+    """``affine(parameters, truth, seed)``: a problem whose slopes are random and the same for all seeds; its noise is not."""
+
+    def make(parameters: Sequence[Parameter], truth: Offsets, seed: int = 0, alike: Sequence[tuple[str, str]] = ()) -> Problem:
+        fixed, rng = np.random.default_rng(7), np.random.default_rng(seed)
+        n, c = 12, 5
+        slopes = {one.name: fixed.standard_normal((n, c, 1)) + 0j for one in parameters}
+        slopes |= {one: 2 * slopes[other] for one, other in alike}
+        base = np.ones((n, c, 1), dtype=np.complex128)
+        y = (base + sum(truth.get(name, 0.0) * slope for name, slope in slopes.items()))[None, ..., 0]
+        noise = np.full((1, n, c), 0.02)
+        values = y + noise * (rng.standard_normal(y.shape) + 1j * rng.standard_normal(y.shape)) / np.sqrt(2)
+        measured = Measured(
+            name="one",
+            configuration="one",
+            runs=("r",),
+            channels=tuple(f"c{k}" for k in range(c)),
+            judged=np.ones(c, dtype=bool),
+            frequency=np.linspace(4.0, 30.0, n),
+            values=values,
+            noise=noise,
+            inputs=np.ones((1, n, 1), dtype=np.complex128),
+        )
+        return Problem((Affine(measured=measured, parameters=tuple(parameters), base=base, slopes=slopes),))
+
+    return make

@@ -1,4 +1,4 @@
-"""docs/model-file.md: its files can be read, its program runs, its facts are those of the data. Its commands run with all pages."""
+"""docs/model-file.md: its files can be read, its program runs, its facts are those of the data. All pages run their commands."""
 
 from __future__ import annotations
 

@@ -89,6 +89,17 @@ def test_one_mass_on_one_spring_is_the_textbook() -> None:
     np.testing.assert_allclose(found, -(omega**2) / (k * (1 + 1j * eta) - m * omega**2), rtol=1e-12)
 
 
+def test_a_row_and_column_that_cross_are_the_matrix_that_they_are() -> None:
+    m, generator, r = drawn(base=0), np.random.default_rng(6), 4
+    cross = np.zeros((SIZE, SIZE))
+    cross[r] = generator.standard_normal(SIZE)
+    cross[:, r] = cross[r]
+    answered = condensation.accelerance(m, LINES, m.places["tip"][:2], m.places["tip"][2])
+    changes = {"whole": of_arrays(SIZE, stiffness=cross), "crossing": of_arrays(SIZE, crossing=r, stiffness=cross)}
+    found = condensation.tangents(answered, changes)
+    np.testing.assert_allclose(found["crossing"], found["whole"], rtol=1e-10, atol=1e-12 * np.abs(found["whole"]).max())
+
+
 def test_tangents_add_on_the_coordinates_of_both() -> None:
     generator = np.random.default_rng(3)
     one, other = changes(generator, np.array([1, 2])), changes(generator, np.array([2, 8]))

@@ -189,6 +189,11 @@ def test_a_planted_effect_on_a_part_is_the_predicted_one(text: str) -> None:
     _require_same("clumod-4", text, None, OF_PARTS[text])
 
 
+@pytest.mark.parametrize(("article", "text"), [("clumod-1", "modulus:lower-1=-0.1"), ("clumod-4", "modulus:mast=0.05")])
+def test_a_planted_modulus_leaves_stated_ratios_as_they_are(article: str, text: str) -> None:
+    _require_same(article, text, RATIO, 2e-3)
+
+
 def _require_same(article: str, effect: str, damping: Damping | None, share: float) -> None:
     """Sign, size and place: what changes is the same but for `share` of it, and not at all the same turned round."""
     before, after = rig(article, damping=damping), rig(article, effect, damping=damping)

@@ -93,7 +93,8 @@ def test_every_family_has_all_its_words(family: str) -> None:
     assert any(character.isdigit() for character in of.reference)  # a year or an equation
     assert "{target}" in of.sentence or not of.targets
     assert of.plant is not None
-    of.sentence.format(target="here")
+    assert of.sentence.format(target="here").endswith(".")
+    assert {one.partition(":")[0] for one in of.mistaken_for} <= set(FAMILIES)
 
 
 @pytest.mark.parametrize("family", NULL)

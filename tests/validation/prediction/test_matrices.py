@@ -28,7 +28,7 @@ LOSSES, RATIO = None, Damping(ratio=0.003)
 NOMINAL = 5e-6
 """Of the largest entry at any line, in units of the diagonals: as near as 30 modes and their static answers come."""
 
-CHANGED = 1e-5
+CHANGED = 1e-4
 """The same where a part is 10 % stiffer: without the answers to the parts' forces it is 2e-2."""
 
 
@@ -81,7 +81,7 @@ def test_a_stiffer_part_is_what_the_stiffer_structure_is(part: str) -> None:
     changed = replace(m, stiffness=m.stiffness + share, structural=m.structural + loss * share)
     truth = direct(stiffer, LINES).matrix
     assert apart(condensation.dynamic_mass(changed, LINES).matrix, truth) < CHANGED
-    assert apart(condensation.dynamic_mass(m, LINES).matrix, truth) > 1000 * CHANGED
+    assert apart(condensation.dynamic_mass(m, LINES).matrix, truth) > 100 * CHANGED
 
 
 @pytest.mark.parametrize("place", ["mast-top", "hub-3", "lower-1+"])

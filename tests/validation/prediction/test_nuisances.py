@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fem import beam
+from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.articles import built_in
-from validation.engine.parameter import DECLARED, SENSOR
+from validation.engine.parameter import DECLARED, STRUCTURAL
 from validation.models.model import StructureTolerances
 from validation.prediction import condensation, matrices, nuisances
 from validation.prediction.nuisances import Nuisances
@@ -17,12 +18,18 @@ DIFFERENCE = 1e-5
 """Of the largest entry: a central difference of steps of 1e-4 tolerances is as near as that at a resonance."""
 
 
-@pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
+@pytest.fixture(scope="module", params=["clumod-1", "clumod-1 by ratio", "clumod-4"])
 def one(request: pytest.FixtureRequest) -> Nuisances:
-    structure = beam.structure(request.param)
-    modes = fixed_base(structure, 20)
-    made = matrices.of_structure(structure, modes, article=built_in(request.param))
-    return nuisances.of(request.param, made, modes.frequency, structure.loss_factors, highest=20.0)
+    name, by, _ = f"{request.param}  ".split(" ", 2)
+    return made(name, Damping(ratio=0.01) if by else None)
+
+
+def made(article: str, damping: Damping | None) -> Nuisances:
+    structure = beam.structure(article)
+    modes = fixed_base(structure, 20, damping=damping)
+    found = matrices.of_structure(structure, modes, damping=damping, article=built_in(article))
+    losses = structure.loss_factors if damping is None else {}
+    return nuisances.of(article, found, modes.frequency, losses, highest=20.0)
 
 
 def away(one: Nuisances) -> dict[str, float]:
@@ -62,10 +69,10 @@ def test_nothing_moves_at_no_offset(one: Nuisances) -> None:
 
 def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one: Nuisances) -> None:
     m, _ = one.at({name: 10 * offset for name, offset in away(one).items() if not name.startswith(("coupling", "participation"))})
-    for name in ("stiffness", "structural"):
+    for name in ("stiffness", "structural", "viscous"):
         matrix = getattr(m, name)[6:, 6:]
         np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * np.abs(matrix).max())
-        assert np.linalg.eigvalsh(matrix)[0] > -1e-9 * np.abs(matrix).max()
+        assert np.linalg.eigvalsh(matrix)[0] >= -1e-9 * np.abs(matrix).max()
 
 
 def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
@@ -75,8 +82,8 @@ def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
         "modulus:mast": (of.modulus, DECLARED),
         f"frequency:{name}:1": (of.frequency, DECLARED),
         f"damping:{name}:2": (of.damping, DECLARED),
-        f"participation:{name}:1:alpha": (of.participation, SENSOR),
-        f"coupling:{name}:1:2": (of.mode_coupling, SENSOR),
+        f"participation:{name}:1:alpha": (of.participation, STRUCTURAL),
+        f"coupling:{name}:1:2": (of.mode_coupling, STRUCTURAL),
     }
     assert {key: (by_name[key].tolerance, by_name[key].kind) for key in expected} == expected
     assert all(each.within == 2.5 * each.tolerance for each in by_name.values() if each.kind == DECLARED)
@@ -95,8 +102,19 @@ def test_frequencies_and_damping_are_those_asked_for(one: Nuisances) -> None:
     m, _ = one.at({f"frequency:{name}:1": 0.01, f"damping:{name}:1": 0.2})
     before, after = (np.diag(x.stiffness)[6] for x in (one.nominal, m))
     np.testing.assert_allclose(after, before * np.exp(0.02), rtol=1e-12)
-    loss = [np.diag(x.structural)[6] / np.diag(x.stiffness)[6] for x in (one.nominal, m)]
+    loss = [
+        np.diag(x.structural)[6] / np.diag(x.stiffness)[6] + np.diag(x.viscous)[6] / np.sqrt(np.diag(x.stiffness)[6])
+        for x in (one.nominal, m)
+    ]
     np.testing.assert_allclose(loss[1], loss[0] * np.exp(0.2), rtol=1e-12)
+
+
+def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency() -> None:
+    one = made("clumod-1", Damping(ratio=0.01))
+    m, _ = one.at({"modulus:mast": 0.1, "frequency:clumod-1:2": 0.02})
+    at = slice(6, 6 + len(one.frequency))
+    ratio = np.diag(m.viscous)[at] / (2 * np.sqrt(np.diag(m.stiffness)[at]))
+    np.testing.assert_allclose(ratio, 0.01, rtol=1e-9)
 
 
 def test_a_tolerance_of_nothing_is_no_parameter(one: Nuisances) -> None:

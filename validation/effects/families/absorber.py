@@ -25,7 +25,7 @@ FAMILY = Family(
     stage=STRUCTURE_STAGE,
     change=change,
     equation="H_kk += m (ω_a² + 2iζω_aω) / (ω_a² - ω² + 2iζω_aω) at the place, along x, y and z",
-    mistaken_for=("appendage", "slosh", "point-mass, far below its frequency", "one more mode"),
+    mistaken_for=("appendage", "slosh", "point-mass"),
     confirmed_by="hold it still by hand or with wax: its frequency is gone; a sensor on it",
     reference="J. P. Den Hartog, Mechanical Vibrations, 1956, section 3.2; H. Frahm, US patent 989958, 1911",
     sentence="Something small swings at {target}: it splits or dents the resonances near its own frequency.",

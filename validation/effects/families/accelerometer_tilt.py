@@ -17,6 +17,6 @@ FAMILY = Family(
     confirmed_by="rotation sweeps at the low end of the band; a pick-up tilted by hand that reads 1 g senses gravity",
     reference="an accelerometer reads a - g in its own axes; the two halves cancel for a rigid body (identification.gravity)",
     sentence="Whether accelerometers feel gravity when the plate tilts, as all real ones do. Optical sensors and a table's own "
-    "control do not; calling one the other shifts the height of the centre of gravity by g / omega², 15.5 mm at 4 Hz.",
+    "control do not; calling one the other shifts the height of the centre of gravity by g / ω², 15.5 mm at 4 Hz.",
     plant=at("chain", "of_chain.tilt"),
 )

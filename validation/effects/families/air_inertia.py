@@ -15,9 +15,9 @@ FAMILY = Family(
     change=carried,
     equation="T = T₀ √(1 + I_air / I)",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity", "off-centre-suspension"),
-    confirmed_by="the same swing with light plates of cardboard added; the identified inertia, which feels the air as well",
+    confirmed_by="the same swing with light plates of cardboard added, or in a posture in which the plates cut the air",
     reference="added mass of a body in an ideal fluid (Lamb, Hydrodynamics, chapter VI); of a disc of radius a turning about "
-    "its diameter 16/45 rho a^5",
+    "its diameter 16/45 ρ a⁵",
     sentence="Wide flat parts, such as blades, take air along when they swing, and the air's inertia is measured with the "
     "article's.",
 )

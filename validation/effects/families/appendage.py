@@ -33,8 +33,9 @@ FAMILY = Family(
     stage=BODY_STAGE,
     change=change,
     equation="H_kk += m (ω_a² + 2iζω_aω) / (ω_a² - ω² + 2iζω_aω)",
-    mistaken_for=("a mode of the article that the model lacks", "slosh", "absorber"),
-    confirmed_by="the FMD with nothing on it: it is still there; look for loose cables and covers that swing at that frequency",
+    mistaken_for=("slosh", "absorber", "point-mass"),
+    confirmed_by="the FMD with nothing on it: it is still there, and a mode that the model lacks is not; "
+    "look for loose cables and covers that swing at that frequency",
     reference="J. P. Den Hartog, Mechanical Vibrations, 1956, section 3.2; paper Eq. 8",
     sentence="Something that is not the article swings along {target} on the cover plate: a cover, a connector, a loose cable.",
     plant=at("rig", "of_structure.appendage"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from geometry.tolerances import Tolerances
 from validation.effects.family import FORCES, Family
 from validation.effects.plants import at
 from validation.effects.sizes import DELAY
@@ -14,7 +13,6 @@ FAMILY = Family(
     targets=("board",),
     sizes=DELAY,
     example="board-delay:force=200e-6",
-    tolerance=Tolerances().delay,
     equation="y' = y exp(-i ω τ) in every channel of the board",
     mistaken_for=("force-delay", "accelerometer-delay", "structural-damping"),
     confirmed_by="one generator on an input of every board; all channels of one board lag alike",

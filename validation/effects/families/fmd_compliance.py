@@ -16,8 +16,8 @@ FAMILY = Family(
     equation="table reads G (u - ω² K⁻¹ H u), K⁻¹ times the factor along the direction",
     mistaken_for=("accelerometer-gain", "joint-compliance", "cell-stiffness"),
     confirmed_by="accelerometers on the table against those on the cover plate, over frequency: the difference grows with ω²",
-    reference="springs in series: a cover plate on K moves by K^-1 F against the table",
-    sentence="The load cells give more or less than their data sheet says, {target} to the table's plane or across it, so table "
-    "and cover plate do not move alike. Only the pick-ups on the table can be misled by it.",
+    reference="springs in series: a cover plate on K moves by K⁻¹ F against the table",
+    sentence="The load cells give more or less in {target} direction than their data sheet says, so that table and cover plate "
+    "do not move alike. Only the pick-ups on the table can be misled by it.",
     plant=at("chain", "of_chain.compliance"),
 )

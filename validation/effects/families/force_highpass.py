@@ -16,7 +16,7 @@ FAMILY = Family(
     equation="y' = y / (1 - i f_c / f)",
     mistaken_for=("cable", "force-delay", "gravity"),
     confirmed_by="the time constant on the amplifier's switch; a quasi-static load that decays; the lowest lines of every sweep",
-    reference="first-order high-pass of a charge amplifier, corner 1 / (2 pi R C) of its feedback",
+    reference="first-order high-pass of a charge amplifier, corner 1 / (2π R C) of its feedback",
     sentence="The charge amplifier of {target} lets slow forces fade: below a corner frequency it reads too little, too early. "
     "Only the low end of the band shows it, and there it looks like a spring or a damper to the ground.",
     plant=at("signals", "of_signals.highpass"),

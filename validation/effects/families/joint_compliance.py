@@ -36,8 +36,9 @@ FAMILY = Family(
     stage=BODY_STAGE,
     change=change,
     equation="H' = (I - ω² H C)⁻¹ H",
-    mistaken_for=("modulus", "truncated modes without their residual mass", "fmd-compliance"),
-    confirmed_by="one blade against four, which load one joint differently; torque the bolts again",
+    mistaken_for=("modulus", "fmd-compliance", "cover-plate-flexibility"),
+    confirmed_by="one blade against four, which load one joint differently; torque the bolts again; a model that keeps the "
+    "residual mass of its truncated modes, without which it shows up as a vertical joint",
     reference="D. de Klerk, D. J. Rixen and S. N. Voormeeren, AIAA Journal 46 (2008), 1169 (coupling through a compliance); "
     "R. A. Ibrahim and C. L. Pettit, J. Sound and Vibration 279 (2005), 857 (bolted joints)",
     sentence="Between the article's flange and the cover plate something gives ({target}): every frequency falls a little, those "

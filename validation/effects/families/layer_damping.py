@@ -27,7 +27,7 @@ FAMILY = Family(
     stage=STRUCTURE_STAGE,
     change=change,
     equation="D += i η K_layer",
-    mistaken_for=("structural-damping", "damping of single modes"),
+    mistaken_for=("structural-damping", "sweep-bias"),
     confirmed_by="level and width of the resonances of that blade; the same at another temperature, which silicone feels and "
     "steel does not",
     reference="E. M. Kerwin, J. Acoustical Society of America 31 (1959), 952; D. Ross, E. E. Ungar and E. M. Kerwin, Structural "

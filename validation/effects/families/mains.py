@@ -14,7 +14,7 @@ FAMILY = Family(
     example="mains=5",
     stage=NOISE_STAGE,
     change=humming,
-    equation="σ'² = σ² + (factor² - 1) h², h = a / (2 π |f - f_m|) the leak of the ordinary hum into a line",
+    equation="σ'² = σ² + (factor² - 1) h², h = a / (2√2 π |f - f_m|) the leak of the ordinary hum into a line",
     mistaken_for=("noise",),
     confirmed_by="a narrow line at 50 or 60 Hz and its odd multiples, also while nothing moves",
     reference="leakage of a sine into a rectangular record (Harris, Proc. IEEE 66 (1978) 51-83)",

@@ -15,7 +15,7 @@ FAMILY = Family(
     change=damped,
     equation="T = T₀ / √(1 - ζ²)",
     mistaken_for=("pendulum-amplitude", "rope-mass", "rope-elasticity", "air-inertia", "off-centre-suspension"),
-    confirmed_by="the decay of the swing: ln of the ratio of two peaks one period apart is 2 pi zeta",
+    confirmed_by="the decay of the swing: ln of the ratio of two peaks one period apart is 2π ζ",
     reference="free vibration with viscous damping, any textbook; validation.pendulum_corrections",
     sentence="Air and joints slow the swing down a little. Weak damping hardly matters: 5 % lengthen the period by 0.13 %.",
 )

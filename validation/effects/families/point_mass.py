@@ -26,8 +26,8 @@ FAMILY = Family(
     stage=STRUCTURE_STAGE,
     change=change,
     equation="M += m φᵀφ, L += m φᵀΓ, M_F += m ΓᵀΓ",
-    mistaken_for=("rigid-inertia", "point-mass at a neighbouring place", "joint-compliance"),
-    confirmed_by="weigh the article again; modes with a node at the place, which do not move",
+    mistaken_for=("rigid-inertia", "joint-compliance", "absorber"),
+    confirmed_by="weigh the article again; modes with a node at the place, which do not move and tell it from a neighbouring one",
     reference="Rayleigh, The Theory of Sound, 1877, chapter 4 (small changes of a system); D. J. Ewins, Modal Testing, 2000",
     sentence="Something of this mass sits at {target} that the model does not have, or is missing there when "
     "the figure is negative.",

@@ -24,8 +24,9 @@ FAMILY = Family(
     stage=STRUCTURE_STAGE,
     change=change,
     equation="D += i η K_part",
-    mistaken_for=("damping of single modes", "off-diagonal damping", "friction"),
-    confirmed_by="level and width of several resonances of the same part; the part alone, hung on threads, ringing down",
+    mistaken_for=("layer-damping", "friction", "sweep-bias"),
+    confirmed_by="level and width of several resonances of the same part, where the damping of a mode moves "
+    "one; the part alone, hung on threads, ringing down",
     reference="A. D. Nashif, D. I. G. Jones and J. P. Henderson, Vibration Damping, 1985, chapter 2; R. R. Craig and A. J. "
     "Kurdila, Fundamentals of Structural Dynamics, 2006",
     sentence="{target} takes more energy out of the motion than the model says: every resonance in which it bends is "

@@ -1,0 +1,215 @@
+"""Signs and sizes of corrections are those of the measurement chain and of the catalogue's equations, a user's own among them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geometry.errors import BadInput
+from identification import campaign_file
+from identification.campaign import Campaign
+from identification.measurement_chain import chain
+from identification.recording import Recording
+from validation.correcting.corrected import corrected
+from validation.effects import catalogue
+from validation.effects import own as own_effects
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
+from validation.effects.identifiers import Named, parse
+from validation.effects.stages import Reading
+
+Tested = Callable[..., Campaign]
+Run = Callable[..., tuple[int, str, str]]
+
+LINES = np.linspace(5.0, 30.0, 6)
+MASS = np.diag([40.0, 41.0, 42.0, 3.0, 3.5, 0.8]).astype(complex)
+
+
+def spectra(campaign: Campaign, values: np.ndarray) -> Campaign:
+    """`campaign` with one run of these spectra (n, c)."""
+    run = replace(campaign.runs[0], name="r")
+    recording = Recording(names=campaign.table.names, values=values, frequency=LINES)
+    return replace(campaign, runs=(run,), recordings={"r": recording})
+
+
+def read_by_chain(campaign: Campaign, named: Named | None) -> np.ndarray:
+    """(n, c) what the channels of its table read of some motion, with or without a fault."""
+    made = chain(campaign.table, gravity=campaign.gravity, overrides={} if named is None else {named.id: 1.0})
+    theta = made.theta({} if named is None else {named.id: named.value})
+    A0, A1 = made.rows(theta, LINES)
+    motion = np.array([1.0, -0.7, 0.9, 2.0 + 1j, -1.5, 0.8j])
+    values = np.empty((len(LINES), len(campaign.table)), dtype=complex)
+    values[:, list(made.columns)] = (A0 + A1 @ MASS) @ motion
+    return values
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "force-gain:fmd-z2=0.08",
+        "accelerometer-gain:table-x1=-0.05",
+        "force-delay:fmd-x12=1e-3",
+        "accelerometer-delay:cover-y1=-2e-3",
+        "board-delay:cover=1e-3",
+        "board-delay:table=1e-3",
+        "board-delay:force=1e-3",
+        "force-highpass:fmd-z4=0.7",
+        "load-path-shunt:y=0.2",
+        "load-path-shunt:z=0.1",
+        "accelerometer-position:cover-z3:y=0.02",
+        "accelerometer-position:table-x1:z=-0.01",
+        "accelerometer-misalignment:cover-z3:x=0.3",
+        "accelerometer-misalignment:cover-x1:z=-0.2",
+    ],
+)
+def test_what_the_chain_reads_wrong_is_read_right_again(tested: Tested, effect: str) -> None:
+    """The corrected campaign, its table included, is what a chain without the fault reads by that table."""
+    named = parse(effect)
+    faulty = spectra(tested(), read_by_chain(tested(), named))
+    made = corrected(faulty, named).campaign
+    right, scale = read_by_chain(made, None), np.abs(faulty.recordings["r"].values).max(axis=0)
+    assert np.max(np.abs(faulty.recordings["r"].values - read_by_chain(tested(), None)) / scale) > 1e-3
+    np.testing.assert_allclose(made.recordings["r"].values / scale, right / scale, atol=1e-12)
+
+
+def read_by_equation(campaign: Campaign, named: Named, values: np.ndarray) -> np.ndarray:
+    change = FAMILIES[named.family].change
+    assert change is not None
+    reading = Reading(frequency=LINES, channels=campaign.table.names, rows=values[:, :, None])
+    return np.asarray(change(reading, named.targets, named.values).rows[:, :, 0])
+
+
+@pytest.mark.parametrize("effect", ["polarity:fmd-z2", "channel-swap:cover-z1:fmd-x12", "unit:cover-z3=0.102"])
+def test_what_the_catalogue_reads_wrong_is_read_right_again(tested: Tested, effect: str) -> None:
+    clean, named = read_by_chain(tested(), None), parse(effect)
+    made = corrected(spectra(tested(), read_by_equation(tested(), named, clean)), named).campaign
+    np.testing.assert_allclose(made.recordings["r"].values, clean, rtol=1e-14)
+
+
+@pytest.fixture
+def grown(monkeypatch: pytest.MonkeyPatch) -> Callable[[Family], None]:
+    """``grown(family)``: it is in the catalogue while the test runs."""
+    return lambda family: monkeypatch.setitem(catalogue._found, family.name, family)
+
+
+def own(change: Callable[..., Reading]) -> Family:
+    size = Size(unit="1", low=-10.0, high=10.0)
+    return Family(
+        name="mine",
+        side=FORCES,
+        what="mine",
+        targets=("force channel",),
+        sizes=(size,),
+        example="",
+        stage=CHANNEL_STAGE,
+        change=change,
+    )
+
+
+def leaking(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+    """A channel leaks into its neighbour, and droops."""
+    rows = np.array(reading.rows)
+    k = reading.column(targets[0])
+    rows[:, k] /= 1 + 0.01j * reading.frequency[:, None]
+    rows[:, k + 1] += values[""] * rows[:, k]
+    return replace(reading, rows=rows)
+
+
+def test_a_users_own_equation_is_inverted(tested: Tested, grown: Callable[[Family], None]) -> None:
+    grown(own(leaking))
+    clean, named = read_by_chain(tested(), None), Named(family="mine", targets=("fmd-z1",), values={"": 0.3})
+    faulty = spectra(tested(), read_by_equation(tested(), named, clean))
+    made = corrected(faulty, named)
+    assert made.channels == ("fmd-z1", "fmd-z2")
+    np.testing.assert_allclose(made.campaign.recordings["r"].values, clean, rtol=1e-12)
+
+
+def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested: Tested, grown: Callable[[Family], None]) -> None:
+    def leaking_alone(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+        rows = np.array(reading.rows)
+        k = reading.column(targets[0])
+        rows[:, k + 1] += values[""] * rows[:, k]
+        return replace(reading, rows=rows)
+
+    grown(own(leaking_alone))
+    clean, named = read_by_chain(tested(), None), Named(family="mine", targets=("fmd-z1",), values={"": 0.3})
+    made = corrected(spectra(tested(), read_by_equation(tested(), named, clean)), named)
+    assert made.channels == ("fmd-z2",)
+    np.testing.assert_allclose(made.campaign.recordings["r"].values, clean, rtol=1e-12)
+
+
+def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested: Tested, grown: Callable[[Family], None]) -> None:
+    def dead(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+        rows = np.array(reading.rows)
+        rows[reading.frequency > 20, reading.column(targets[0])] = 0.0
+        return replace(reading, rows=rows)
+
+    grown(own(dead))
+    named = Named(family="mine", targets=("fmd-z1",), values={"": 0.3})
+    with pytest.raises(BadInput, match="mine:fmd-z1: cannot be taken out of a record: at 25 Hz its equation leaves nothing"):
+        corrected(spectra(tested(), read_by_chain(tested(), None)), named)
+
+
+def test_the_example_of_ones_own_is_taken_out_of_a_record(tested: Tested, root: Path, grown: Callable[[Family], None]) -> None:
+    """Planted by the bilinear rule at 2048 Hz, which is off by (2 pi 32/2048)²/12 of omega tau = 0.2 at 32 Hz: 2e-4."""
+    grown(own_effects.family(root / "examples" / "effects" / "force_lowpass.py"))
+    effect = "force-lowpass:fmd-z2=1e-3"
+    clean, faulty = tested(), tested(effect)
+    made = corrected(faulty, parse(effect)).campaign
+    for name, recording in clean.recordings.items():
+        right = recording.channel("fmd-z2")
+        before, after = (np.abs(one.recordings[name].channel("fmd-z2") - right).max() for one in (faulty, made))
+        assert before > 0.02 * np.abs(right).max()
+        assert after < 3e-4 * np.abs(right).max()
+
+
+FILE = """
+from dataclasses import replace
+from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
+
+def change(reading, targets, values):
+    rows = reading.rows.copy()
+    rows[:, reading.column(targets[0])] *= values[""]
+    return replace(reading, rows=rows)
+
+FAMILY = Family(
+    name="worn-cell",
+    side=FORCES,
+    what="a worn cell",
+    targets=("force channel",),
+    sizes=(Size(unit="1", low=0.1, high=2.0, null=1.0, plausible=0.1),),
+    example="worn-cell:fmd-z2=0.5",
+    stage=CHANNEL_STAGE,
+    change=change,
+    equation="y' = v y",
+    confirmed_by="another cell",
+    reference="our workshop",
+    sentence="The cell of {target} is worn.",
+)
+"""
+
+
+def test_ones_own_effects_take_part_in_both_commands(tested: Tested, run: Run) -> None:
+    """``--effects-from`` comes before what it is needed for; the catalogue of this process is left as it was."""
+    campaign = tested()
+    kept = campaign.runs[0]
+    campaign_file.write("test", replace(campaign, runs=(kept,), recordings={kept.name: campaign.recordings[kept.name]}))
+    Path("mine").mkdir()
+    Path("mine/worn_cell.py").write_text(FILE)
+    Path("mine.toml").write_text("format = 1\n[model]\narticle = 'fmd'\n[[effect]]\nid = 'worn-cell:fmd-z2'\nvalue = 0.5\n")
+    code, _, said = run("model", "mine.toml")
+    assert (code, "no effect is called 'worn-cell'" in said) == (2, True)
+    try:
+        code, printed, _ = run("model", "mine.toml", "--effects-from", "mine")
+        assert (code, "# a worn cell\n[[effect]]" in printed) == (0, True)
+        assert run("correct", "test", "worn-cell:fmd-z2=0.5", "--out", "clean", "--effects-from", "mine")[0] == 0
+        doubled = campaign_file.read("clean").recordings[kept.name]
+        before = campaign.recordings[kept.name].channel("fmd-z2")
+        np.testing.assert_allclose(doubled.channel("fmd-z2"), 2 * before, atol=1e-12 * np.abs(before).max())
+    finally:
+        for path in [path for path in catalogue._files if path.name == "worn_cell.py"]:
+            catalogue._forget(catalogue._files.pop(path))

@@ -1,0 +1,197 @@
+"""`massline add`, `ladder` and `undo` on a short virtual test of the Cuboid with a gain of 8 % on one load cell."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from numpy.testing import assert_allclose
+
+from validation import cli
+from validation.ladders import adding
+from validation.ladders.climbing import standing
+from validation.ladders.judging import judged
+
+Run = Callable[..., tuple[int, str, str]]
+
+GAIN = "force-gain:fmd-z2"
+FAST = ("--octaves-per-minute", "120", "--band", "8", "32", "--rate", "256", "--model", "rigid", "--noise", "0.1")
+PLAN = ("--seed", "3", "--tolerances", "0.3", "--effect", f"{GAIN}=0.08", *FAST)
+RIGID = 'kind = "rigid"'
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign, and a model that has the gain: its first attempt was interrupted after the rung before it was evaluated."""
+    folder = tmp_path_factory.mktemp("ladder")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert cli.run(["simulate", "fmd+cuboid", "--out", "cuboid", *PLAN]) == cli.DONE
+        assert cli.run(["model", "fmd+cuboid", "--out", "model.toml"]) == cli.DONE
+        text = Path("model.toml").read_text(encoding="utf-8").replace('kind = "beam"', RIGID)
+        Path("model.toml").write_text(f"# mine\n{text}", encoding="utf-8")
+        shutil.copy("model.toml", "before.toml")
+        _interrupted(patch)
+        Path("interrupted.json").write_text(json.dumps(_state()), encoding="utf-8")
+        assert cli.run(["add", "model.toml", GAIN]) == cli.DONE
+    return folder
+
+
+def _interrupted(patch: pytest.MonkeyPatch) -> None:
+    """The command, ended by Ctrl-C when the fit of the effect begins."""
+
+    def only_before(bench: Any, model: Any, parent: Any, progress: Any = None) -> Any:
+        if parent is not None:
+            raise KeyboardInterrupt
+        return judged(bench, model, parent, progress)
+
+    with patch.context() as inner:
+        inner.setattr(adding, "judged", only_before)
+        assert cli.run(["add", "model.toml", GAIN, "cuboid"]) == cli.INTERRUPTED
+
+
+def _state() -> dict[str, Any]:
+    at = standing(Path("model.toml"))
+    return {"text": at.text, "rungs": len(at.ladder.rungs), "on": at.rung.number if at.rung else None}
+
+
+@pytest.fixture
+def made(once: Path, run: Run) -> Path:
+    """A copy of it in the folder in which the command runs."""
+    shutil.copytree(once, Path(), dirs_exist_ok=True)
+    return Path("model.toml")
+
+
+def ladder(run: Run, *arguments: str) -> dict[str, Any]:
+    code, out, err = run("ladder", "model.toml", "--json", "--no-plot", *arguments)
+    assert code == cli.DONE, err
+    found: dict[str, Any] = json.loads(out)
+    return found
+
+
+def test_an_interrupted_fit_keeps_the_rung_that_was_finished(once: Path) -> None:
+    state = json.loads((once / "interrupted.json").read_text(encoding="utf-8"))
+    assert (state["rungs"], state["on"]) == (1, 0)
+    assert state["text"] == (once / "before.toml").read_text(encoding="utf-8")
+
+
+def test_the_right_effect_is_found_and_its_error_falls(made: Path, run: Run) -> None:
+    found = ladder(run)
+    assert found["current"] == 1
+    before, after = found["rungs"]
+    (effect,) = after["effects"]
+    truth = json.loads(Path("cuboid.truth.json").read_text(encoding="utf-8"))
+    low, high = effect["interval90"]
+    gain = truth["tolerances"][GAIN]  # with the channel's own tolerance
+    assert abs(effect["value"] - gain) < 2 * (high - low)  # 2.4 times the half-width that 9 of 10 lie within: 1 of 15,000 beyond
+    assert after["evidence_gain_nats"] > 20
+    assert after["worth_a_parameter"]
+    channel = GAIN.partition(":")[2]
+    plain = [one["errors"]["plain_percent_by_channel"][channel] for one in (before, after)]
+    assert plain[1] < 0.8 * plain[0]
+    assert after["errors"]["tolerance_z2"] < 0.5 * before["errors"]["tolerance_z2"]
+    assert any("worth a parameter" in sentence for sentence in after["verdict"])
+
+
+def test_the_model_file_holds_the_effect_and_every_other_line(made: Path) -> None:
+    before, after = (Path(name).read_text(encoding="utf-8") for name in ("before.toml", "model.toml"))
+    assert after.startswith(before.rstrip())
+    assert f'id = "{GAIN}"' in after
+    assert "sd = 0.0" in after
+
+
+def test_undo_brings_back_every_byte_and_ladder_goes_up_again(made: Path, run: Run) -> None:
+    after = made.read_bytes()
+    code, out, _ = run("undo", "model.toml")
+    assert code == cli.DONE
+    assert "it stands on rung 0" in out
+    assert made.read_bytes() == Path("before.toml").read_bytes()
+    assert ladder(run, "--go", "1")["current"] == 1
+    assert made.read_bytes() == after
+
+
+def test_the_page_marks_the_rung_and_draws_the_fall(made: Path, run: Run) -> None:
+    code, out, err = run("ladder", "model.toml")
+    assert code == cli.DONE
+    assert f"→ 1 {GAIN}" in out
+    assert "  0 the model at first" in out
+    assert "cuboid, rung 1" in out
+    for name in ("model-ladder.png", "model-ladder-cuboid.png"):
+        assert f"wrote out/{name}" in err
+        assert Path("out", name).stat().st_size > 10_000
+
+
+def test_an_edit_by_hand_is_said(made: Path, run: Run) -> None:
+    made.write_text(made.read_text(encoding="utf-8") + "# more\n", encoding="utf-8")
+    _, out, _ = run("ladder", "model.toml", "--no-plot")
+    assert "edited by hand since rung 1" in out
+    assert ladder(run)["current"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((GAIN,), "the model has it already"),
+        (("modulus:mast=0.05",), "acts nowhere on these data"),
+        (("force-gian:fmd-z2",), "Did you mean force-gain"),
+        (("force-gain:fmd-z9",), "Did you mean fmd-z"),
+        (("force-gain:fmd-z1", "--fixed"), "its size is missing"),
+        (("force-gain:fmd-z1=99",), "between -0.9 and 9"),
+        (("force-gain:fmd-z1", "--hold-out", "delta"), "delta"),
+        (("force-gain:fmd-z1", "nowhere"), "no such file or folder"),
+    ],
+)
+def test_what_cannot_be_added_is_refused_in_words_and_nothing_changes(
+    arguments: tuple[str, ...], words: str, made: Path, run: Run
+) -> None:
+    before = made.read_bytes(), Path("model.ladder.json").read_bytes()
+    code, out, err = run("add", "model.toml", *arguments)
+    assert (code, out) == (cli.BAD_INPUT, "")
+    assert words in err
+    assert (made.read_bytes(), Path("model.ladder.json").read_bytes()) == before
+
+
+def test_exact_aliases_are_refused_with_their_direction(made: Path, run: Run) -> None:
+    text = made.read_text(encoding="utf-8")
+    # of a rigid body the two halves of gravity cancel to rounding
+    made.write_text(f'{text}\n[[effect]]\nid = "gravity"\nvalue = 0.0\nfixed = true\n', encoding="utf-8")
+    code, _, err = run("add", "model.toml", "accelerometer-tilt")
+    assert code == cli.BAD_INPUT
+    assert "cannot tell it from what is in the model" in err
+    assert "gravity" in err
+    assert "--alias-ok" in err
+
+
+def test_without_data_or_a_ladder_it_says_what_is_missing(once: Path, run: Run) -> None:
+    shutil.copy(once / "before.toml", "model.toml")
+    assert "there is no data" in run("add", "model.toml", GAIN)[2]
+    for command in ("ladder", "undo"):
+        code, _, err = run(command, "model.toml")
+        assert code == cli.BAD_INPUT
+        assert "has no ladder" in err
+
+
+def test_data_that_moved_away_or_changed_are_said(made: Path, run: Run) -> None:
+    Path("cuboid").rename("elsewhere")
+    code, _, err = run("add", "model.toml", "force-gain:fmd-z1")
+    assert code == cli.BAD_INPUT
+    assert "stands on cuboid, which is not there any more" in err
+
+
+def test_a_damaged_ladder_is_refused_by_every_command_and_kept(made: Path, run: Run) -> None:
+    beside = Path("model.ladder.json")
+    beside.write_bytes(beside.read_bytes()[:1000])
+    before = beside.read_bytes(), made.read_bytes()
+    for arguments in (("ladder", "model.toml"), ("undo", "model.toml"), ("add", "model.toml", "force-gain:fmd-z1")):
+        code, _, err = run(*arguments)
+        assert code == cli.BAD_INPUT
+        assert "model.ladder.json" in err
+    assert (beside.read_bytes(), made.read_bytes()) == before
+
+
+def test_identified_inertia_lies_within_its_interval_of_the_truth(made: Path, run: Run) -> None:
+    (body,) = ladder(run)["rungs"][1]["inertia"]
+    assert body["article"] == "cuboid"
+    assert_allclose(body["reference"]["mass_kg"], body["identified"]["mass_kg"], atol=1.5 * body["half_width95"]["mass_kg"])

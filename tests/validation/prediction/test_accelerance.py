@@ -1,0 +1,173 @@
+"""The prediction of an accelerance test: against the direct solution, against differences, and on data with a planted effect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from validation.effects.identifiers import Named
+from validation.effects.stages import Matrices
+from validation.engine.evaluate import evaluate
+from validation.engine.problem import Problem
+from validation.models.model import Added, StructureTolerances
+from validation.prediction import nuisances, scatter
+from validation.prediction.accelerance import AcceleranceTest, Point, measured
+
+M, K, ETA = np.diag([2.0, 3.0, 1.5]), 1e4 * np.array([[5.0, -2.0, 0.0], [-2.0, 4.0, -1.0], [0.0, -1.0, 1.0]]), 0.01
+"""A chain of three masses on springs, every spring with the same loss factor."""
+
+F = 1.0 + 0.05 * np.arange(1200)
+NAMES = ("a", "b", "c")
+
+
+def chain(mass: Array = M) -> ComplexArray:
+    """Accelerances (r, n, c) in physical coordinates, one line solved after the other; no code of the package."""
+    lines = [-(w**2) * np.linalg.inv(K * (1 + 1j * ETA) - w**2 * mass) for w in 2 * np.pi * F]
+    return np.array(lines).transpose(2, 0, 1)
+
+
+def model(values: ComplexArray, **options: object) -> AcceleranceTest:
+    """The chain on its own modes, and `values` as what was measured."""
+    squares, shapes = np.linalg.eigh(np.sqrt(np.linalg.inv(M)) @ K @ np.sqrt(np.linalg.inv(M)))
+    shapes = np.sqrt(np.linalg.inv(M)) @ shapes
+    none, stiffness = np.zeros((3, 3)), np.diag(squares)
+    made = Matrices(
+        base=0,
+        mass=np.eye(3),
+        stiffness=stiffness,
+        viscous=none,
+        structural=ETA * stiffness,
+        places={name: np.vstack([row, np.zeros((2, 3))]) for name, row in zip(NAMES, shapes, strict=True)},
+        parts={"springs": stiffness},
+    )
+    known = StructureTolerances(modulus=0.02, damping=0.3)
+    of = nuisances.of("chain", made, np.sqrt(squares) / (2 * np.pi), {"springs": ETA}, known)
+    data = measured("test", "chain", F, dict(zip(NAMES, values, strict=True)), NAMES, share=0.01)
+    points = tuple(Point(place=name) for name in NAMES)
+    return AcceleranceTest(measured=data, structure=of, responses=points, drives=points, **options)  # type: ignore[arg-type]
+
+
+def added(identifier: str, value: float) -> Added:
+    family, *targets = identifier.split(":")
+    return Added(named=Named(family=family, targets=tuple(targets), values={"": value}))
+
+
+EFFECTS = (added("point-mass:b", 0.2), added("structural-damping:springs", 0.005), added("modulus:springs", -0.03))
+
+
+def test_the_prediction_is_the_direct_solution_in_physical_coordinates() -> None:
+    exact = chain()
+    found = model(exact).at({}, derivatives=False).rows[..., 0]
+    assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())  # rounding of two ways to one number
+
+
+def test_an_effect_on_the_modes_is_the_effect_on_the_masses() -> None:
+    heavier = chain(M + np.diag([0.0, 0.2, 0.0]))
+    test = model(chain()).with_effects([added("point-mass:b", 0.2)])
+    found = test.at({"point-mass:b": 0.2}, derivatives=False).rows[..., 0]
+    assert_allclose(found, heavier, rtol=0, atol=1e-11 * np.abs(heavier).max())
+
+
+def test_a_structure_answers_at_one_place_to_another_as_the_other_to_the_one() -> None:
+    rows = model(chain()).at({}, derivatives=False).rows[..., 0]
+    assert_allclose(rows, rows.transpose(2, 1, 0), rtol=0, atol=1e-11 * np.abs(rows).max())
+
+
+def test_every_derivative_is_that_of_differences() -> None:
+    test = model(chain()).with_effects(EFFECTS)
+    at = {one.name: one.start + 0.1 * one.tolerance for one in test.parameters}
+    lines = np.arange(0, len(F), 60)
+    exact = test.at(at, lines)
+    assert set(exact.changes) == set(at)
+    for name, change in exact.changes.items():
+        step = 1e-5
+        above, below = (test.at({**at, name: at[name] + side * step}, lines, derivatives=False).rows for side in (1, -1))
+        difference = ((above - below) / (2 * step))[:, :, list(change.channels)]
+        scale = np.abs(difference).max()
+        assert scale > 0
+        assert_allclose(change.rows, difference, rtol=0, atol=1e-5 * scale, err_msg=name)  # the step's third power
+
+
+def test_gains_scale_a_channel_and_the_force_all_of_them_the_other_way() -> None:
+    test = model(chain())
+    plain = test.at({}, derivatives=False).rows
+    found = test.at({"accelerometer-gain:b": 0.1, "force-gain:force": 0.25}, derivatives=False).rows
+    assert_allclose(found, plain * (np.array([1.0, 1.1, 1.0]) / 1.25)[:, None], rtol=1e-13)
+
+
+def test_runs_that_are_taken_out_take_their_drive_points_with_them() -> None:
+    test = model(chain())
+    alone = test.on(("c",))
+    assert alone.measured.runs == ("c",)
+    assert_allclose(alone.at({}, derivatives=False).rows[0], test.at({}, derivatives=False).rows[2], rtol=1e-13)
+
+
+def test_a_known_effect_is_no_parameter_and_acts() -> None:
+    test = model(chain()).with_effects([replace(added("modulus:springs", 0.1), fixed=True)])
+    assert "modulus:springs" not in {one.name for one in test.parameters}
+    free = model(chain()).at({"modulus:springs": np.log(1.1)}, derivatives=False).rows
+    assert_allclose(test.at({}, derivatives=False).rows, free, rtol=1e-12)
+    assert "modulus:springs" not in test.at({}).changes
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [
+        (added("mounting-offset:x", 0.01), "has none"),
+        (added("point-mass:mast-top", 0.1), "places a, b, c"),
+        (added("modulus:mast", 0.1), "modulus:springs"),
+        (added("accelerometer-gain:d", 0.1), "accelerometer-gain:a"),
+    ],
+)
+def test_an_effect_that_reaches_nothing_is_refused_with_what_there_is(effect: Added, said: str) -> None:
+    with pytest.raises(BadInput) as refused:
+        model(chain()).with_effects([effect])
+    assert effect.named.id == refused.value.field
+    assert said in str(refused.value)
+
+
+def test_a_planted_mass_is_found_and_the_error_falls_on_drive_points_that_no_fit_has_seen() -> None:
+    rng, truth = np.random.default_rng(3), 0.3
+    clean = chain(M + np.diag([0.0, truth, 0.0]))
+    noisy = clean * (1 + 0.01 * (rng.standard_normal((3, len(F), 3)) + 1j * rng.standard_normal((3, len(F), 3))) / np.sqrt(2))
+    test = model(noisy)
+    base = evaluate(Problem((test,)))
+    right = evaluate(Problem((test.with_effects([added("point-mass:b", 0.0)]),)), parent=base)
+    wrong = evaluate(Problem((test.with_effects([added("structural-damping:springs", 0.0)]),)), parent=base)
+    assert right.held_out is not None
+    assert wrong.held_out is not None
+    assert base.held_out is not None
+    assert right.held_out.percent < 1.2  # the noise that was put in is 1 %
+    assert wrong.held_out.percent > 0.8 * base.held_out.percent
+    at = [one.name for one in right.fitted.parameters].index("point-mass:b")
+    assert right.fitted.offsets[at] == pytest.approx(truth, abs=3 * np.sqrt(right.fitted.covariance[at, at]))
+
+
+def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance() -> None:
+    rng, f, sd = np.random.default_rng(1), 0.02 * np.arange(1, 3000), 0.03
+    smooth = -(f**2) / (30.0**2 - f**2 + 2j * 0.002 * 30.0 * f)
+    values = smooth + sd * (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
+    found = scatter.noise(f, values[:, :, None])
+    assert_allclose(np.median(found), sd, rtol=0.03)
+    away = np.abs(f - 30.0) > 2.0
+    assert_allclose(np.quantile(found[:, away], [0.05, 0.95]), sd, rtol=0.4)  # a median of 101 lines scatters by a sixth
+    assert 0.5 * sd < found[:, ~away].min() < found[:, ~away].max() < 3 * sd  # skirts of a peak of 250 bend
+    assert_allclose(scatter.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
+
+
+def test_readings_that_differ_by_a_share_repeat_to_that_share() -> None:
+    rng, share = np.random.default_rng(2), 0.02
+    exact = chain()
+    error = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
+    assert scatter.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
+
+
+def test_what_tells_no_scatter_is_refused() -> None:
+    with pytest.raises(ValueError, match="7 lines within"):
+        scatter.noise(np.arange(5.0), np.ones((1, 5, 1)))
+    with pytest.raises(ValueError, match="two runs or more"):
+        scatter.repeatability(np.ones((1, 5, 1)))
