@@ -57,4 +57,4 @@ def test_the_right_effect_explains_a_fault_and_a_wrong_one_does_not(
     verdict = proof.verdict(found)
     assert verdict.visible
     assert verdict.met, (verdict.words, found["sizes"])
-    assert all(proof.worst(one, null) > proof.WITHIN for one in found["wrong"].values() if one is not None)
+    assert all(proof.times(one, null) > proof.WITHIN for one in found["wrong"].values() if one is not None)
