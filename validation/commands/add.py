@@ -24,7 +24,7 @@ METHODS = ("full-record", "peak-reference-hold")
 )
 @click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaigns']")
 @click.option("--method", type=click.Choice(METHODS), help=f"How spectra are made.  [default: {METHODS[0]}]")
-@click.option("--effects-from", metavar="DIR", help="A folder of your own effects.")
+@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
 @click.option("--fixed", is_flag=True, help="Keep the effect at VALUE instead of fitting it.")
 @click.option(
     "--alias-ok", is_flag=True, help="Add it though these data cannot tell it from what the model has; the rung says so."
@@ -37,7 +37,7 @@ def command(
     hold_out: tuple[str, ...],
     band: tuple[float, float] | None,
     method: str | None,
-    effects_from: str | None,
+    effects_from: tuple[str, ...],
     fixed: bool,
     alias_ok: bool,
     as_json: bool,
@@ -51,7 +51,8 @@ def command(
 
     Exit code 0 whatever comes out; 1 when the model as it was cannot be fitted; 2 when the input cannot be used.
     """
-    from validation.ladders.run import Asked, add
+    from validation.ladders.adding import Asked
+    from validation.ladders.run import add
 
     asked = Asked(
         model=model,

@@ -113,7 +113,7 @@ def _way(at: Standing) -> list[Grid]:
 
 def notes(at: Standing) -> Iterator[str]:
     """What must be known to read the tables, and what is odd."""
-    yield "Nominal: as drawn. Plain: tolerances of the measurement not fitted. Per cent of the measured force. Evidence in nats."
+    yield "Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of the force read. Evidence in nats."
     yield "Inertia: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
     yield from conditions(at)
 

@@ -47,7 +47,10 @@ class DrawnRung:
 
 
 PERCENT = {"nominal": NOMINAL, "plain": PLAIN, "held out": HELD_OUT}
-FITTED = {"chi² per degree of freedom": CHI2, "sum z² per tolerance": PRICE}
+NAMED = ("held out", "sum z² per tolerance")
+"""The errors at which branches have their names."""
+
+FITTED = {"chi² per deg. of freedom": CHI2, "sum z² per tolerance": PRICE}
 """The errors of the upper and of the lower panel, and their colours."""
 
 
@@ -61,7 +64,7 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     require_format(path)
     deepest = max(one.depth for one in rungs)
     figure = new_figure(max(11.0, 5.5 + 1.5 * deepest), 9.4)
-    grid = figure.add_gridspec(2, 1, height_ratios=(1.7, 1), hspace=0.1, left=0.085, right=0.8, top=0.9, bottom=0.21)
+    grid = figure.add_gridspec(2, 1, height_ratios=(1.7, 1), hspace=0.1, left=0.085, right=0.78, top=0.9, bottom=0.18)
     upper = figure.add_subplot(grid[0])
     lower = figure.add_subplot(grid[1], sharex=upper)
     for axes, shown in ((upper, PERCENT), (lower, FITTED)):
@@ -86,7 +89,8 @@ def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None
             axes.plot([parent.depth, one.depth], [parent.errors[name], one.errors[name]], color=ASIDE, linewidth=1.1, zorder=2)
         if not one.here and np.isfinite(one.errors[name]):
             axes.plot(one.depth, one.errors[name], marker="o", markersize=5, color=PAPER, markeredgecolor=colour, zorder=3)
-            axes.annotate(f"{one.number}", (one.depth, one.errors[name]), xytext=(6, 3), **_SMALL)
+            if name in NAMED:
+                axes.annotate(f"{one.number}  {_cut(one.title)}", (one.depth, one.errors[name]), xytext=(7, -3), **_SMALL)
     way = [one for one in rungs if one.here and np.isfinite(one.errors[name])]
     look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 7, "linewidth": 2.2, "markeredgecolor": PAPER}
     axes.plot([one.depth for one in way], [one.errors[name] for one in way], label=name, zorder=4, **look)
@@ -123,7 +127,7 @@ def _names(axes: Axes, rungs: Sequence[DrawnRung], deepest: int) -> None:
     names = [f"{one.number}  {_cut(one.title)}" for one in way]
     axes.set_xticks([one.depth for one in way], names, rotation=18, ha="right", rotation_mode="anchor")
     axes.tick_params(axis="x", labelsize=9.5)
-    axes.set_xlim(-0.4, max(deepest, 1) + 0.5)
+    axes.set_xlim(-0.4, max(deepest, 1) + 0.8)
 
 
 def _cut(text: str) -> str:
