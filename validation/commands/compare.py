@@ -22,7 +22,7 @@ METHODS = ("full-record", "peak-reference-hold")
 )
 @click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaigns']")
 @click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
-@click.option("--effects-from", metavar="DIR", help="A folder of your own effects.")
+@options.effects_from
 @options.JSON
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write compare.json and the pictures into DIR.")
 def command(
@@ -31,7 +31,6 @@ def command(
     hold_out: tuple[str, ...],
     band: tuple[float, float] | None,
     method: str,
-    effects_from: str | None,
     as_json: bool,
     out: Path | None,
 ) -> None:
@@ -49,5 +48,5 @@ def command(
 
     if out is not None:
         require_folder(out, "--out")
-    asked = Asked(model=model, data=data, hold_out=hold_out, band=band, method=method, effects_from=effects_from)
+    asked = Asked(model=model, data=data, hold_out=hold_out, band=band, method=method)
     answer(asked, as_json=as_json, folder=out)

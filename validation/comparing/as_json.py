@@ -32,8 +32,10 @@ def as_json(found: Comparison) -> dict[str, Any]:
         "tolerance_z2": of.fitted.tolerance_z2,
         "worst": [_spot(one, len(found.maps)) for one in found.worst],
         "nominal_error_percent": of.nominal.percent,
-        "held_out_error_percent": None if of.held_out is None else of.held_out.percent,
-        "held_out_nominal_error_percent": None if of.held_out_nominal is None else of.held_out_nominal.percent,
+        "held_out_error_percent": _percent(of.held_out),
+        "held_out_nominal_error_percent": _percent(of.held_out_nominal),
+        "held_out_configurations_error_percent": _percent(of.held_out_configurations),
+        "held_out_configurations_nominal_error_percent": _percent(of.held_out_configurations_nominal),
         "held_out": list(of.held_out_names),
         "explained_error_percent": found.explained,
         "tolerances": of.fitted.tolerances,
@@ -79,6 +81,10 @@ def _spot(one: Spot, count: int) -> dict[str, Any]:
 
 def _told(one: Told) -> dict[str, Any]:
     return {"name": one.name, "figure": one.figure, "meaning": one.meaning, "verdict": one.verdict or None, "text": one.text}
+
+
+def _percent(of: Share | None) -> float | None:
+    return None if of is None else of.percent
 
 
 def _share(of: Share | None) -> dict[str, Any] | None:

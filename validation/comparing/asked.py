@@ -24,7 +24,6 @@ class Asked:
     hold_out : names of runs, campaigns and files
     band : [Hz]; None for that of the campaigns
     method : of `METHODS`
-    effects_from : folder of a user's own effects; None for the catalogue alone
     """
 
     model: str
@@ -32,7 +31,6 @@ class Asked:
     hold_out: tuple[str, ...] = ()
     band: tuple[float, float] | None = None
     method: str = METHODS[0]
-    effects_from: str | None = None
 
 
 def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) -> tuple[Model, Data]:
@@ -44,10 +42,6 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     OSError : a file cannot be read.
     """
     require_band(asked.band)
-    if asked.effects_from is not None:
-        from validation.effects import catalogue
-
-        catalogue.load(asked.effects_from)
     model = reading.read(asked.model)
     return model, gathered(asked.data, model, progress)
 

@@ -152,22 +152,20 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
-        "explained": _explained(measured, part, S),
+        "explained": _explained(measured, part),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
     }
 
 
-def _explained(measured: Measured, part: Chunk, S: ComplexArray) -> Array:
-    """(r, n) of the error that the engine calls plain, with inputs as it estimates them."""
+def _explained(measured: Measured, part: Chunk) -> Array:
+    """(r, n) of the error that the engine calls plain, by tolerances: known noise it takes off."""
     seen, judged = observed(measured, part.lines), measured.judged
-    weight = np.sqrt(2) / part.noise
-    gains = [left_of_run(seen, A, w, run).gain for run, (A, w) in enumerate(zip(part.rows, weight, strict=True))]
-    spread = np.stack(
-        [own if gain is None else gain @ own @ gain.conj().swapaxes(-1, -2) for gain, own in zip(gains, S, strict=True)]
-    )
-    expected = np.diagonal(spread, axis1=-2, axis2=-1).real[..., judged].sum(axis=-1)
+    found = []
+    for run, (A, V, noise) in enumerate(zip(part.rows, part.spread, part.noise, strict=True)):
+        gain = left_of_run(seen, A, np.sqrt(2) / noise, run).gain
+        found.append(np.sum(np.abs((V if gain is None else gain @ V)[:, judged]) ** 2, axis=(1, 2)))
     level = np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1)
-    return np.asarray(np.sqrt(expected / np.maximum(level, np.finfo(np.float64).tiny)))
+    return np.asarray(np.sqrt(np.stack(found) / np.maximum(level, np.finfo(np.float64).tiny)))
 
 
 def _levels(measured: Measured, found: Mapping[str, Array]) -> Array:

@@ -153,7 +153,8 @@ def misfit(of: Fit) -> float:
 
 
 def _judged(ratio: float, costly: bool, of: Fit) -> tuple[str, str]:
-    worst = named(tolerances(of)[:2])
+    moved = tolerances(of)
+    worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or moved[:1])
     if ratio > MISFIT:
         return FAILED, "no tolerance explains the data" + (f", though {worst} try" if costly else "")
     if costly:

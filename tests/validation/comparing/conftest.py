@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,21 +11,28 @@ import pytest
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
 from identification.measurement_chain import Chain, chain
+from validation.comparing.comparison import Beside, Comparison
 from validation.comparing.doubt import nothing_fitted
 from validation.comparing.maps import Map, Rig, mapped
 from validation.comparing.modes import NamedMode
+from validation.comparing.spots import worst
+from validation.comparing.verdicts import told, tolerances
+from validation.engine.evaluation import Evaluation, Fit, Share
 from validation.engine.measured import Measured
-from validation.engine.parameter import Parameter
+from validation.engine.parameter import DECLARED, IDENTIFIED, Parameter
 from validation.engine.prediction import Change, Predicted
 from validation.engine.problem import Problem
 from validation.engine.residuals import residuals
 from validation.virtual_test.layout import mavis
 
-FREQUENCY = np.linspace(4.0, 32.0, 113)
+FREQUENCY = np.sort(np.concatenate([np.linspace(4.0, 32.0, 71), np.arange(11.7, 12.6, 0.1) + 0.03]))
 MODE = NamedMode(name="first mast mode", frequency=12.0, damping_ratio=0.01)
 BODY = Inertia(parameters=np.array([60.0, 0.3, -0.2, 18.0, 9.0, 9.5, 2.2, 0.05, -0.1, 0.08]))
 PARTICIPATION = np.array([3.0, 0.2, 0.0, -0.3, 4.0, 0.05])
 """Bending along x, and so a moment about y."""
+
+HEAVIER = Inertia(parameters=np.eye(10)[0]).mass_matrix
+"""d M / d mass, of a point at F."""
 
 TABLE = mavis(np.array([[0.12, 0.12, 0.0], [-0.12, 0.12, 0.0], [-0.12, -0.12, 0.0], [0.12, -0.12, 0.0]]), {}).table
 
@@ -42,20 +49,30 @@ class ByHand:
 
     measured: Measured
     of: Chain
+    known: bool = False
+    mass: bool = False
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        return tuple(Parameter(name=one.name, unit=one.unit, tolerance=one.tolerance) for one in self.of.parameters)
+        own = (Parameter(name="mass", unit="kg", tolerance=3.0, kind=IDENTIFIED),) if self.mass else ()
+        chained = () if self.known else self.of.parameters
+        return (*own, *(Parameter(name=one.name, unit=one.unit, tolerance=one.tolerance) for one in chained))
 
     def on(self, runs: Sequence[str]) -> ByHand:
         return replace(self, measured=self.measured.on(runs))
 
     def at(self, offsets: Mapping[str, float], lines=None, *, derivatives: bool = True) -> Predicted:
         f = self.measured.frequency if lines is None else self.measured.frequency[lines]
-        theta, H = np.array([offsets.get(one.name, 0.0) for one in self.of.parameters]), dynamic_mass(f)
+        theta, H = (
+            np.array([offsets.get(one.name, 0.0) for one in self.of.parameters]),
+            dynamic_mass(f) + offsets.get("mass", 0.0) * HEAVIER,
+        )
         A0, A1 = self.of.rows(theta, f)
         found = zip(self.of.parameters, self.of.derivatives(theta, f, H), strict=True)
         changes = {one.name: Change(channels=change.channels, rows=change.rows) for one, change in found}
+        if self.mass:
+            loaded = tuple(int(k) for k in self.of.forces.columns)
+            changes["mass"] = Change(channels=loaded, rows=(A1 @ HEAVIER)[:, list(loaded)])
         return Predicted(rows=A0 + A1 @ H, changes=changes if derivatives else {})
 
 
@@ -70,7 +87,7 @@ class ByHandLaboratory:
         truth: Mapping[str, float] | None = None, *, own: float = MODE.frequency, seed: int | None = 0, name: str = "fmd+mast"
     ) -> ByHand:
         """Six sweeps at the offsets `truth` of the chain, of a body whose mode lies at `own`; without a seed, without noise."""
-        of, rng = chain(TABLE), np.random.default_rng(seed)
+        of, rng = chain(TABLE), np.random.default_rng(seed or 0)
         level = np.array([LEVELS[axis] for axis in MOTIONS])
         cross = 0.03 * (rng.standard_normal((6, 6)) + 1j * rng.standard_normal((6, 6)))
         u = np.broadcast_to(((np.eye(6) + cross) * level)[:, None, :], (6, len(FREQUENCY), 6))
@@ -101,10 +118,96 @@ class ByHandLaboratory:
         return {one.name: one.tolerance * float(rng.standard_normal()) for one in chain(TABLE).parameters}
 
     @staticmethod
+    def without_tolerances(test: ByHand) -> ByHand:
+        """The same model, of a laboratory that knows its chain exactly."""
+        return replace(test, known=True)
+
+    @staticmethod
+    def fitting_mass(test: ByHand) -> ByHand:
+        """The same model, which has to identify the mass of the body."""
+        return replace(test, mass=True)
+
+    @staticmethod
     def mapped(test: ByHand) -> Map:
         """Its map, nothing fitted."""
         (left,) = residuals(Problem((test,)), {})
         return mapped(test, {}, nothing_fitted(Problem((test,))), left.inputs, ByHandLaboratory.RIG)
+
+
+def evaluated(z: float = 1.0) -> Evaluation:
+    """Errors and fits as an engine might return them; the gain of fmd-z2 stands at `z` tolerances."""
+    parameters = (
+        Parameter(name="fmd:m", unit="kg", tolerance=0.9, kind=IDENTIFIED, nominal=18.0),
+        Parameter(name="modulus:mast", unit="1", tolerance=0.025, kind=DECLARED),
+        Parameter(name="force-gain:fmd-z2", unit="1", tolerance=0.003),
+        Parameter(name="force-gain:fmd-z1", unit="1", tolerance=0.003),
+    )
+    fitted = Fit(
+        parameters=parameters,
+        offsets=np.array([0.1, 0.01, 0.003 * z, 0.001]),
+        covariance=np.diag([1e-4, 1e-5, 1e-6, 1e-6]),
+        cost=900.0,
+        chi2=1760.0,
+        degrees_of_freedom=2000,
+        tolerance_z2=0.16 + z**2 + 0.11,
+        tolerances=3,
+        log_evidence=-900.0,
+        converged=True,
+    )
+    plain = replace(
+        fitted,
+        parameters=parameters[:2],
+        offsets=np.array([0.2, 0.02]),
+        covariance=np.eye(2) * 1e-5,
+        tolerance_z2=0.64,
+        tolerances=1,
+    )
+    folds = {"run z of fmd+mast": 1.6, "run x of fmd+mast": 1.4}
+    return Evaluation(
+        nominal=Share(percent=12.3),
+        plain=Share(percent=1.23, by_run={"fmd+mast/z": 1.2}),
+        held_out=Share(percent=1.5, by_fold=folds),
+        held_out_nominal=Share(percent=12.5, by_fold=dict.fromkeys(folds, 12.0)),
+        plain_fit=plain,
+        fitted=fitted,
+        held_out_names=tuple(folds),
+    )
+
+
+@pytest.fixture(scope="session")
+def evaluation() -> Callable[..., Evaluation]:
+    return evaluated
+
+
+@pytest.fixture(scope="session")
+def found() -> Comparison:
+    """A comparison of the laboratory made by hand, fmd-z2 eight per cent too much."""
+    test = ByHandLaboratory.test({**ByHandLaboratory.drawn(1), "force-gain:fmd-z2": 0.08}, seed=1)
+    of, evaluation = ByHandLaboratory.mapped(test), evaluated(z=24.0)
+    spots = worst([of], [[MODE]])
+    return Comparison(
+        title="mast on the FMD",
+        source="mast.toml",
+        evaluation=evaluation,
+        explained=0.9,
+        errors=told(evaluation, 0.9, spots[0].sigma),
+        absurd=tolerances(evaluation.fitted),
+        maps=(of,),
+        modes=((MODE,),),
+        worst=spots,
+        facts=(
+            Beside(
+                name="scale.toml: mass",
+                unit="kg",
+                predicted=33.012,
+                measured=32.955,
+                tolerance=0.01,
+                sigma=5.7,
+                nominal_sigma=-0.4,
+            ),
+        ),
+        remarks=("the mounting is assumed",),
+    )
 
 
 @pytest.fixture(scope="session")

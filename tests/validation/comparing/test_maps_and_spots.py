@@ -1,0 +1,115 @@
+"""Maps of a laboratory made by hand: what is hidden in it is named by the worst spot, and nothing hidden leaves nothing."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from identification.base_motion import base_motion
+from identification.dynamic_mass import from_runs
+from identification.resultants import resultants
+from identification.spectra.line_spectra import Spectra
+from validation.comparing.chunks import chunks
+from validation.comparing.doubt import doubt, nothing_fitted
+from validation.comparing.left_over import covariance, judged_error
+from validation.comparing.maps import mapped
+from validation.comparing.spots import worst
+from validation.comparing.verdicts import STANDS_OUT
+from validation.comparing.words import text
+from validation.engine.fit import fit
+from validation.engine.parameter import PLAIN
+from validation.engine.problem import Problem
+from validation.engine.residuals import residuals
+
+
+def spots(by_hand, test):
+    return worst([by_hand.mapped(test)], [[by_hand.MODE]])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_where_nothing_is_hidden_nothing_stands_out(by_hand, seed: int) -> None:
+    found = spots(by_hand, by_hand.test(by_hand.drawn(seed), seed=seed))
+    assert found[0].sigma < STANDS_OUT
+
+
+HIDDEN = {
+    "force-gain:fmd-z2": (0.08, "fmd-z2", "the same share at all frequencies"),
+    "force-delay:fmd-y14": (4e-4, "fmd-y14", "a share that grows with frequency, as of a delay"),
+    "accelerometer-gain:cover-x1": (0.05, "cover-x1", "the same share at all frequencies"),
+    "accelerometer-position:cover-z3:x": (0.012, "cover-z3", "the same share at all frequencies"),
+}
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_the_worst_spot_names_the_channel_in_which_an_effect_is_hidden(by_hand, name: str) -> None:
+    size, channel, course = HIDDEN[name]
+    found = spots(by_hand, by_hand.test({**by_hand.drawn(1), name: size}, seed=1))
+    assert found[0].row == channel
+    assert found[0].sigma > 2 * STANDS_OUT
+    assert course in text(found[0])
+    assert [one.row for one in found].count(channel) == 1  # one spot, however many lines and runs it covers
+
+
+def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode(by_hand) -> None:
+    found = spots(by_hand, by_hand.test(by_hand.drawn(1), own=12.2, seed=1))
+    assert found[0].row == "t_y"
+    assert found[0].run == "beta"
+    assert found[0].course == "follows the first mast mode"
+    assert 11.5 < found[0].band[0] <= found[0].frequency <= found[0].band[1] < 12.7
+
+
+def test_without_tolerances_deviations_of_channels_are_the_residuals_of_the_engine(by_hand) -> None:
+    bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
+    (left,) = residuals(Problem((bare,)), {})
+    of = mapped(bare, {}, nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
+    assert_allclose(of.deviation[..., : of.channels], left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
+    assert_allclose(of.expected[..., : of.channels], left.sigma, rtol=1e-7)
+
+
+def test_the_error_of_a_force_is_in_the_load_that_its_cell_carries(by_hand) -> None:
+    """Two per cent too much on one of the vertical cells: the vertical force has all of it."""
+    of = by_hand.mapped(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=None))
+    z, cell = of.runs.index("z"), of.rows.index("fmd-z2")
+    assert_allclose(of.deviation[z, :, of.rows.index("f_z")], 0.02 * of.reading[z, :, cell], rtol=1e-6)
+
+
+def test_the_measured_dynamic_mass_is_that_of_identification(by_hand) -> None:
+    test = by_hand.test(by_hand.drawn(3), seed=3)
+    of, measured = by_hand.mapped(test), test.measured
+    order = [measured.channels.index(name) for name in by_hand.RIG.table.names]
+    spectra = Spectra(
+        table=by_hand.RIG.table,
+        frequency=measured.frequency,
+        values=measured.values[:, :, order],
+        noise=measured.noise[:, :, order],
+        quality=np.ones(measured.values.shape[:2]),
+        runs=measured.runs,
+        axes=measured.axes,
+    )
+    H = from_runs(resultants(spectra).values, base_motion(spectra).values, measured.frequency).dynamic_mass.matrix
+    assert_allclose(of.pairs.measured, H, rtol=1e-9, atol=1e-9 * np.abs(H).max())
+    assert_allclose(of.pairs.predicted, by_hand.dynamic_mass(measured.frequency), rtol=1e-6, atol=1e-6)
+
+
+def test_pairs_scatter_over_laboratories_as_they_are_expected_to(by_hand) -> None:
+    """Eight laboratories with some fifty tolerances that matter tell the mean square to about a seventh."""
+    ratios = [by_hand.mapped(by_hand.test(by_hand.drawn(k), seed=k)).pairs.sigma for k in range(20, 28)]
+    assert_allclose(np.mean(np.square(ratios)), 1.0, atol=0.3)
+
+
+def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_residuals(by_hand) -> None:
+    """A gain off by a third of its tolerance, no noise: the fitted mass answers, and to first order what is left is known."""
+    name, size = "force-gain:fmd-z2", 0.001
+    test = by_hand.fitting_mass(by_hand.test({name: size}, seed=None))
+    problem = Problem((test,))
+    plain = fit(problem, PLAIN)
+    assert abs(plain.by_name["mass"]) > 1e-3
+    (left,) = residuals(problem, plain)
+    answered = doubt(problem, plain)
+    k = list(answered.tolerances).index(name)
+    for part in chunks(test, plain.by_name, left.inputs, answered):
+        S = covariance(part.noise, part.spread)
+        judged = test.measured.judged
+        error, _ = judged_error(test.measured.values[:, part.lines], part.rows, S, None, judged)
+        predicted = part.spread[..., k] * size / answered.tolerances[name]
+        expected, _ = judged_error(predicted, part.rows, S, None, judged)
+        assert_allclose(error, expected, atol=0.01 * np.abs(error).max())  # second order: the gain's own size

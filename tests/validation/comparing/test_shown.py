@@ -1,0 +1,122 @@
+"""The page, the JSON and the pictures of a comparison, and what is said of the four errors."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from validation.comparing import table, words
+from validation.comparing.as_json import as_json
+from validation.comparing.drawn import draw
+from validation.comparing.spots import Spot
+from validation.comparing.verdicts import FAILED, GOOD, absurd, expected_z2, told
+from validation.output import json_text
+from validation.tables.text import page
+
+
+def _page(found, width: int = 132) -> str:
+    return page(table.title(found), table.grids(found), table.notes(found), width)
+
+
+ERRORS = """\
+the four errors
+═══════════════
+
+                            error   what it means, and what is to be thought of it
+ ────────────────────────────────────────────────────────────────────────────────────────────────────────────
+ nominal error             12.3 %   the model as it stands, nothing fitted
+ plain error               1.23 %   sensors as calibrated; the FMD identified, modes within what the model
+                                    declares. FAILED: tolerances alone let expect 0.9 %, but not where it
+                                    fails, by up to 18 sigma
+ fitted error     χ² 0.88, z² 576   every tolerance fitted: χ² per degree of freedom, and its price, the sum
+                                    of z² of 3 tolerances, about 3 where nothing is wrong. FAILED: a good χ²
+                                    with absurd tolerances is a failed model: force-gain:fmd-z2 at +24.0 z
+ held-out error             1.5 %   plain error on data that were predicted, not fitted. GOOD: the fit holds
+                                    on data that it has not seen
+
+"""
+
+
+def test_the_errors_are_printed_each_with_its_meaning_and_verdict(found) -> None:
+    assert page("the four errors", [table.errors(found)], (), 110) == ERRORS
+
+
+def test_the_page_names_the_channel_first_and_what_was_weighed(found) -> None:
+    printed = _page(found)
+    first = next(line for line in printed.splitlines() if line.lstrip().startswith("1 "))
+    assert "fmd-z2 in the alpha sweep, 4-32 Hz, 18 sigma" in first
+    assert "scale.toml: mass [kg]" in printed
+    assert "+5.7" in printed
+    assert "warning: the mounting is assumed." in printed
+
+
+def test_the_json_has_the_keys_that_other_programs_rely_on(found) -> None:
+    written = json.loads(json_text(as_json(found)))
+    assert written["plain_error_percent"] == 1.23
+    assert written["fitted_chi2_per_dof"] == pytest.approx(0.88, rel=1e-12)
+    assert written["tolerance_z2"] == pytest.approx(576.27, rel=1e-12)
+    assert len(written["worst"]) <= 10
+    for one in written["worst"]:
+        assert {"campaign", "run", "channel", "frequency_hz", "sigma", "text"} <= one.keys()
+    assert written["worst"][0]["channel"] == "fmd-z2"
+    assert written["classical"][0]["predicted"] == 33.012
+
+
+def test_every_picture_is_there_and_its_names_stay_in_the_folder(found, tmp_path: Path) -> None:
+    evil = "../../../etc/$x^{2}$ <b>\n"
+    nasty = replace(found.maps[0], data_set=evil, pairs=replace(found.maps[0].pairs, campaign=evil))
+    out = tmp_path / "pictures"
+    out.mkdir()
+    made = draw(replace(found, title=evil, maps=(nasty,)), out)
+    assert len(made) == 5
+    assert all(path.parent == out and path.is_file() for path in made)
+    assert {path.name for path in tmp_path.iterdir()} == {"pictures"}
+
+
+def test_absurd_tolerances_fail_a_model_whose_chi2_is_good(evaluation) -> None:
+    sound, bought = (told(evaluation(z), 1.0, 2.0)[2] for z in (1.0, 24.0))
+    assert sound.verdict == GOOD
+    assert bought.verdict == FAILED
+    assert "force-gain:fmd-z2 at +24.0 z" in bought.text
+
+
+def test_what_tolerances_are_expected_to_cost_is_how_many_the_data_tell(evaluation) -> None:
+    fit = evaluation().fitted
+    shares = 1 - np.array([1e-5, 1e-6, 1e-6]) / np.array([0.025, 0.003, 0.003]) ** 2
+    assert expected_z2(fit) == pytest.approx(shares.sum(), rel=1e-12)
+    assert not absurd(fit)
+
+
+def test_a_fit_that_does_not_hold_on_runs_that_it_has_not_seen_is_doubted(evaluation) -> None:
+    of = evaluation()
+    bad = replace(of, held_out=replace(of.held_out, percent=5.0))
+    assert "does not hold" in told(bad, 1.0, 2.0)[3].text
+    assert told(of, 1.0, 2.0)[3].verdict == GOOD
+
+
+def test_a_spot_is_told_as_an_engineer_would() -> None:
+    spot = Spot(
+        data_set="fmd+clumod-1",
+        configuration="fmd+clumod-1",
+        run="y",
+        axis="y",
+        row="t_y",
+        of_load=True,
+        frequency=11.9,
+        band=(11.05, 13.2),
+        sigma=9.2,
+        percent=4.1,
+        course="follows the first mast mode",
+        elsewhere=(("fmd+clumod-1", "beta", 5.0), ("fmd+clumod-4", "y", 4.5)),
+    )
+    assert words.text(spot) == (
+        "moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9.2 sigma, 4.1 % of the dynamic mass, "
+        "follows the first mast mode; also in the beta sweep, fmd+clumod-4"
+    )
+
+
+@pytest.mark.parametrize(("band", "said"), [((11.05, 13.2), "11-13 Hz"), ((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])
+def test_a_band_is_told_with_the_digits_that_tell_its_ends_apart(band: tuple[float, float], said: str) -> None:
+    assert words.band(band) == said
