@@ -79,8 +79,21 @@ def _held_out(old: Errors, new: Errors) -> Iterator[str]:
         yield "Nothing was held out, so that nothing says whether it holds elsewhere."
         return
     yield f"It {_change(old.held_out, new.held_out)} on data that were held out."
+    yield from _by_fold(old, new)
     if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
         yield "What it explains here it does not explain there: it fits the data, not the structure."
+
+
+def _by_fold(old: Errors, new: Errors) -> Iterator[str]:
+    """What was held out and fell, and what rose, where it is not all of it."""
+    known = [name for name in new.by_fold if name in old.by_fold]
+    fell = [name for name in known if new.by_fold[name] < (1 - FALLS) * old.by_fold[name]]
+    rose = [name for name in known if new.by_fold[name] > (1 + FALLS) * old.by_fold[name]]
+    if rose and len(known) > 1:
+        worst = max(rose, key=lambda name: new.by_fold[name] / old.by_fold[name])
+        was, now = percent(old.by_fold[worst]), percent(new.by_fold[worst])
+        told = f"{len(fell)} fell and {len(rose)} rose, most of all {worst}: {was} before and {now} after"
+        yield f"Of {len(known)} that were held out in turn {told}."
 
 
 def _change(old: float, new: float) -> str:
