@@ -1,7 +1,7 @@
-"""An effect of one's own, from its file to a campaign that holds it: ``python examples/own_effect.py``.
+"""An effect of one's own, from its file to its size in a campaign: ``python examples/own_effect.py``.
 
-`examples/effects/force_lowpass.py` is put into the catalogue, planted in a virtual test, and found again in the quotient of two
-spectra, which is its equation.
+`examples/effects/force_lowpass.py` is put into the catalogue and planted in a virtual test. The quotient of two spectra is its
+equation, and a fit that knows nothing but the model and the campaign finds its size.
 """
 
 from __future__ import annotations
@@ -12,44 +12,69 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from identification.campaign import Campaign
 from validation.effects import catalogue
 from validation.effects.identifiers import parse
 from validation.effects.stages import Reading
+from validation.engine.fit import fit
+from validation.engine.parameter import EFFECT, IDENTIFIED
+from validation.engine.problem import Problem
+from validation.models.model import Added, Model
+from validation.prediction.series import predictions
 from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.plan import RIGID, Plan, exact
 from validation.virtual_test.simulate import simulate
 
 HERE = Path(__file__).parent / "effects"
-EFFECT = "force-lowpass:fmd-z2=1e-3"
-RUN, BAND = "z", (8.0, 32.0)
+PLANTED, START = "force-lowpass:fmd-z2=1e-3", "force-lowpass:fmd-z2=1e-5"
+ARTICLE, RUN, BAND = "fmd+cuboid", "z", (8.0, 32.0)
 
 
-def spectra(*effects: str) -> dict[str, np.ndarray]:
-    """Spectra by channel of a sweep along z, and their lines, of a block without any other error."""
-    plan = exact(Plan(article="fmd+cuboid", model=RIGID, band=BAND, octaves_per_minute=120.0, cross=0.0))
-    campaign = simulate(replace(plan, effects=planted([parse(text) for text in effects]))).campaign
-    recorded = campaign.recordings[RUN]
+def campaign(*effects: str) -> Campaign:
+    """Sweeps of a block in a laboratory without any other error."""
+    plan = exact(Plan(article=ARTICLE, model=RIGID, band=BAND, octaves_per_minute=120.0, cross=0.0))
+    return simulate(replace(plan, effects=planted([parse(text) for text in effects]))).campaign
+
+
+def spectra(measured: Campaign, channel: str) -> tuple[np.ndarray, np.ndarray]:
+    """Lines [Hz] that the sweep along z drives, and the spectrum of a channel there."""
+    recorded = measured.recordings[RUN]
     every = np.fft.rfftfreq(len(recorded.values), 1 / (recorded.sampling_rate or 1.0))
     driven = (every > BAND[0] + 2) & (every < BAND[1] - 2)
-    found = {name: np.fft.rfft(column)[driven] for name, column in zip(recorded.names, recorded.values.T, strict=True)}
-    return {"frequency": every[driven], **found}
+    return every[driven], np.fft.rfft(recorded.values[:, recorded.names.index(channel)])[driven]
 
 
-def main(console: Console | None = None) -> float:
-    """Print equation and simulation side by side, and return how far they differ at most."""
+def simulated_beside_the_equation(plain: Campaign, changed: Campaign, out: Console) -> float:
+    """Print both at a few lines; how far they differ at most."""
+    named = parse(PLANTED)
+    (f, before), (_, after) = spectra(plain, named.target), spectra(changed, named.target)
+    reading = Reading(frequency=f, channels=(named.target,), rows=np.ones((len(f), 1, 6), dtype=np.complex128))
+    predicted = catalogue.FAMILIES[named.family].change(reading, named.targets, named.values).rows[:, 0, 0]
+    for k in np.linspace(0, len(f) - 1, 4, dtype=int):
+        out.print(f"{f[k]:6.2f} Hz   simulated {after[k] / before[k]:.4f}   by the equation {predicted[k]:.4f}")
+    return float(np.max(np.abs(after / before - predicted)))
+
+
+def fitted(measured: Campaign, *effects: str) -> tuple[float, dict[str, float]]:
+    """Misfit chi² of a model with `effects`, and the size that each was found to have."""
+    added = tuple(Added(named=parse(text)) for text in effects)
+    model = Model(source="own_effect.py", title="the block", article=ARTICLE, kind="rigid", effects=added)
+    found = fit(Problem(predictions(model, [measured])).thinned(), (IDENTIFIED, EFFECT))
+    sizes = {one.name: one.value(float(x)) for one, x in zip(found.parameters, found.offsets, strict=True) if one.kind == EFFECT}
+    return found.chi2, sizes
+
+
+def main(console: Console | None = None) -> tuple[float, float]:
+    """Print both proofs; how far equation and simulation differ, and the size that was found [s]."""
     out = console or Console()
     catalogue.load(HERE)
-    named = parse(EFFECT)
-    family = catalogue.FAMILIES[named.family]
-    out.print(f"{named}: {family.what}; {family.equation}")
-    plain, changed = spectra(), spectra(EFFECT)
-    n = min(len(plain["frequency"]), len(changed["frequency"]))
-    f, measured = plain["frequency"][:n], changed[named.target][:n] / plain[named.target][:n]
-    reading = Reading(frequency=f, channels=(named.target,), rows=np.ones((n, 1, 6), dtype=np.complex128))
-    predicted = family.change(reading, named.targets, named.values).rows[:, 0, 0]
-    for k in np.linspace(0, n - 1, 5, dtype=int):
-        out.print(f"{f[k]:6.2f} Hz   simulated {measured[k]:.4f}   by the equation {predicted[k]:.4f}")
-    return float(np.max(np.abs(measured - predicted)))
+    plain, changed = campaign(), campaign(PLANTED)
+    worst = simulated_beside_the_equation(plain, changed, out)
+    without, _ = fitted(changed)
+    chi2, sizes = fitted(changed, START)
+    (found,) = sizes.values()
+    out.print(f"planted {PLANTED}, found {1e3 * found:.4f} ms; chi² falls from {without:.3g} to {chi2:.3g}")
+    return worst, found
 
 
 if __name__ == "__main__":

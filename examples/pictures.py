@@ -104,7 +104,9 @@ def three_storey_frame(folder: Path, data: Path) -> None:
         return
     program = runpy.run_path(str(Path(__file__).with_name("three_storey_frame.py")))
     test = program["tested"](data)
-    program["draw"](test, program["climbed"](test), folder)
+    found = program["climbed"](test)
+    program["draw"](test, found, folder)
+    program["draw_ladder"](found, folder)
 
 
 def swing_setup() -> Setup:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import click
 import numpy as np
+import numpy.typing as npt
 from rich.console import Console
 from rich.table import Table
 
@@ -24,6 +25,7 @@ from fem.section import rectangle
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.materials import Material
+from identification.spectra.cut_record import kept, lone_mode
 from validation.effects import catalogue
 from validation.effects.identifiers import parse
 from validation.effects.stages import Matrices
@@ -34,6 +36,7 @@ from validation.engine.evaluation import Evaluation
 from validation.engine.problem import Problem
 from validation.models.model import Added, StructureTolerances
 from validation.pictures.accelerances import DrawnModel, draw_accelerances
+from validation.pictures.ladder import DrawnRung, draw_fall
 from validation.prediction import nuisances, scatter
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 from validation.prediction.nuisances import Nuisances
@@ -57,10 +60,10 @@ MASS, WIDTH, THICKNESS, LENGTH, LEGS = 5.201, 25e-3, 3e-3, 153.3e-3, 4
 ALUMINIUM = Material(name="aluminium", density=2700.0, youngs_modulus=70e9, poisson_ratio=0.33)
 DAMPING = 0.002
 
-KNOWN = StructureTolerances(modulus=0.015, frequency=0.0, damping=1.0)
-"""Aluminium has 69 to 71 GPa, whatever the alloy; damping is a guess, right within a factor of e."""
+KNOWN = StructureTolerances(modulus=0.015, frequency=0.0, damping=2.0)
+"""Aluminium has 69 to 71 GPa, whatever the alloy; damping is a guess, right within a factor of seven."""
 
-STORIES: Mapping[str, tuple[str, ...]] = {
+MODELS: Mapping[str, tuple[str, ...]] = {
     "nominal": (),
     "added mass": ("storey-mass=1.18",),
     "modulus": ("modulus:legs=-0.185",),
@@ -72,8 +75,9 @@ STORIES: Mapping[str, tuple[str, ...]] = {
 }
 """The candidates, each by itself, and the rungs after the winner. The sizes are where a fit begins."""
 
-PARENTS = {"and its mass": "clamps, each storey"}
 LADDER = ("nominal", "leg clamps", "clamps, each storey", "and its mass")
+GROWN = {"and its mass": "clamps, each storey"}
+"""The rungs, and the model that has all effects of the one before it; all others grow from the nominal one."""
 
 
 def nominal() -> Nuisances:
@@ -104,11 +108,16 @@ def _lines(file: Path) -> ComplexArray:
 def tested(folder: Path) -> AcceleranceTest:
     """The nominal model of the three runs in `folder`."""
     frequency, accelerance = read(folder)
-    repeated = (frequency >= REPEATED[0]) & (frequency <= REPEATED[1])
-    share = scatter.repeatability([one[repeated] for one in accelerance.values()])
+    share = repeated(frequency, list(accelerance.values()))
     data = measured("accelerances", "frame", frequency, accelerance, FLOORS, band=BAND, share=share)
     points = tuple(Point(place=floor) for floor in FLOORS)
     return AcceleranceTest(measured=data, structure=nominal(), responses=points, drives=points)
+
+
+def repeated(frequency: Array, accelerances: npt.ArrayLike) -> float:
+    """How far readings repeat, as a share of them, from `accelerances` (3, n, 3) of the runs."""
+    there = (frequency >= REPEATED[0]) & (frequency <= REPEATED[1])
+    return scatter.repeatability(np.asarray(accelerances)[:, there])
 
 
 def effects(texts: Sequence[str]) -> tuple[Added, ...]:
@@ -147,17 +156,17 @@ def mass_line(test: AcceleranceTest) -> dict[str, Array]:
 
 
 def climbed(test: AcceleranceTest, *, quiet: bool = False) -> dict[str, Evaluation]:
-    """Every model of `STORIES` evaluated, each drive point held out in turn."""
+    """Every model of `MODELS` evaluated, each drive point held out in turn."""
     found: dict[str, Evaluation] = {}
-    for story in counted(STORIES, "Fitting", quiet=quiet):
-        parent = None if story == "nominal" else found[PARENTS.get(story, "nominal")]
-        found[story] = evaluate(Problem((test.with_effects(effects(STORIES[story])),)), parent=parent)
+    for name in counted(MODELS, "Fitting", quiet=quiet):
+        parent = None if name == "nominal" else found[GROWN.get(name, "nominal")]
+        found[name] = evaluate(Problem((test.with_effects(effects(MODELS[name])),)), parent=parent)
     return found
 
 
-def where(test: AcceleranceTest, story: str, fit: Mapping[str, float]) -> list[float]:
+def where(test: AcceleranceTest, name: str, fit: Mapping[str, float]) -> list[float]:
     """Errors [%] of a model at the offsets `fit` in the bands `BETWEEN`."""
-    model, f = test.with_effects(effects(STORIES[story])), test.measured.frequency
+    model, f = test.with_effects(effects(MODELS[name])), test.measured.frequency
     bands = [np.flatnonzero((f >= low) & (f < high)) for low, high in pairwise(BETWEEN)]
     offsets = {**Problem((model,)).start, **fit} if fit else {}
     return [errors.share(errors.squares(model, offsets, lines)).percent for lines in bands]
@@ -183,12 +192,12 @@ def stories_table(test: AcceleranceTest, found: Mapping[str, Evaluation]) -> Tab
     heads = ("plain", "held out", "mass line", "chi²/dof", "sum z²", "evidence")
     table = _table("Errors of the models; every drive point is held out in turn", "what is added", *heads)
     base = found["nominal"].fitted.log_evidence
-    for story, one in found.items():
+    for name, one in found.items():
         held, fit = one.held_out, one.fitted
-        line = where(test, story, one.plain_fit.by_name)[-1]
+        line = where(test, name, one.plain_fit.by_name)[-1]
         shares = (f"{percent:.1f} %" for percent in (one.plain.percent, held.percent if held else np.nan, line))
         price = f"{fit.tolerance_z2:.0f} of {fit.tolerances}"
-        table.add_row(story, *shares, f"{fit.chi2 / fit.degrees_of_freedom:.0f}", price, f"{fit.log_evidence - base:+.0f} nats")
+        table.add_row(name, *shares, f"{fit.chi2 / fit.degrees_of_freedom:.0f}", price, f"{fit.log_evidence - base:+.0f} nats")
     return table
 
 
@@ -197,9 +206,9 @@ def where_table(test: AcceleranceTest, found: Mapping[str, Evaluation]) -> Table
     heads = (f"{low:g}-{high:g} Hz" for low, high in pairwise(BETWEEN))
     table = _table("Where they fail: error of all readings by frequency", "model", *heads)
     table.add_row("nominal as drawn", *(f"{percent:.0f} %" for percent in where(test, "nominal", {})))
-    for story in LADDER[1:]:
-        percents = where(test, story, found[story].plain_fit.by_name)
-        table.add_row(story, *(f"{percent:.0f} %" for percent in percents))
+    for name in LADDER[1:]:
+        percents = where(test, name, found[name].plain_fit.by_name)
+        table.add_row(name, *(f"{percent:.0f} %" for percent in percents))
     return table
 
 
@@ -222,47 +231,25 @@ def aliases(test: AcceleranceTest, factor: float) -> dict[str, float]:
 
 
 def ringing(test: AcceleranceTest) -> dict[str, float]:
-    """The first mode by itself: its frequency and damping from the lines around it, and what the end of the record does to it.
-
-    A record of T seconds, one over the spacing of its lines, that ends while the mode still rings multiplies its resonance by
-    1 - exp((lambda - i omega) T), the same number at all lines, lambda = -zeta omega_1 + i omega_1.
-    """
-    from scipy.optimize import least_squares
-
-    f = test.measured.frequency
+    """The first mode by itself, and what the end of a record of one over the spacing of the lines makes of it."""
+    f, values = test.measured.frequency, test.measured.values
     near = (f > AROUND_FIRST[0]) & (f < AROUND_FIRST[1])
-    omega, y = 2 * np.pi * f[near], test.measured.values[:, near].transpose(1, 0, 2).reshape(int(near.sum()), -1)
-    weight = 1 / np.abs(y)
-
-    def shares(x: Array) -> tuple[ComplexArray, ComplexArray]:
-        own = 2 * np.pi * x[0]
-        basis = np.column_stack([omega**2 / (omega**2 - own**2 - 2j * np.exp(x[1]) * own * omega), np.ones_like(omega)])
-        found = [np.linalg.lstsq(w[:, None] * basis, w * one, rcond=None)[0] for w, one in zip(weight.T, y.T, strict=True)]
-        return np.array(found)[:, 0], (basis @ np.array(found).T - y) * weight
-
-    def left(x: Array) -> Array:
-        error = shares(x)[1].ravel()
-        return np.concatenate([error.real, error.imag])
-
-    frequency, zeta = least_squares(left, [float(resonances(test)[0]), np.log(DAMPING)], x_scale=[1e-3, 1e-1]).x
-    residues, zeta = shares(np.array([frequency, zeta]))[0], float(np.exp(zeta))
-    cut = 1 - np.exp((-zeta + 1j) * 2 * np.pi * frequency / float(f[1] - f[0]))
-    turned = np.degrees(np.angle(np.sum(residues / np.abs(residues))))
+    readings = values[:, near].transpose(1, 0, 2).reshape(int(near.sum()), -1)
+    mode = lone_mode(f[near], readings, near=float(resonances(test)[0]), damping_ratio=DAMPING)
+    cut = kept(mode.frequency, mode.damping_ratio, 1 / float(f[1] - f[0]))
     return {
-        "frequency_hz": float(frequency),
-        "damping_ratio": zeta,
         "left_percent": 100 * abs(1 - cut),
         "lifted_percent": 100 * (abs(cut) - 1),
         "turned_deg": float(np.degrees(np.angle(cut))),
-        "measured_turn_deg": float(turned),
+        "measured_turn_deg": float(np.degrees(mode.turn)),
     }
 
 
-def others(test: AcceleranceTest, story: str, fit: Mapping[str, float]) -> list[float]:
+def others(test: AcceleranceTest, name: str, fit: Mapping[str, float]) -> list[float]:
     """Frequencies [Hz] of resonances that are in no model: where what is left over stands out of its surroundings."""
     from scipy.signal import find_peaks
 
-    model, f = test.with_effects(effects(STORIES[story])), test.measured.frequency
+    model, f = test.with_effects(effects(MODELS[name])), test.measured.frequency
     left = test.measured.values - model.at({**Problem((model,)).start, **fit}, derivatives=False).rows[..., 0]
     share = np.sum(np.abs(left) ** 2, axis=2) / np.sum(np.abs(test.measured.values) ** 2, axis=2)
     level = 10 * np.log10(np.mean(share, axis=0))
@@ -279,19 +266,52 @@ def _table(title: str, *heads: str) -> Table:
 
 def figures(test: AcceleranceTest, found: Mapping[str, Evaluation]) -> dict[str, dict[str, float]]:
     """What the pictures show, for a test to see that they are those of the present code."""
-    held = {story: one.held_out.percent for story, one in found.items() if one.held_out}
-    return {"plain_percent": {story: one.plain.percent for story, one in found.items()}, "held_out_percent": held}
+    held = {name: one.held_out.percent for name, one in found.items() if one.held_out}
+    return {"plain_percent": {name: one.plain.percent for name, one in found.items()}, "held_out_percent": held}
+
+
+def draw_ladder(found: Mapping[str, Evaluation], folder: Path) -> Path:
+    """How the errors fall along the ladder, the other candidates beside it, into `folder`."""
+    numbers, path = {name: k for k, name in enumerate(found)}, folder / "three-storey-frame-ladder.png"
+    rungs = []
+    for name, one in found.items():
+        depth = LADDER.index(name) if name in LADDER else 1
+        before = LADDER[max(depth - 1, 0)]
+        rung = DrawnRung(
+            number=numbers[name],
+            parent=numbers[before] if depth else None,
+            title=name,
+            depth=depth,
+            here=name in LADDER,
+            errors=_drawn(name, one),
+            gain=one.fitted.log_evidence - found[before].fitted.log_evidence,
+        )
+        rungs.append(rung)
+    aside = ", ".join(f"{numbers[name]} {name}" for name in found if name not in LADDER)
+    draw_fall("The frame's errors, from rung to rung", rungs, path, f"Each by itself: {aside}")
+    return path
+
+
+def _drawn(name: str, one: Evaluation) -> dict[str, float]:
+    """Errors of one rung; the nominal one is that of the model as drawn."""
+    return {
+        "nominal": one.nominal.percent if name == "nominal" else np.nan,
+        "plain": one.plain.percent,
+        "held out": one.held_out.percent if one.held_out else np.nan,
+        "chi² per degree of freedom": one.fitted.chi2 / one.fitted.degrees_of_freedom,
+        "sum z² per tolerance": one.fitted.tolerance_z2 / one.fitted.tolerances,
+    }
 
 
 def draw(test: AcceleranceTest, found: Mapping[str, Evaluation], folder: Path) -> Path:
     """The accelerances with the rungs of the ladder, into `folder`."""
     drawn = []
-    for story in LADDER:
-        model = test.with_effects(effects(STORIES[story]))
-        offsets = {} if story == "nominal" else {**Problem((model,)).start, **found[story].plain_fit.by_name}
+    for name in LADDER:
+        model = test.with_effects(effects(MODELS[name]))
+        offsets = {} if name == "nominal" else {**Problem((model,)).start, **found[name].plain_fit.by_name}
         rows = model.at(offsets, derivatives=False).rows[..., 0]
-        percent = found[story].nominal.percent if story == "nominal" else found[story].plain.percent
-        drawn.append(DrawnModel(name=f"{story}: {percent:.3g} %", rows=rows))
+        percent = found[name].nominal.percent if name == "nominal" else found[name].plain.percent
+        drawn.append(DrawnModel(name=f"{name}: {percent:.3g} %", rows=rows))
     path = folder / "three-storey-frame.png"
     draw_accelerances("Three storeys, three drive points", test.measured, drawn, path, NOTE, json.dumps(figures(test, found)))
     return path
@@ -300,8 +320,10 @@ def draw(test: AcceleranceTest, found: Mapping[str, Evaluation], folder: Path) -
 NOTE = "Measured: Digital-Twin-Operational-Platform/Cristallo, BSD-3. Errors are smoothed over 0.4 Hz"
 
 
-def story(console: Console, test: AcceleranceTest) -> dict[str, Evaluation]:
+def tell(console: Console, test: AcceleranceTest) -> dict[str, Evaluation]:
     """Tell it, and return what was found."""
+    share = repeated(test.measured.frequency, test.measured.values)
+    console.print(f"Runs that measured the same number repeat it to {100 * share:.1f} %; no model can be held to less.")
     console.print(frequencies_table(test))
     alone = by_frequencies(test)
     console.print(
@@ -353,11 +375,13 @@ def _listed(values: Array) -> str:
 @click.option("--out", default="out/three-storey-frame", type=click.Path(path_type=Path), show_default=True)
 def main(folder: Path, out: Path) -> None:
     """Tell the story of the frame in FOLDER/three_storey_frame."""
-    if not (folder / "three_storey_frame").is_dir():
-        raise click.UsageError(f"{folder}/three_storey_frame is absent; give the data folder with --data or MASSLINE_DATA")
+    for file in FILES.values():
+        if not (folder / "three_storey_frame" / file).is_file():
+            absent = folder / "three_storey_frame" / file
+            raise click.UsageError(f"{absent} is absent; give the data folder with --data or MASSLINE_DATA")
     test, console = tested(folder / "three_storey_frame"), Console()
-    found = story(console, test)
-    console.print(f"Drawn: {draw(test, found, out)}")
+    found = tell(console, test)
+    console.print(f"Drawn: {draw(test, found, out)}, {draw_ladder(found, out)}")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import runpy
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from numpy.testing import assert_allclose
 from rich.console import Console
 
@@ -58,7 +60,7 @@ def test(program: dict[str, Any], folder: Path) -> Any:
 def told(program: dict[str, Any], test: Any) -> tuple[str, dict[str, Evaluation]]:
     """What the story prints, and what it found."""
     printed = io.StringIO()
-    found = program["story"](Console(file=printed, width=200), test)
+    found = program["tell"](Console(file=printed, width=200), test)
     return printed.getvalue(), found
 
 
@@ -111,6 +113,10 @@ def test_the_nominal_frequencies_are_those_of_a_uniform_chain(program: dict[str,
     assert_allclose(program["nominal"]().frequency, exact, rtol=1e-12)
 
 
+def test_runs_repeat_to_three_per_cent(program: dict[str, Any], test: Any) -> None:
+    assert program["repeated"](test.measured.frequency, test.measured.values) == pytest.approx(0.03, abs=0.003)
+
+
 def test_the_nominal_model_fails_by_what_the_data_page_says(program: dict[str, Any], test: Any) -> None:
     too_high = 100 * (test.structure.frequency / program["resonances"](test) - 1)
     assert_allclose(too_high, [9.4, 14.1, 8.7], atol=0.05)
@@ -138,17 +144,34 @@ def test_the_mass_line_finds_the_mass_of_a_model_without_error(program: dict[str
 
 
 def test_leg_clamps_win_over_mass_damping_and_boundary_and_tie_with_the_modulus(found: dict[str, Evaluation]) -> None:
-    plain = {story: one.plain.percent for story, one in found.items()}
-    assert plain["leg clamps"] < min(plain[story] for story in ("nominal", "added mass", "damping", "boundary"))
+    plain = {name: one.plain.percent for name, one in found.items()}
+    assert plain["leg clamps"] < min(plain[name] for name in ("nominal", "added mass", "damping", "boundary"))
     assert plain["leg clamps"] == pytest.approx(plain["modulus"], rel=1e-3)
-    price = {story: found[story].fitted.tolerance_z2 for story in found}
-    assert price["leg clamps"] < 0.6 * min(price[story] for story in ("nominal", "added mass", "damping", "boundary"))
+    price = {name: found[name].fitted.tolerance_z2 for name in found}
+    assert price["leg clamps"] < 0.6 * min(price[name] for name in ("nominal", "added mass", "damping", "boundary"))
+
+
+def test_the_literature_makes_clamps_tens_of_nats_more_probable_than_a_modulus_within_it(found: dict[str, Evaluation]) -> None:
+    evidence = {name: one.fitted.log_evidence - found["nominal"].fitted.log_evidence for name, one in found.items()}
+    assert evidence["leg clamps"] == pytest.approx(60, abs=5)
+    assert evidence["leg clamps"] > evidence["added mass"] + 5
+    # a modulus that may leave the literature is the same number by another name
+    assert evidence["leg clamps"] == pytest.approx(evidence["modulus"], abs=1)
 
 
 def test_added_mass_is_wrong_where_mass_alone_is_read(program: dict[str, Any], test: Any, found: dict[str, Evaluation]) -> None:
-    line = {s: program["where"](test, s, found[s].plain_fit.by_name)[-1] for s in ("nominal", "added mass", "leg clamps")}
-    assert line["leg clamps"] < line["nominal"]
-    assert line["added mass"] > 1.8 * line["nominal"]
+    line = {name: program["where"](test, name, found[name].plain_fit.by_name)[-1] for name in ("added mass", "leg clamps")}
+    assert line["added mass"] > 1.8 * line["leg clamps"]
+
+
+def test_the_last_rung_is_no_better_than_the_drawing_where_floor_2_is_driven_on_the_mass_line(
+    program: dict[str, Any], test: Any, found: dict[str, Evaluation]
+) -> None:
+    """As the page says of what stays unexplained: the masses that it takes off are not all masses."""
+    second = test.on(("drive-2",))
+    last = program["LADDER"][-1]
+    drawn = program["where"](second, "nominal", {})[-1]
+    assert program["where"](second, last, found[last].plain_fit.by_name)[-1] > 1.5 * drawn
 
 
 def test_the_modulus_would_leave_the_literature_by_many_deviations(program: dict[str, Any], test: Any) -> None:
@@ -163,14 +186,15 @@ def test_the_modulus_would_leave_the_literature_by_many_deviations(program: dict
 def test_the_error_falls_from_rung_to_rung_and_on_drive_points_held_out(
     program: dict[str, Any], found: dict[str, Evaluation]
 ) -> None:
-    rungs = [found[story] for story in program["LADDER"]]
+    rungs = [found[name] for name in program["LADDER"]]
     plain = [one.plain.percent for one in rungs]
     held = [one.held_out.percent for one in rungs if one.held_out]
     assert all(after < 0.75 * before for before, after in pairwise(plain))
     assert all(after < 0.75 * before for before, after in pairwise(held))
-    last = rungs[-1].held_out
+    first, last = rungs[0].held_out, rungs[-1].held_out
+    assert first is not None
     assert last is not None
-    assert max(last.by_run.values()) < 0.25 * min(rungs[0].held_out.by_run.values())  # type: ignore[union-attr]
+    assert all(last.by_run[run] < 0.4 * first.by_run[run] for run in first.by_run)
 
 
 def test_what_is_left_is_said(program: dict[str, Any], test: Any, told: tuple[str, dict[str, Evaluation]]) -> None:
@@ -183,16 +207,21 @@ def test_what_is_left_is_said(program: dict[str, Any], test: Any, told: tuple[st
         assert words in text
 
 
-def test_a_record_that_is_cut_turns_a_mode_by_the_number_that_is_predicted() -> None:
-    """The transform of a decay over T seconds at the lines k / T, integrated numerically."""
-    own, zeta, T = 2 * np.pi * 6.5127, 0.00156, 32.0
-    lam = -zeta * own + 1j * own
-    t = np.linspace(0, T, 400_001)
-    for line in (204, 208, 212):
-        omega = 2 * np.pi * line / T
-        cut = np.trapezoid(np.exp((lam - 1j * omega) * t), t)
-        whole = 1 / (1j * omega - lam)
-        assert_allclose(cut / whole, 1 - np.exp(lam * T), rtol=0, atol=1e-4)  # the step's second power
+def test_the_picture_is_drawn_with_what_it_shows_in_words(
+    program: dict[str, Any], test: Any, found: dict[str, Evaluation], tmp_path: Path
+) -> None:
+    path = program["draw"](test, found, tmp_path)
+    assert path.stat().st_size > 100_000
+    assert json.loads(said_about(path)) == program["figures"](test, found)
+    assert program["draw_ladder"](found, tmp_path).stat().st_size > 50_000
+
+
+def test_a_file_that_is_absent_is_named(program: dict[str, Any], tmp_path: Path) -> None:
+    (tmp_path / "three_storey_frame").mkdir()
+    answered = CliRunner().invoke(program["main"], ["--data", str(tmp_path)])
+    assert answered.exit_code == 2
+    assert "Experimental.csv is absent" in answered.output
+    assert "MASSLINE_DATA" in answered.output
 
 
 def test_the_picture_of_the_page_shows_what_is_found_now(root: Path, program: dict[str, Any], test: Any, found: Any) -> None:
@@ -201,12 +230,14 @@ def test_the_picture_of_the_page_shows_what_is_found_now(root: Path, program: di
     again = "draw it again: python examples/pictures.py"
     assert said.keys() == now.keys(), again
     for kind, percents in now.items():
-        assert percents == pytest.approx(said[kind], rel=1e-2), again
+        assert percents == pytest.approx(said[kind], rel=0.03), again  # less than a line's width
 
 
 def test_the_page_prints_the_figures_that_are_found_now(root: Path, found: dict[str, Evaluation]) -> None:
     page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
-    for story, one in found.items():
+    rows = {name: re.search(rf"^\| {name} \| ([\d.]+) % \| ([\d.]+) % \|", page, re.MULTILINE) for name in found}
+    for name, one in found.items():
+        row = rows[name]
+        assert row is not None, name
         assert one.held_out is not None
-        row = f"| {story} | {one.plain.percent:.1f} % | {one.held_out.percent:.1f} % |"
-        assert row in page, row
+        assert [float(figure) for figure in row.groups()] == pytest.approx([one.plain.percent, one.held_out.percent], rel=0.03)

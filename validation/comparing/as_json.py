@@ -133,7 +133,7 @@ def _fact(one: Beside) -> dict[str, Any]:
         "name": one.name,
         "sigma": one.sigma,
         "nominal_sigma": one.nominal_sigma,
-        "unit": one.unit or None,
+        "unit": one.unit,
         "predicted": one.predicted,
         "measured": one.measured,
         "tolerance": one.tolerance,

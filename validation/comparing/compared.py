@@ -17,12 +17,16 @@ from validation.comparing.verdicts import MOST, told, tolerances
 from validation.engine import hold_out as held
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation, Fit
-from validation.engine.prediction import Fact, Offsets
+from validation.engine.prediction import Offsets
 from validation.engine.problem import Problem
 from validation.engine.residuals import residuals
 from validation.models.model import Model
-from validation.prediction.facts import facts
+from validation.prediction import applied
+from validation.prediction.facts import ArticleFact, facts
 from validation.prediction.series import SeriesPrediction, predictions
+
+UNITS = ("kg", "m", "m", "m", *("kg m²",) * 6)
+"""SI, of the quantities of `identification.classical`."""
 
 Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
@@ -53,12 +57,13 @@ def compared(
     """
     tell = progress or (lambda what, share: None)
     made = predictions(model, data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share))
-    problem = Problem(made, facts(model, data.classical))
+    said = facts(model, data.classical)
+    problem = Problem(made, said)
     names = meant(problem, data, hold_out)
     known = held.without(problem, held.named(problem, names)) if names else problem  # refused before minutes are spent
     evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
     maps = mapped_all(made, problem, known.thinned(), evaluation.plain_fit, lambda share: tell("maps", share))
-    modes = tuple(_modes(one) for one in made)
+    modes = tuple(_modes(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
     spots = worst(maps, modes)
     return Comparison(
         title=model.title or model.article,
@@ -70,7 +75,7 @@ def compared(
         maps=maps,
         modes=modes,
         worst=spots,
-        facts=beside(problem, evaluation),
+        facts=beside(said, problem, evaluation),
         effects=tuple(one.named.id for one in model.effects),
         remarks=_remarks(made, maps, evaluation),
     )
@@ -108,18 +113,31 @@ def explained(maps: Sequence[Map]) -> float:
     return float(100 * np.sqrt(np.mean(np.concatenate([of.explained.ravel() ** 2 for of in maps]))))
 
 
-def beside(problem: Problem, evaluation: Evaluation) -> tuple[Beside, ...]:
-    """Every fact of `problem`, at the plain fit and of the model as it stands."""
-    return tuple(_beside(fact, {**problem.start, **evaluation.plain_fit.by_name}, problem.start) for fact in problem.facts)
+def beside(facts: Sequence[ArticleFact], problem: Problem, evaluation: Evaluation) -> tuple[Beside, ...]:
+    """Every fact, at the plain fit and of the model as it stands."""
+    return tuple(_beside(fact, {**problem.start, **evaluation.plain_fit.by_name}, problem.start) for fact in facts)
 
 
-def _beside(fact: Fact, plain: Offsets, nominal: Offsets) -> Beside:
-    return Beside(name=fact.name, sigma=fact.residual(plain)[0], nominal_sigma=fact.residual(nominal)[0])
+def _beside(fact: ArticleFact, plain: Offsets, nominal: Offsets) -> Beside:
+    sigma = fact.residual(plain)[0]
+    return Beside(
+        name=fact.name,
+        unit=UNITS[int(np.argmax(np.abs(fact.weights)))],
+        predicted=fact.value + sigma * fact.deviation,
+        measured=fact.value,
+        tolerance=fact.deviation,
+        sigma=sigma,
+        nominal_sigma=fact.residual(nominal)[0],
+    )
 
 
-def _modes(prediction: SeriesPrediction) -> tuple[NamedMode, ...]:
-    stands = prediction.tested.carried.standing
-    return () if stands.matrices is None else named(stands.matrices)
+def _modes(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+    """Of the structure as the plain fit has it, its effects acting."""
+    carried = prediction.tested.carried
+    if carried.nuisances is None:
+        return ()
+    matrices, _ = carried.nuisances.at(offsets, derivatives=False)
+    return named(applied.structure(matrices, {}, applied.at(prediction.effects, offsets), derivatives=False)[0])
 
 
 def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:

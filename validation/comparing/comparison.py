@@ -21,19 +21,19 @@ class Beside:
     Attributes
     ----------
     name : where it comes from and what it is
-    unit : in which it is told; empty where only the deviation is known
-    predicted, measured, tolerance : in `unit`; the last is one standard deviation
+    unit : SI
+    predicted, measured, tolerance : at the plain fit, in `unit`; the last is one standard deviation
     sigma : (predicted - measured) / standard deviation, after the plain fit
     nominal_sigma : the same of the model as it stands
     """
 
     name: str
+    unit: str
+    predicted: float
+    measured: float
+    tolerance: float
     sigma: float
     nominal_sigma: float
-    unit: str = ""
-    predicted: float | None = None
-    measured: float | None = None
-    tolerance: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

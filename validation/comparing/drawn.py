@@ -59,10 +59,10 @@ def _errors(found: Comparison, path: Path) -> None:
     nominal, plain, fitted, held = found.errors
     bars = [
         pages.DrawnError(name="nominal", percent=of.nominal.percent, verdict=nominal.verdict),
-        pages.DrawnError(name="plain", percent=of.plain.percent, verdict=plain.verdict, text=plain.text.partition(": ")[2]),
+        pages.DrawnError(name="plain", percent=of.plain.percent, verdict=plain.verdict),
     ]
     if of.held_out is not None:
-        bars.append(pages.DrawnError(name="held out, plain", percent=of.held_out.percent, verdict=held.verdict, text=held.text))
+        bars.append(pages.DrawnError(name="held out, plain", percent=of.held_out.percent, verdict=held.verdict))
     price = of.fitted.tolerance_z2 / max(expected_z2(of.fitted), 1.0)
     prices = [
         pages.DrawnError(name="chi² per degree of freedom", percent=misfit(of.fitted), verdict=_chi2(found)),
@@ -130,7 +130,7 @@ def _pairs(of: Pairs, modes: Sequence[NamedMode], path: Path) -> None:
         rules=(6, 12, 18, 24, 30),
     )
     percent = replace(sigma, title="in per cent of the dynamic mass", sigma=of.percent.reshape(len(of.frequency), 36))
-    note = "Predicted beside measured, about F. " + NOTE + THRESHOLD
+    note = f"Predicted beside measured, about F; sigma as in the maps of the channels. {THRESHOLD}"
     pages.draw_pairs(f"{of.campaign}: dynamic mass, load and base motion", sigma, percent, path, note)
 
 

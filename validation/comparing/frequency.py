@@ -6,7 +6,7 @@ when it explains nearly all of the deviation. What follows nothing plain gets no
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,8 +24,11 @@ AROUND = 0.3
 LONGEST = 3.0
 """[Hz] to either side that count at most."""
 
-SHIFTED, STEPS = 0.08, 12
-"""Share of its frequency by which a mode may lie elsewhere, and how many steps to either side are tried."""
+SHIFTED = 0.12
+"""Share of its frequency by which a mode may lie elsewhere."""
+
+WIDTHS = 6
+"""Damping ratios to either side of a peak within which the mode is sought that makes it."""
 
 SHARES: Mapping[str, tuple[complex, int]] = {
     "the same share at all frequencies": (1, 0),
@@ -67,8 +70,8 @@ class Course:
     of_load: bool
 
 
-def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float]) -> str:
-    """What the deviation follows, in words; empty where nothing plain. It stands out in `band` [Hz]."""
+def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float], peak: float) -> str:
+    """What the deviation follows, in words; empty where nothing plain. It stands out in `band` [Hz], most at `peak`."""
     weight = 1 / np.maximum(course.expected, np.finfo(np.float64).tiny)
     y, f = weight * course.deviation, course.frequency
     if not np.any(np.abs(y) > 0):
@@ -76,31 +79,40 @@ def follows(course: Course, modes: Sequence[NamedMode], band: tuple[float, float
     functions, driver = (LOADS, course.motion) if course.of_load else (SHARES, course.reading)
     shares = {name: _explained(y, [factor * weight * driver * f**power]) for name, (factor, power) in functions.items()}
     best = max(shares, key=lambda name: shares[name])
-    return best if shares[best] >= EXPLAINED else _resonance(f, y, weight * course.motion, modes, band)
+    return best if shares[best] >= EXPLAINED else _resonance(f, y, weight * course.motion, modes, band, peak)
 
 
 def _resonance(
-    frequency: Array, y: ComplexArray, motion: ComplexArray, modes: Sequence[NamedMode], band: tuple[float, float]
+    frequency: Array,
+    y: ComplexArray,
+    motion: ComplexArray,
+    modes: Sequence[NamedMode],
+    band: tuple[float, float],
+    peak: float,
 ) -> str:
     """The mode near `band` whose resonance the deviation follows: as it is predicted and as it would be a little elsewhere."""
     found = {}
     for mode in modes:
         if band[0] / (1 + SHIFTED) <= mode.frequency <= band[1] * (1 + SHIFTED):
             near = np.abs(frequency - mode.frequency) <= min(AROUND * mode.frequency, LONGEST)
-            found[mode.name] = max(_beside(frequency[near], y[near], motion[near], mode, shift) for shift in _shifts())
+            tried = [(mode.frequency, mode.damping_ratio), *_elsewhere(peak, mode.damping_ratio)]
+            found[mode.name] = max(_beside(frequency[near], y[near], motion[near], mode, other) for other in tried)
     best = max(found, key=lambda name: found[name], default="")
     return f"follows the {best}" if best and found[best] >= EXPLAINED else ""
 
 
-def _shifts() -> Array:
-    """Relative shifts of a mode, dense about none."""
-    return np.asarray(SHIFTED * np.linspace(-1.0, 1.0, 2 * STEPS + 1) ** 3)
+def _elsewhere(peak: float, zeta: float) -> Iterator[tuple[float, float]]:
+    """Frequencies [Hz] about `peak` and damping ratios that a mode might have there."""
+    for times in (0.25, 0.5, 1.0, 2.0):
+        for width in np.linspace(-WIDTHS, WIDTHS, 4 * WIDTHS + 1):
+            yield peak * (1 + width * times * zeta), times * zeta
 
 
-def _beside(frequency: Array, y: ComplexArray, motion: ComplexArray, mode: NamedMode, shift: float) -> float:
-    """What two resonances explain that lie by `shift` apart; by none, a resonance and its derivative."""
-    L, other = (_resonates(frequency / mode.frequency / by, mode.damping_ratio) for by in (1.0, 1.0 + shift))
-    second = L**2 if not shift else other
+def _beside(frequency: Array, y: ComplexArray, motion: ComplexArray, mode: NamedMode, other: tuple[float, float]) -> float:
+    """What a resonance explains as predicted and as it might be, frequency and damping; where they are one, its derivative."""
+    L, second = (_resonates(frequency / f, zeta) for f, zeta in ((mode.frequency, mode.damping_ratio), other))
+    if other == (mode.frequency, mode.damping_ratio):
+        second = L**2
     return _explained(y, [factor * motion * of for factor in (1, 1j) for of in (L, second)])
 
 

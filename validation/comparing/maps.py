@@ -6,7 +6,7 @@ floor and those tolerances let expect, and in per cent of the level there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -130,7 +130,7 @@ def mapped(
         rows=(*measured.channels, *(() if R is None else LOADS)),
         channels=len(measured.channels),
         inputs=inputs,
-        level=_levels(measured, found.pop("loads")),
+        level=_levels(measured, found),
         pairs=joined(measured.name, measured.frequency, both) if both else None,
         remarks=remarks,
         **found,
@@ -138,7 +138,7 @@ def mapped(
 
 
 def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
-    """What a chunk says, by field of `Map`; `loads` (r, n, 6 or 0) are those predicted."""
+    """What a chunk says, by field of `Map`."""
     y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
     own, chi2 = left_over(y, A, S, known)
@@ -152,7 +152,6 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
-        "loads": predicted,
         "explained": _explained(measured, part, S),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
     }
@@ -171,12 +170,17 @@ def _explained(measured: Measured, part: Chunk, S: ComplexArray) -> Array:
     return np.asarray(np.sqrt(expected / np.maximum(level, np.finfo(np.float64).tiny)))
 
 
-def _levels(measured: Measured, loads: ComplexArray) -> Array:
-    """(r, n, m): of a channel that of the model-error floor, of a load all six of its run, moments over their nominal length."""
-    level = floor_of(measured)
-    if not loads.shape[-1]:
+def _levels(measured: Measured, found: Mapping[str, Array]) -> Array:
+    """(r, n, m): of a channel that of the model-error floor; of a load all six of its run, predicted or measured, the greater.
+
+    Moments count divided by their nominal length.
+    """
+    level, of_loads = floor_of(measured), slice(len(measured.channels), None)
+    predicted = found["reading"][..., of_loads]
+    if not predicted.shape[-1]:
         return level
-    power = smoothed_level(measured.frequency, loads / LENGTHS)
+    loads = (predicted, predicted + found["deviation"][..., of_loads])
+    power = np.maximum(*(smoothed_level(measured.frequency, one / LENGTHS) for one in loads))
     together = np.sqrt(np.sum(power**2, axis=-1, keepdims=True))
     return np.concatenate([level, together * LENGTHS], axis=-1)
 

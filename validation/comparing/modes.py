@@ -12,6 +12,9 @@ from geometry.arrays import Array
 from validation.effects.stages import Matrices
 from validation.flexible.places import Integers, family
 
+PART = 0.05
+"""Share of the greatest effective mass of several modes that one of them must have to be driven."""
+
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
 
@@ -24,11 +27,13 @@ class NamedMode:
     name : "first mast mode"
     frequency : [Hz]
     damping_ratio : [1]
+    effective_mass : (6,) along and about every axis [kg], [kg m²]; empty where it is not known
     """
 
     name: str
     frequency: float
     damping_ratio: float
+    effective_mass: tuple[float, ...] = ()
 
 
 def named(matrices: Matrices) -> tuple[NamedMode, ...]:
@@ -43,10 +48,19 @@ def named(matrices: Matrices) -> tuple[NamedMode, ...]:
     omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
     zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
     names = in_order(_holders(matrices, own, shapes))
+    effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
     return tuple(
-        NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z))
-        for name, w, z in zip(names, omega, zeta, strict=True)
+        NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=tuple(map(float, m)))
+        for name, w, z, m in zip(names, omega, zeta, effective, strict=True)
     )
+
+
+def taking_part(modes: Sequence[NamedMode], axis: int) -> tuple[NamedMode, ...]:
+    """Those of `modes` that a motion of the base along `axis` (index in `MOTIONS`) drives; all where that is not known."""
+    if any(len(one.effective_mass) <= axis for one in modes):
+        return tuple(modes)
+    most = max((one.effective_mass[axis] for one in modes), default=0.0)
+    return tuple(one for one in modes if one.effective_mass[axis] >= PART * most)
 
 
 def in_order(holders: Sequence[str]) -> list[str]:

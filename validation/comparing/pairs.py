@@ -38,7 +38,7 @@ class Pairs:
     frequency : (n,) [Hz]
     measured, predicted : (n, 6, 6)
     expected : (n, 6, 6) standard deviation of their difference by noise and by tolerances that were not fitted
-    level : (n, 6, 6) of the dynamic mass, row and column, of which an error is told in per cent
+    level : (n, 6, 6) of row and column of the dynamic mass, of which an error is told in per cent: the greater of both
     """
 
     campaign: str
@@ -150,14 +150,14 @@ def lines(of: Operators, frequency: Array, y: ComplexArray, inputs: ComplexArray
 
 def joined(name: str, frequency: Array, parts: Sequence[Lines]) -> Pairs:
     """All lines of a campaign."""
-    predicted = np.concatenate([one.predicted for one in parts])
+    measured, predicted = (np.concatenate([getattr(one, name) for one in parts]) for name in ("measured", "predicted"))
     return Pairs(
         campaign=name,
         frequency=frequency,
-        measured=np.concatenate([one.measured for one in parts]),
+        measured=measured,
         predicted=predicted,
         expected=np.sqrt(np.concatenate([one.variance for one in parts])),
-        level=levels(predicted),
+        level=np.maximum(levels(predicted), levels(measured)),
     )
 
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.dynamic_mass import MOTIONS
 from validation.comparing.frequency import Course, follows
 from validation.comparing.maps import LENGTHS, Map
-from validation.comparing.modes import NamedMode
+from validation.comparing.modes import NamedMode, taking_part
 
 COUNT = 10
 
@@ -112,12 +112,13 @@ def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[i
     band = (float(of.frequency[first]), float(of.frequency[last]))
     peaks = sigma[first : last + 1].max(axis=0)
     others = [k for k in np.argsort(-peaks) if k != row and peaks[k] >= REGION * sigma[line, row]]
+    driven = _driven(of, run)
     course = Course(
         frequency=of.frequency,
         deviation=of.deviation[run, :, row],
         expected=of.expected[run, :, row],
         reading=of.reading[run, :, row],
-        motion=_driven(of, run),
+        motion=of.inputs[run, :, driven],
         of_load=row >= of.channels,
     )
     return Spot(
@@ -131,18 +132,18 @@ def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[i
         band=band,
         sigma=float(sigma[line, row]),
         percent=float(of.percent[run, line, row]),
-        course=follows(course, modes, band),
+        course=follows(course, taking_part(modes, driven), band, float(of.frequency[line])),
         others=tuple(of.rows[k] for k in others),
     )
 
 
-def _driven(of: Map, run: int) -> ComplexArray:
-    """(n,) the input that the run drives: that of its axis, else the greatest."""
+def _driven(of: Map, run: int) -> int:
+    """Which of the inputs the run drives: that of its axis, else the greatest."""
     u = of.inputs[run]
     if of.axes[run] in MOTIONS and u.shape[1] == len(MOTIONS):
-        return np.asarray(u[:, MOTIONS.index(of.axes[run])])
+        return MOTIONS.index(of.axes[run])
     scaled = u * LENGTHS if u.shape[1] == len(MOTIONS) else u
-    return np.asarray(u[:, int(np.argmax(np.sum(np.abs(scaled) ** 2, axis=0)))])
+    return int(np.argmax(np.sum(np.abs(scaled) ** 2, axis=0)))
 
 
 def _merged(spots: Sequence[Spot]) -> list[Spot]:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 from validation.comparing.comparison import Comparison, worst_pairs
 from validation.comparing.maps import Map
-from validation.comparing.verdicts import ABSURD, STANDS_OUT, absurd
-from validation.comparing.words import figure, text
-from validation.rows import NONE
+from validation.comparing.verdicts import ABSURD, STANDS_OUT, absurd, figure
+from validation.comparing.words import text
+from validation.rows import NONE, rounded
 from validation.tables.grid import Grid, aligned
 
 PAIRS = 5
@@ -99,9 +99,19 @@ def _unit(unit: str) -> str:
 
 def facts(found: Comparison) -> Grid:
     """Classical measurements, predicted minus measured."""
-    lines = [(one.name, f"{one.nominal_sigma:+.1f}", f"{one.sigma:+.1f}") for one in found.facts]
+    lines = [
+        (
+            f"{one.name} [{one.unit}]",
+            rounded(one.measured, one.tolerance),
+            rounded(one.tolerance, one.tolerance),
+            rounded(one.predicted, one.tolerance),
+            f"{one.sigma:+.1f}",
+            f"{one.nominal_sigma:+.1f}",
+        )
+        for one in found.facts
+    ]
     first, *rest = zip(*lines, strict=True)
-    header = ("classical, predicted - measured", "nominal [sigma]", "plain fit [sigma]")
+    header = ("classical measurements", "measured", "sd", "predicted", "sigma", "nominal")
     return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
 
 

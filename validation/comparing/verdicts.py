@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.engine.parameter import DECLARED, SENSOR, Parameter
+from validation.engine.evaluation import Evaluation, Fit
+from validation.engine.parameter import TOLERANCES, Parameter
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
@@ -34,8 +34,6 @@ UNLIKELY = 1e-3
 ABSURD = 4.0
 """z of one tolerance that no careful laboratory has."""
 
-RUN, CONFIGURATION = "run ", "configuration "
-"""How the engine's folds begin that hold out one of them."""
 
 MOST = 5
 """Tolerances that are named."""
@@ -84,22 +82,24 @@ class Tolerance:
 def tolerances(of: Fit) -> tuple[Tolerance, ...]:
     """The tolerances of a fit, the most absurd first."""
     both = zip(of.parameters, of.offsets, strict=True)
-    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in (SENSOR, DECLARED) and one.tolerance > 0]
+    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in TOLERANCES and one.tolerance > 0]
     return tuple(sorted((one for one in found if np.isfinite(one.parameter.tolerance)), key=lambda one: -abs(one.z)))
 
 
 def expected_z2(of: Fit) -> float:
     """Sum of z² that the tolerances of a fit come to when nothing is wrong."""
     prior = np.array([one.tolerance for one in of.parameters])
-    counted = [one.kind in (SENSOR, DECLARED) and 0 < one.tolerance < np.inf for one in of.parameters]
+    counted = [one.kind in TOLERANCES and 0 < one.tolerance < np.inf for one in of.parameters]
     share = np.diag(of.covariance)[counted] / prior[counted] ** 2
     return float(np.sum(np.clip(1 - share, 0.0, 1.0)))
 
 
 def absurd(of: Fit) -> bool:
-    """Whether the tolerances of a fit cost more than chance."""
+    """Whether the tolerances of a fit, together or one of them, cost more than chance."""
     from scipy.stats import chi2
 
+    if any(abs(one.z) >= ABSURD for one in tolerances(of)[:1]):
+        return True
     return bool(chi2.sf(of.tolerance_z2, max(expected_z2(of), 1.0)) < UNLIKELY)
 
 
@@ -130,7 +130,7 @@ def _plain(of: Evaluation, explained: float, peak: float) -> Told:
         figure=percent(of.plain.percent),
         meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
         verdict=FAILED if high else GOOD,
-        text=f"{said}, but not where it fails, by up to {peak:.2g} sigma" if high else f"{said}, and nothing stands out",
+        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
     )
 
 
@@ -165,27 +165,24 @@ def _held_out(of: Evaluation) -> Told:
     meaning = "plain error on data that were predicted, not fitted"
     if of.held_out is None:
         return Told(name="held-out error", figure="–", meaning=meaning, text="nothing was held out: one run of one campaign")
-    runs, others = _of_folds(of.held_out, RUN), _of_folds(of.held_out, CONFIGURATION)
-    seen = of.held_out.percent if runs is None else runs
-    high = seen > MORE * of.plain.percent
-    said = "what was fitted does not hold there" if high else "the fit holds on runs that it has not seen"
-    before = None if of.held_out_nominal is None else _of_folds(of.held_out_nominal, CONFIGURATION)
-    if runs is not None and others is not None and before is not None:
-        said = f"runs {percent(runs)}: {said}; a configuration never seen {percent(others)}, nominal {percent(before)}"
+    high = of.held_out.percent > MORE * of.plain.percent
+    said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
+    others, before = of.held_out_configurations, of.held_out_configurations_nominal
+    if others is not None and before is not None:
+        said += f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
     return Told(
         name="held-out error", figure=percent(of.held_out.percent), meaning=meaning, verdict=DOUBTFUL if high else GOOD, text=said
     )
 
 
-def _of_folds(of: Share, kind: str) -> float | None:
-    """Per cent over the folds of a kind; None where there are none."""
-    found = [value for name, value in of.by_fold.items() if name.startswith(kind)]
-    return float(np.sqrt(np.mean(np.square(found)))) if found else None
-
-
 def named(some: Sequence[Tolerance]) -> str:
     """The tolerances by name, each with its z."""
     return " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in some)
+
+
+def figure(value: float) -> str:
+    """Two digits that mean something."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
 def percent(value: float) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from geometry.dynamic_mass import MOTIONS
 from geometry.observability import LOADS
 from validation.comparing.spots import Spot
+from validation.comparing.verdicts import figure
 
 SENSED = dict(
     zip(
@@ -59,11 +60,6 @@ def band(of: tuple[float, float]) -> str:
     if low == high:
         low, high = (f"{one:.1f}" for one in of)
     return f"{low} Hz" if low == high else f"{low}-{high} Hz"
-
-
-def figure(value: float) -> str:
-    """Two digits that mean something."""
-    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
 def _elsewhere(spot: Spot) -> str:

@@ -149,11 +149,11 @@ def _highpass(campaign: Campaign, named: Named) -> Corrected:
 def _by_equation(campaign: Campaign, named: Named) -> Corrected:
     """A family of the user's own."""
     names, held = campaign.table.names, _held(campaign)
-    chosen = equation.touched(named, names, np.array([100 * held, 1000 * held]))
-    if not chosen:
+    changed, chosen = equation.touched(named, names, np.array([100 * held, 1000 * held]))
+    if not changed:
         raise _idle(named, "its equation changes no channel")
     made = _recorded(campaign, lambda one: filtered(one, chosen, equation.inverse(named, names, chosen, held)))
-    return Corrected(campaign=made, channels=tuple(names[k] for k in chosen), did="the inverse of its equation")
+    return Corrected(campaign=made, channels=tuple(names[k] for k in changed), did="the inverse of its equation")
 
 
 def _held(campaign: Campaign) -> float:

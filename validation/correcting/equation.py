@@ -32,10 +32,11 @@ def has_inverse(named: Named) -> bool:
     return family.stage == CHANNEL_STAGE and family.change is not None and family.side != AMPLITUDE
 
 
-def touched(named: Named, channels: tuple[str, ...], frequency: Array) -> tuple[int, ...]:
-    """Which of `channels` the equation changes, or needs for that, at `frequency` (n,) [Hz]."""
-    change = np.abs(_matrix(named, channels, frequency) - np.eye(len(channels))).max(axis=0)
-    return tuple(int(k) for k in np.flatnonzero(np.maximum(change.max(axis=0), change.max(axis=1)) > 0))
+def touched(named: Named, channels: tuple[str, ...], frequency: Array) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Which of `channels` the equation changes at `frequency` (n,) [Hz], and which it needs to: these and those that leak in."""
+    change = np.abs(_matrix(named, channels, frequency) - np.eye(len(channels))).max(axis=0) > 0
+    changed, leaking = change.any(axis=1), change.any(axis=0)
+    return tuple(map(int, np.flatnonzero(changed))), tuple(map(int, np.flatnonzero(changed | leaking)))
 
 
 def inverse(named: Named, channels: tuple[str, ...], chosen: Sequence[int], held: float) -> Response:

@@ -53,12 +53,12 @@ underscore is left alone. An installed package brings effects by entry points of
 ```sh
 massline effects --effects-from examples/effects dashpot force-lowpass
 massline simulate fmd+cuboid --out c --octaves-per-minute 99 --effects-from examples/effects --effect force-lowpass:fmd-z2=1e-3
-python examples/own_effect.py
 ```
 
 The equation is `change(stage, targets, values)` and returns a changed copy, `dataclasses.replace(stage, ...)`. It gets a noun of
 `validation/effects/stages.py`, the targets of the identifier, and the sizes by key, the empty key for one that stands alone.
 `plant` is what a virtual test simulates, in time and by other code: without one an effect can be fitted, but not simulated.
+`python examples/own_effect.py` plants one and finds its size again, with nothing but a model and the campaign.
 
 Before it is taken, massline tries it. At its `null` size it must change nothing; on channels it must be linear in `rows`; what it
 adds to matrices may not depend on them, since derivatives pass it unchanged. The folder is never written to, each file is

@@ -55,14 +55,18 @@ def evaluate(
     else:
         turns = every_block(problem, blocks) if blocks else folds(problem)
         parts = _turns(thinned, plain, turns, lambda share: tell(0.8 + 0.2 * share))
+    runs = [part for part in parts if not part[0].configuration]
+    whole = [part for part in parts if part[0].configuration]
     return Evaluation(
         nominal=errors.share(_squares(known, problem.start)),
         plain=errors.share(_squares(known, offsets)),
-        held_out=_held_out(problem, parts),
-        held_out_nominal=_held_out(problem, [(fold, problem.start) for fold, _ in parts]),
+        held_out=_held_out(problem, runs),
+        held_out_nominal=_held_out(problem, _at(runs, problem.start)),
         plain_fit=plain,
         fitted=fitted,
         held_out_names=tuple(fold.name for fold, _ in parts),
+        held_out_configurations=_held_out(problem, whole),
+        held_out_configurations_nominal=_held_out(problem, _at(whole, problem.start)),
     )
 
 
@@ -89,6 +93,10 @@ def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], tell: Progress) 
         found.append((fold, {**problem.start, **refitted(whole, fold)}))
         tell((done + 1) / len(turns))
     return found
+
+
+def _at(parts: Sequence[tuple[Fold, Offsets]], offsets: Offsets) -> list[tuple[Fold, Offsets]]:
+    return [(fold, offsets) for fold, _ in parts]
 
 
 def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]]) -> Share | None:

@@ -21,6 +21,8 @@ class Share:
     percent : over all data sets, runs and lines
     by_channel, by_run, by_data_set : the same by name; runs as ``data set/run``
     by_fold : of held-out data, by what was held out together
+    typical : the same with the median line of every run in place of the root of its mean square: without the few lines, at
+        resonances and where forces vanish, that make most of `percent`
     """
 
     percent: float
@@ -28,6 +30,7 @@ class Share:
     by_run: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_data_set: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_fold: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    typical: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,7 +45,7 @@ class Fit:
     cost : half the sum of squares of whitened residuals, knowledge beforehand included
     chi2 : of the data alone
     degrees_of_freedom : real numbers left when inputs and free parameters without knowledge beforehand are taken out
-    tolerance_z2 : sum of squares of offset / tolerance over the tolerances (kinds "sensor" and "declared")
+    tolerance_z2 : sum of squares of offset / tolerance over the `TOLERANCES`
     tolerances : how many these are
     log_evidence : Laplace approximation [nats], up to a constant of the data
     converged : whether the iteration ended by itself
@@ -73,10 +76,12 @@ class Evaluation:
     ----------
     nominal : the model as it stands, nothing fitted
     plain : tolerances of the measurement not fitted
-    held_out : plain error on runs, data sets and blocks of lines that were not fitted; None where nothing was held out
+    held_out : plain error on runs, blocks of lines and whatever was named that were not fitted; None where nothing was held out
     held_out_nominal : nominal error on the same
     plain_fit, fitted : the fits; surprise is `fitted.tolerance_z2` beside `fitted.tolerances`
     held_out_names : what was held out, in words
+    held_out_configurations, held_out_configurations_nominal : the same on each configuration of a series in turn, of which not
+        even the modes were fitted; None where nothing but one was tested, or something was named
     """
 
     nominal: Share
@@ -86,3 +91,5 @@ class Evaluation:
     plain_fit: Fit
     fitted: Fit
     held_out_names: tuple[str, ...] = field(default=())
+    held_out_configurations: Share | None = None
+    held_out_configurations_nominal: Share | None = None

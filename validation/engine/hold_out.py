@@ -37,12 +37,14 @@ class Fold:
     runs : by data set, those that are held out with all their lines
     blocks : by data set the indices of the lines that are held out of all runs
     facts : names of those that are held out
+    configuration : whether it is all of one configuration of a series
     """
 
     name: str
     runs: Runs = field(default_factory=lambda: NOBODY)
     blocks: Mapping[str, Lines] = field(default_factory=lambda: MappingProxyType({}))
     facts: tuple[str, ...] = ()
+    configuration: bool = False
 
 
 def folds(problem: Problem) -> tuple[Fold, ...]:
@@ -131,7 +133,7 @@ def _of_run(data_set: str, run: str) -> Fold:
 
 def _of_configuration(problem: Problem, configuration: str) -> Fold:
     whole = {one.measured.name: one.measured.runs for one in problem.predictions if one.measured.configuration == configuration}
-    return Fold(name=f"configuration {configuration}", runs=whole)
+    return Fold(name=f"configuration {configuration}", runs=whole, configuration=True)
 
 
 def _of_block(problem: Problem, low: float, high: float) -> Fold:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from geometry import toml_file
 from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.tolerances import Tolerances
+from geometry.user_article.description import DESCRIPTION
 from validation.article_reference import is_file, is_stack
 from validation.identifying.known import FMD, above_fmd
 from validation.models import reading
@@ -31,7 +33,7 @@ def draft(article: str, out: Path | None = None) -> Model:
         _require_on_fmd(article)
         return _ordinary(article, f"{above_fmd(article) or FMD} on the FMD" if article != FMD else "the FMD alone", out, {})
     path = _usable(article)
-    name = path.parent.resolve().name if path.name == "article.toml" else path.stem
+    name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
     return _ordinary(f"{FMD}+{name}", f"{name} on the FMD", out, {f"{FMD}+{name}": str(path)})
 
 
@@ -41,15 +43,13 @@ def _ordinary(article: str, title: str, out: Path | None, own: dict[str, str]) -
 
 
 def _is_model_file(name: str) -> bool:
-    import tomllib
-
     path = Path(name)
-    if path.suffix.lower() != ".toml" or not path.is_file():
+    if path.suffix.lower() not in (".toml", ".json") or not path.is_file():
         return False
     try:
-        return "model" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
-        return path.name != "article.toml"  # `reading` says what is wrong with it
+        return "model" in toml_file.read(path)
+    except BadInput:
+        return path.name != DESCRIPTION  # `reading` says what is wrong with it
 
 
 def _is_own(name: str) -> bool:

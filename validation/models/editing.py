@@ -30,7 +30,7 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     ------
     BadInput : `text` is no model file, or its effects do not stand as [[effect]].
     """
-    before = reading.of_text(text, source)
+    before = _read(text, source)
     ids = [one.named.id for one in before.effects]
     if added.named.id not in ids:
         return _verified(f"{text.rstrip()}\n\n{effect_text(added)}\n", [*before.effects, added], before)
@@ -52,7 +52,7 @@ def without_effect(text: str, id: str, source: str = SOURCE) -> str:
     ------
     BadInput : `text` is no model file, has no such effect, or its effects do not stand as [[effect]].
     """
-    before = reading.of_text(text, source)
+    before = _read(text, source)
     ids = [one.named.id for one in before.effects]
     if id not in ids:
         known = f"it has {', '.join(ids)}" if ids else "it has none"
@@ -64,6 +64,13 @@ def without_effect(text: str, id: str, source: str = SOURCE) -> str:
         first -= 1
     edited = "\n".join([*lines[:first], *lines[end:]])
     return _verified(edited, [*before.effects[:place], *before.effects[place + 1 :]], before)
+
+
+def _read(text: str, source: str) -> Model:
+    if source.lower().endswith(".json"):
+        problem = "it is JSON, which is read but not edited: it has no comments to keep"
+        raise BadInput(source=source, problem=problem, remedy=f"massline model {source} --out FILE.toml writes it as TOML")
+    return reading.of_text(text, source)
 
 
 def _span(lines: Sequence[str], place: int, before: Model) -> tuple[int, int, int]:

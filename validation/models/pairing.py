@@ -70,7 +70,7 @@ def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
         accelerometers=_channels(campaigns, ("acceleration",)),
         forces=_channels(campaigns, ("force", "moment")),
         places=None if own else _places(model, campaigns),
-        parts=None if own else _parts(model, campaigns),
+        parts=None if own and model.kind != RIGID else _parts(model, campaigns),
     )
 
 
@@ -118,8 +118,11 @@ def _articles(campaigns: Sequence[Campaign]) -> str:
 
 
 def _own(model: Model, campaign: Campaign) -> bool:
-    """Whether `model` names a file for what stands in `campaign`, by the whole stack or by what is on the FMD."""
-    return campaign.article in model.own or above_fmd(campaign.article) in model.own
+    """Whether `model` names a file for what stands in `campaign`, by the whole stack or by what is on the FMD, or that is one."""
+    from fem.users_model.reading import is_model
+
+    above = above_fmd(campaign.article)
+    return campaign.article in model.own or above in model.own or (bool(above) and is_model(above))
 
 
 def _require_known(model: Model, campaign: Campaign) -> None:

@@ -213,14 +213,12 @@ class DrawnError:
     ----------
     name : of the error
     percent : its size
-    judged : its colour, by the word of the verdict
-    text : beside it
+    verdict : its colour, by the word
     """
 
     name: str
     percent: float
     verdict: str = ""
-    text: str = ""
 
 
 VERDICTS = {"": "#7c8798", "good": "#2456c4", "doubtful": "#f39b2c", "failed": "#b8415f"}
@@ -230,7 +228,7 @@ VERDICTS = {"": "#7c8798", "good": "#2456c4", "doubtful": "#f39b2c", "failed": "
 def draw_errors(
     title: str, bars: Sequence[DrawnError], explained: float, prices: Sequence[DrawnError], path: Path, note: str = ""
 ) -> None:
-    """Write errors in per cent, and below them chi² and z² over what is expected of them.
+    """Write the bars of errors in per cent, and below them chi² and z² over what is expected of them.
 
     Parameters
     ----------
@@ -244,37 +242,36 @@ def draw_errors(
     require_format(path)
     figure = new_figure(12.0, 6.4)
     grid = figure.add_gridspec(
-        2, 1, height_ratios=(len(bars), len(prices)), hspace=0.55, left=0.2, right=0.97, top=0.86, bottom=0.14
+        2, 1, height_ratios=(len(bars), len(prices)), hspace=0.55, left=0.19, right=0.975, top=0.86, bottom=0.14
     )
     upper, lower = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
-    _bars(upper, bars, "per cent of the measured forces, logarithmic", "{:.3g} %")
-    upper.axvline(explained, color=INK, linewidth=1.3, linestyle=(0, (5, 3)))
-    upper.text(explained, -0.62, f"tolerances alone: {explained:.2g} %", ha="center", va="bottom", fontsize=9, color=INK)
-    _bars(lower, prices, "times what is expected where nothing is wrong, logarithmic", "{:.3g}")
-    lower.axvline(1.0, color=INK, linewidth=1.3, linestyle=(0, (5, 3)))
+    _bars(upper, bars, "per cent of the measured forces", "{:.3g} %")
+    upper.axvline(explained, color=INK, linewidth=1.6, linestyle=(0, (5, 3)))
+    _bars(lower, prices, "times what is expected where nothing is wrong", "{:.3g}")
+    lower.axvline(1.0, color=INK, linewidth=1.6, linestyle=(0, (5, 3)))
     _legend(figure)
     finish(figure, title, note, path)
 
 
 def _bars(axes: Axes, bars: Sequence[DrawnError], label: str, form: str) -> None:
     places = np.arange(len(bars))
-    sizes = np.maximum([one.percent for one in bars], 1e-6)
-    axes.barh(places, sizes, color=[VERDICTS[one.verdict] for one in bars], height=0.62)
-    axes.set_xscale("log")
+    axes.barh(places, [one.percent for one in bars], color=[VERDICTS[one.verdict] for one in bars], height=0.62)
     axes.set_yticks(places, [one.name for one in bars], fontsize=10.5)
     axes.invert_yaxis()
-    low = min(float(sizes.min()), 1.0) / 5
-    axes.set_xlim(low, float(sizes.max()) * 12)
+    most = max(1.0, *(one.percent for one in bars))
+    axes.set_xlim(0, 1.12 * most)
     for place, one in zip(places, bars, strict=True):
-        said = form.format(one.percent) + (f"  {one.text}" if one.text else "")
-        axes.text(one.percent * 1.06, place, said, va="center", fontsize=9.5, color=INK, parse_math=False)
+        box = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.0}
+        axes.text(one.percent + 0.012 * most, place, form.format(one.percent), va="center", fontsize=10, color=INK, bbox=box)
     axes.set_xlabel(label, fontsize=9.5, color=INK)
     grid_lines(axes)
     axes.grid(visible=False, axis="y")
 
 
 def _legend(figure: Any) -> None:
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    handles = [Patch(color=VERDICTS[word], label=word or "not judged") for word in VERDICTS]
-    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.975, 0.945), ncols=4, fontsize=9.5, frameon=False)
+    handles: list[Any] = [Patch(color=VERDICTS[word], label=word or "not judged") for word in VERDICTS]
+    handles.append(Line2D([], [], color=INK, linewidth=1.6, linestyle=(0, (5, 3)), label="expected, nothing wrong"))
+    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.975, 0.99), ncols=5, fontsize=9.5, frameon=False)

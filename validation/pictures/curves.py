@@ -46,6 +46,9 @@ TITLE_ABOVE_FIGURES = 13
 FEW = 3
 """Names that a legend inside a panel has at most."""
 
+DEEPEST = 1e5
+"""Of the largest magnitude in a panel of a chosen entry; what is smaller is off the page."""
+
 DASHES = ("-", "--", ":")
 
 Axes = Any
@@ -157,16 +160,38 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[Curve]]], 
         top = 3 * (k // 3)
         upper = figure.add_subplot(grid[top, k % 3])
         lower = figure.add_subplot(grid[top + 1, k % 3], sharex=upper)
-        _entry(upper, lower, curves, i, j)
+        shown = [curve for curve in curves if not _vanishes(curve.mass.matrix, i, j)] or list(curves)
+        _entry(upper, lower, shown, i, j)
+        nothing = ", ".join(curve.name for curve in curves if curve not in shown)
+        if nothing:
+            upper.text(0.02, 0.04, f"{nothing}: nothing", transform=upper.transAxes, fontsize=9, color=FAINT)
         upper.set_title(f"$H_{{{LABELS[i]}{LABELS[j]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         upper.set_title(words, fontsize=9.5, loc="right", color=FAINT, pad=TITLE_ABOVE_FIGURES, parse_math=False)
         _mark(upper, curves[0], (i, j))
+        low, high = upper.get_ylim()
+        upper.set_ylim(max(low, high / DEEPEST), high)
         upper.set_ylabel(f"|H| [{unit(i, j)}]", fontsize=9.5)
         lower.set_ylabel("phase [°]", fontsize=9.5)
         lower.set_xlabel("frequency [Hz]", fontsize=9.5)
-        if not k:
-            _legend(figure, upper, 8.5)
+    _names(figure, [curve for *_, curves in panels for curve in curves])
     finish(figure, title, note, path)
+
+
+def _names(figure: Figure, curves: Sequence[Curve]) -> None:
+    """A legend beside the title, of all curves of a page whether a panel has room for them or not."""
+    from matplotlib.lines import Line2D
+
+    handles: dict[str, Any] = {}
+    lines = iter(zip(CURVES, DASHES, strict=True))
+    for curve in curves:
+        if curve.name not in handles:
+            colour, dash = (curve.dots, "none") if curve.dots else next(lines)
+            marker = "o" if curve.dots else None
+            look: dict[str, Any] = {"color": colour, "linestyle": dash, "marker": marker}
+            handles[curve.name] = Line2D([], [], **look, markersize=5, label=curve.name)
+    _, height = figure.get_size_inches()
+    place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1 - 0.25 / height)}
+    figure.legend(handles=list(handles.values()), ncols=len(handles), fontsize=10, frameon=False, **place)
 
 
 def side_by_side(title: str, articles: Sequence[Curve], path: Path, note: str = "", about: str = "") -> None:

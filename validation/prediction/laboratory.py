@@ -18,8 +18,8 @@ HELD = 1.0
 
 
 KINDS = {"fmd-compliance": IDENTIFIED, "cell-stiffness": DECLARED}
-"""What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a load
-and how far they give; the former within what is declared of the cells."""
+"""What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
+load and how far they give; the former within what is declared of the cells."""
 
 WITHIN = 2.5
 """Tolerances by which a plain fit may move what is declared."""

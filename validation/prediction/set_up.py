@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from fem.damping import Damping, default, per_mode
 from fem.modes import fixed_base
 from fem.structure import Structure
-from fem.users_model.reading import is_model, load
+from fem.users_model.reading import is_model
 from geometry import multibody
 from geometry.arrays import Array
 from geometry.article import Article
@@ -32,6 +31,7 @@ from validation.effects.stages import Matrices
 from validation.identifying.known import FMD, above_fmd, mounted
 from validation.models.model import RIGID, Model
 from validation.prediction import matrices as of
+from validation.prediction import own_article
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -103,7 +103,9 @@ def drawn_inertia(model: Model, article: str) -> Inertia:
     BadInput : as `standing`.
     """
     own = _own(model, article, f"{FMD}+{article}")
-    return _inertia(_Recipe(article=article, kind=model.kind, own=own, stamp=_stamp(own), changes=_changes(model, article)))
+    return _inertia(
+        _Recipe(article=article, kind=model.kind, own=own, stamp=own_article.stamp(own), changes=_changes(model, article))
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +134,7 @@ def _recipe(model: Model, campaign: Campaign, article: str) -> _Recipe:
         article=article,
         kind=model.kind,
         own=own,
-        stamp=_stamp(own),
+        stamp=own_article.stamp(own),
         modes=model.modes,
         damping_ratio=model.damping_ratio,
         changes=() if own else _changes(model, article),
@@ -147,10 +149,6 @@ def _own(model: Model, article: str, whole: str) -> str:
 
 def _changes(model: Model, article: str) -> tuple[tuple[str, float], ...]:
     return tuple(sorted(changes_of(article, model.changes).items())) if set(article.split("+")) <= set(NAMES) else ()
-
-
-def _stamp(path: str) -> int:
-    return Path(path).stat().st_mtime_ns if path and Path(path).is_file() else 0
 
 
 @lru_cache(maxsize=16)
@@ -169,10 +167,10 @@ def _made(recipe: _Recipe) -> Standing:
 
 
 def _of_user(recipe: _Recipe) -> Standing:
-    """A user's own model: matrices with their modes, or modal data alone."""
-    found = load(recipe.own)
+    """A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone."""
     if recipe.kind == RIGID:
         return Standing(article=recipe.article, matrices=of.of_inertia(_inertia(recipe), {}), pose=Pose())
+    found = own_article.users_model(recipe.own, recipe.stamp)
     damping = _damping(recipe) or found.damping
     if isinstance(found.model, Structure):
         return _of_structure(recipe, found.model, damping, {}, None)
@@ -199,8 +197,7 @@ def _of_structure(
 def _inertia(recipe: _Recipe) -> Inertia:
     if not recipe.own:
         return multibody.inertia(built_in(recipe.article, dict(recipe.changes)))
-    found = load(recipe.own).model
-    return Inertia.from_mass_matrix(found.rigid_mass, found.reference_point).about(np.zeros(3))
+    return own_article.inertia(recipe.own, recipe.stamp)
 
 
 def _damping(recipe: _Recipe) -> Damping | None:

@@ -128,6 +128,20 @@ def test_a_users_own_equation_is_inverted(tested: Tested, grown: Callable[[Famil
     np.testing.assert_allclose(made.campaign.recordings["r"].values, clean, rtol=1e-12)
 
 
+def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested: Tested, grown: Callable[[Family], None]) -> None:
+    def leaking_alone(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+        rows = np.array(reading.rows)
+        k = reading.column(targets[0])
+        rows[:, k + 1] += values[""] * rows[:, k]
+        return replace(reading, rows=rows)
+
+    grown(own(leaking_alone))
+    clean, named = read_by_chain(tested(), None), Named(family="mine", targets=("fmd-z1",), values={"": 0.3})
+    made = corrected(spectra(tested(), read_by_equation(tested(), named, clean)), named)
+    assert made.channels == ("fmd-z2",)
+    np.testing.assert_allclose(made.campaign.recordings["r"].values, clean, rtol=1e-12)
+
+
 def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested: Tested, grown: Callable[[Family], None]) -> None:
     def dead(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
         rows = np.array(reading.rows)

@@ -134,6 +134,15 @@ def test_the_folder_that_is_read_is_never_changed(folder: Path, run: Run, out: s
     assert digests(folder) == before
 
 
+def test_a_folder_around_the_one_that_is_read_is_not_replaced(folder: Path, run: Run) -> None:
+    Path("outer").mkdir()
+    folder.rename("outer/test")
+    Path("outer/campaign.toml").write_text("a campaign around another")
+    code, _, said = run("correct", "outer/test", "polarity:fmd-z1", "--out", "outer", "--force")
+    assert (code, "it would change outer/test, which is only read" in said) == (2, True)
+    assert campaign_file.read("outer/test")
+
+
 @pytest.mark.parametrize(
     ("effect", "says"),
     [

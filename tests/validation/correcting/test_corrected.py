@@ -233,5 +233,11 @@ def test_a_record_that_is_cut_off_is_wrong_at_its_ends_alone() -> None:
     assert errors.max() < 1e-2
 
 
+def test_a_drifting_record_does_not_meet_its_own_other_end() -> None:
+    ramp = np.linspace(0.0, 1.0, 1001)[:, None]
+    moved = through(ramp, 1000.0, advanced(0.0003))
+    np.testing.assert_allclose(moved[100:-100], ramp[100:-100] + 0.0003, atol=1e-8)
+
+
 def test_what_is_constant_stays() -> None:
     np.testing.assert_allclose(through(np.full((100, 1), 3.0), 50.0, advanced(0.01)), 3.0, rtol=1e-13)

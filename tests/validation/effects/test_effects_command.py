@@ -99,9 +99,10 @@ def test_the_page_is_written_where_it_is_asked_for(root: Path, tmp_path: Path) -
     assert written.read_text(encoding="utf-8") == (root / page.PAGE).read_text(encoding="utf-8")
 
 
-def test_the_example_of_an_effect_of_ones_own_finds_its_equation_in_a_virtual_test(root: Path) -> None:
-    worst = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
+def test_the_example_of_an_effect_of_ones_own_finds_its_equation_and_its_size(root: Path) -> None:
+    worst, found = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
     assert worst < 2e-3  # noise is off; the bilinear rule and the ends of a short sweep are left
+    assert found == pytest.approx(1e-3, rel=0.02)
 
 
 def test_an_effect_of_ones_own_is_about_thirty_lines(root: Path) -> None:

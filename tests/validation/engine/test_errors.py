@@ -44,8 +44,9 @@ def test_eight_per_cent_on_one_of_four_forces_that_share_a_load_read_four(lab, k
             return replace(found, rows=found.rows[:, kept])
 
     found = error(Kept())
-    assert_allclose(found.percent, 100 * 0.08 / np.sqrt(3 + 1.08**2), rtol=1e-9)
-    assert_allclose(found.by_channel["f3"], found.percent, rtol=1e-9)
+    assert_allclose(found.by_channel["f3"], 100 * 0.08 / np.sqrt(3 + 1.08**2), rtol=1e-3)  # noise is small, and taken off
+    others = found.percent / found.by_channel["f3"]
+    assert others < 1 + 1e-3 if known else 1 < others < 1.2  # where inputs are latent, others hear a little of it
 
 
 def test_squares_of_channels_add_and_runs_average(lab):
@@ -54,6 +55,17 @@ def test_squares_of_channels_add_and_runs_average(lab):
     assert_allclose(np.mean(np.square(list(found.by_run.values()))), found.percent**2, rtol=1e-12)
     assert set(found.by_channel) == set(lab.FORCES)
     assert set(found.by_run) == {f"one/r{k}" for k in (1, 2, 3, 4)}
+
+
+def test_the_typical_error_is_that_of_the_median_line(lab):
+    """One line that is wrong by much makes the mean and not the median."""
+    toy = lab.toy(lab.drawn(1), seed=None)
+    values = toy.measured.values.copy()
+    values[:, 30] += 50.0
+    before, after = error(toy), error(replace(toy, measured=replace(toy.measured, values=values)))
+    assert after.percent > 2 * before.percent
+    assert_allclose(after.typical, before.typical, rtol=0.02)
+    assert 0.3 * before.percent < before.typical < 1.2 * before.percent
 
 
 def test_several_data_sets_weigh_by_their_lines(lab):
@@ -87,12 +99,22 @@ def test_an_error_of_an_acceleration_shows_in_the_forces_that_it_predicts(lab):
 
 
 def test_too_few_channels_for_latent_inputs_are_refused(lab):
-    toy = lab.toy({})
-    judged = np.arange(len(lab.CHANNELS)) > 0
-    with pytest.raises(CheckFailed, match="2 latent inputs cannot be told from 1 channels"):
-        error(replace(toy, measured=replace(toy.measured, judged=judged)))
-    known = lab.toy({}, known=True)
-    assert error(replace(known, measured=replace(known.measured, judged=judged))).percent < 1.0
+    """Two latent inputs and two channels: nothing is left to hold either against."""
+
+    class Two:
+        def __init__(self, known):
+            toy = lab.toy({}, known=known)
+            m = toy.measured
+            few = replace(m, channels=m.channels[:2], judged=m.judged[:2], values=m.values[..., :2], noise=m.noise[..., :2])
+            self.toy, self.measured, self.parameters = toy, few, toy.parameters
+
+        def at(self, offsets, lines=None, *, derivatives=True):
+            found = self.toy.at(offsets, lines, derivatives=False)
+            return replace(found, rows=found.rows[:, :2])
+
+    with pytest.raises(CheckFailed, match="the 2 inputs cannot be told without channel 1"):
+        squares(Two(known=False), {})
+    assert squares(Two(known=True), {})
 
 
 def test_a_gain_of_eight_per_cent_shows_in_the_plain_error_and_goes_when_it_is_added(lab):

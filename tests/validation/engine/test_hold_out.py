@@ -170,8 +170,10 @@ def test_a_series_is_evaluated_with_every_fold(series):
     told: list[float] = []
     found = evaluate(series, progress=told.append)
     assert found.held_out_names == tuple(fold.name for fold in folds(series))
-    assert set(found.held_out.by_fold) == set(found.held_out_names)
+    assert {*found.held_out.by_fold, *found.held_out_configurations.by_fold} == set(found.held_out_names)
+    assert set(found.held_out_configurations.by_fold) == {fold.name for fold in folds(series) if fold.configuration}
     assert found.plain.percent < found.held_out.percent < found.held_out_nominal.percent
+    assert found.held_out_configurations.percent < found.held_out_configurations_nominal.percent
     assert told == sorted(told)
     assert told[-1] == 1.0
 

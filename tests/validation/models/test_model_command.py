@@ -46,6 +46,20 @@ def test_a_model_file_is_written_anew(run: Run) -> None:
     assert dict(reading.of_text(printed, "m").effects[0].deviation) == {"": 0.01}
 
 
+def test_a_model_in_json_becomes_one_that_can_be_edited(run: Run) -> None:
+    from geometry.errors import BadInput
+    from validation.effects.identifiers import parse
+    from validation.models.model import Added
+    from validation.models.writing import with_effect
+
+    text, added = '{"format": 1, "model": {"article": "fmd"}}', Added(named=parse("polarity:fmd-z1"))
+    Path("lab.json").write_text(text)
+    with pytest.raises(BadInput, match=r"massline model lab\.json --out FILE\.toml writes it as TOML"):
+        with_effect(text, added, "lab.json")
+    assert run("model", "lab.json", "--out", "lab.toml")[0] == 0
+    assert reading.of_text(with_effect(Path("lab.toml").read_text(), added), "lab.toml").effects[0].named.id == "polarity:fmd-z1"
+
+
 def test_figures_of_the_drawing_can_be_taken_from_their_comment(run: Run) -> None:
     """Taking the signs # away and the drawing out makes it a statement of one's own."""
     from geometry import multibody

@@ -312,6 +312,13 @@ def test_what_an_edit_could_damage_is_refused() -> None:
         writing.without_effect(trap, "polarity:a")
 
 
+def test_an_edit_that_would_change_something_else_is_refused() -> None:
+    """The only line [[effect]] is one of the title's; without it the file would be good, and the effect still there."""
+    trap = """effect = [{id = 'polarity:a'}]\nformat = 1\n[model]\narticle = 'fmd'\ntitle = '''\n[[effect]]\nx = 1\n[x] '''\n"""
+    with pytest.raises(BadInput, match="Write each as a table of its own"):
+        writing.without_effect(trap, "polarity:a")
+
+
 def test_an_effect_that_is_not_there_cannot_be_taken_out() -> None:
     with pytest.raises(BadInput, match=r"no such effect\. Did you mean force-gain:fmd-z2\?"):
         writing.without_effect(BY_HAND, "force-gain:fmd-z3", "lab.toml")
