@@ -53,7 +53,9 @@ def _sentences(
     yield _fall(old, new)
     yield from _most(old, new)
     yield from _held_out(_seen(old, blind), _seen(new, blind))
-    yield from (f"That is without {name}: held out, it leaves no data that have the effect." for name in blind)
+    yield from (
+        f"That is without {name}: held out, it leaves no data that have the effect." for name in blind if name in new.by_fold
+    )
     for size in after.effects.get(after.effect, ()):
         yield from _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
     yield from _price(new)

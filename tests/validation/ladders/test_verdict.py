@@ -68,6 +68,7 @@ def test_what_leaves_no_data_that_have_the_effect_does_not_count(rung: MakeRung)
     said = told(rung, before, after, blind=["configuration b"])
     assert "It falls from 1.3 % to 0.7 % on data that were held out" in said
     assert "without configuration b: held out, it leaves no data that have the effect" in said
+    assert "configuration b" not in told(rung, errors(2.3, 2.0), errors(1.0, 1.0), blind=["configuration b"])
 
 
 def test_folds_that_rose_are_named_among_those_that_fell(rung: MakeRung) -> None:
