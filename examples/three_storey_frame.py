@@ -36,7 +36,7 @@ from validation.engine.evaluation import Evaluation
 from validation.engine.problem import Problem
 from validation.models.model import Added, StructureTolerances
 from validation.pictures.accelerances import DrawnModel, draw_accelerances
-from validation.pictures.ladder import DrawnRung, draw_fall
+from validation.pictures.ladder import FITTED, PERCENT, DrawnRung, draw_fall
 from validation.prediction import nuisances, scatter
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 from validation.prediction.nuisances import Nuisances
@@ -294,13 +294,11 @@ def draw_ladder(found: Mapping[str, Evaluation], folder: Path) -> Path:
 
 def _drawn(name: str, one: Evaluation) -> dict[str, float]:
     """Errors of one rung; the nominal one is that of the model as drawn."""
-    return {
-        "nominal": one.nominal.percent if name == "nominal" else np.nan,
-        "plain": one.plain.percent,
-        "held out": one.held_out.percent if one.held_out else np.nan,
-        "chi² per degree of freedom": one.fitted.chi2 / one.fitted.degrees_of_freedom,
-        "sum z² per tolerance": one.fitted.tolerance_z2 / one.fitted.tolerances,
-    }
+    fit = one.fitted
+    drawn = one.nominal.percent if name == "nominal" else np.nan
+    held = one.held_out.percent if one.held_out else np.nan
+    values = (drawn, one.plain.percent, held, fit.chi2 / fit.degrees_of_freedom, fit.tolerance_z2 / fit.tolerances)
+    return dict(zip((*PERCENT, *FITTED), values, strict=True))
 
 
 def draw(test: AcceleranceTest, found: Mapping[str, Evaluation], folder: Path) -> Path:
