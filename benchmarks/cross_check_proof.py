@@ -31,6 +31,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.identification_bars import code
+from geometry.arrays import Array
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.effects.catalogue import FAMILIES
@@ -60,7 +61,7 @@ WITHIN = 1.3
 SURE = 0.9
 """Probability of the region in which the size must lie."""
 
-SWEEPS = {"octaves_per_minute": 8.0}
+SWEEPS: Mapping[str, Any] = {"octaves_per_minute": 8.0}
 """Faster than the paper's by four: a line loses as much signal as noise."""
 
 STIFFNESS = (4e8, 4e8, 2e9)
@@ -137,20 +138,36 @@ def words() -> Vocabulary:
     return Vocabulary(places=built_in_places())
 
 
-def model() -> Model:
-    """What the laboratory knows beforehand: drawings, cells, ordinary tolerances."""
-    return Model(
-        source="proof", title="a virtual laboratory", article=BLADE, cell_stiffness=np.array(STIFFNESS), own={}, effects=()
-    )
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Laboratory:
+    """Where it happens.
+
+    Attributes
+    ----------
+    plan : what every virtual test has in common
+    model : what is known beforehand
+    lines : (n,) [Hz] that are looked at; None for those of the paper
+    """
+
+    plan: Plan
+    model: Model
+    lines: Array | None = None
+
+    @staticmethod
+    def ordinary(seed: int) -> Laboratory:
+        """Drawings, cells and tolerances as they are everywhere."""
+        known = Model(source="proof", title="a virtual laboratory", article=BLADE, cell_stiffness=np.array(STIFFNESS))
+        return Laboratory(plan=Plan(article=BLADE, seed=seed, **SWEEPS), model=known)
 
 
-def proved(case: Case, seed: int, null: Json, settings: Mapping[str, Any] = SWEEPS) -> Json:
+def proved(case: Case, lab: Laboratory, null: Json) -> Json:
     """Every figure of one case."""
-    tests = series(case.articles, seed, settings, case.planted)
-    made = predicted(tests)
+    tests = series(case.articles, lab, case.planted)
+    made = predictions(lab.model, [test.campaign for test in tests], lines=lab.lines)
     before = evaluate(Problem(made))
-    right = added(case.id, made, before)
-    wrong = {name: added(name, made, before) for name in dict.fromkeys((case.neighbour, at_random(case, seed)))}
+    right = added(case.id, made, before, lab.model)
+    others = dict.fromkeys((case.neighbour, at_random(case, lab.plan.seed)))
+    wrong = {name: added(name, made, before, lab.model) for name in others}
     return {
         "planted": case.planted,
         "null": null,
@@ -161,28 +178,30 @@ def proved(case: Case, seed: int, null: Json, settings: Mapping[str, Any] = SWEE
     }
 
 
-def series(articles: Sequence[str], seed: int, settings: Mapping[str, Any], effect: str = "") -> list[VirtualTest]:
-    """The series of `seed` with one `effect` wherever it acts; with nothing planted for none."""
+def series(articles: Sequence[str], lab: Laboratory, effect: str) -> list[VirtualTest]:
+    """The series of `lab` with one `effect` wherever it acts; with nothing planted for none."""
     named = [parse(effect, words())] if effect else []
-    plans = [Plan(article=article, seed=seed, **settings) for article in articles]
+    plans = [replace(lab.plan, article=article) for article in articles]
     return [simulate(replace(plan, effects=planted(reaching(named, plan)))) for plan in plans]
 
 
-def predicted(tests: Sequence[VirtualTest], known: Model | None = None) -> tuple[SeriesPrediction, ...]:
-    """The model without effects, of all campaigns."""
-    return predictions(known or model(), [test.campaign for test in tests])
+def nothing_planted(articles: Sequence[str], lab: Laboratory) -> Json:
+    """The figures of a null: a laboratory in which nothing is planted, and the model without effects."""
+    campaigns = [test.campaign for test in series(articles, lab, "")]
+    found = figures(evaluate(Problem(predictions(lab.model, campaigns, lines=lab.lines))))
+    return found or {}
 
 
-def added(name: str, made: Sequence[SeriesPrediction], before: Evaluation) -> Evaluation | None:
+def added(name: str, made: Sequence[SeriesPrediction], before: Evaluation, known: Model) -> Evaluation | None:
     """The model with the effect `name` of open size, as `massline add` finds it; None where these data cannot hold it."""
 
     def problem(of: Model) -> Problem:
         return Problem(tuple(one.with_effects(of.effects) for one in made))
 
     try:
-        effect, left = candidates.read(name, model(), words(), fixed=False)
-        chosen = candidates.candidate(effect, left, model(), problem, allowed=True)
-        return evaluate(problem(replace(model(), effects=(chosen.added,))), parent=before)
+        effect, left = candidates.read(name, known, words(), fixed=False)
+        chosen = candidates.candidate(effect, left, known, problem, allowed=True)
+        return evaluate(problem(replace(known, effects=(chosen.added,))), parent=before)
     except (BadInput, CheckFailed):
         return None
 
@@ -226,7 +245,7 @@ def overall(of: Json) -> float:
 
 def worst(of: Json, null: Json) -> float:
     """Greatest of the sweeps' errors, as a multiple of that of the null."""
-    return max(of["sweeps"][name] / percent for name, percent in null["sweeps"].items())
+    return max(float(of["sweeps"][name] / percent) for name, percent in null["sweeps"].items())
 
 
 def sizes(named: Named, tests: Sequence[VirtualTest], of: Evaluation | None) -> Json:
@@ -329,7 +348,7 @@ def kept(case: Case, seed: int) -> Json:
     """The figures of `case`, from an earlier run of the same code or made."""
     file = _file(case.id, seed)
     if not file.exists():
-        write_text(file, json.dumps(proved(case, seed, _null(case.articles, seed))))
+        write_text(file, json.dumps(proved(case, Laboratory.ordinary(seed), _null(case.articles, seed))))
     found: Json = json.loads(file.read_text(encoding="utf-8"))
     return found
 
@@ -338,8 +357,7 @@ def _null(articles: tuple[str, ...], seed: int) -> Json:
     """Of a laboratory in which nothing is planted."""
     file = _file("null-" + "-".join(articles), seed)
     if not file.exists():
-        made = figures(evaluate(Problem(predicted(series(articles, seed, SWEEPS)))))
-        write_text(file, json.dumps(made))
+        write_text(file, json.dumps(nothing_planted(articles, Laboratory.ordinary(seed))))
     found: Json = json.loads(file.read_text(encoding="utf-8"))
     return found
 

@@ -44,7 +44,8 @@ class Solution:
     Attributes
     ----------
     x : (k,)
-    normal : data and priors together, there
+    seen : (k,) where it was evaluated last; `x` may be one short step further
+    normal : data and priors together, at `seen`
     data : of the data alone
     converged : whether it ended by itself
     decrement : length of the next step [standard deviations]
@@ -52,6 +53,7 @@ class Solution:
     """
 
     x: Array
+    seen: Array
     normal: Normal
     data: Normal
     converged: bool
@@ -135,7 +137,10 @@ def _place(data: Normal, x: Array, knowledge: Knowledge) -> _Place:
 
 
 def _solution(at: _Place, x: Array, converged: bool, evaluations: int) -> Solution:
-    return Solution(x=x, normal=at.total, data=at.data, converged=converged, decrement=at.decrement, evaluations=evaluations)
+    decrement = at.decrement
+    return Solution(
+        x=x, seen=at.x, normal=at.total, data=at.data, converged=converged, decrement=decrement, evaluations=evaluations
+    )
 
 
 def inverse(matrix: Array) -> Array:

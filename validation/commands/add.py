@@ -51,7 +51,8 @@ def command(
 
     Exit code 0 whatever comes out; 1 when the model as it was cannot be fitted; 2 when the input cannot be used.
     """
-    from validation.ladders.run import Asked, add
+    from validation.ladders.adding import Asked
+    from validation.ladders.run import add
 
     asked = Asked(
         model=model,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from validation.engine.evaluation import Evaluation, Fit
-from validation.engine.parameter import DECLARED, SENSOR, Parameter
+from validation.engine.parameter import TOLERANCES, Parameter
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
@@ -82,14 +82,14 @@ class Tolerance:
 def tolerances(of: Fit) -> tuple[Tolerance, ...]:
     """The tolerances of a fit, the most absurd first."""
     both = zip(of.parameters, of.offsets, strict=True)
-    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in (SENSOR, DECLARED) and one.tolerance > 0]
+    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in TOLERANCES and one.tolerance > 0]
     return tuple(sorted((one for one in found if np.isfinite(one.parameter.tolerance)), key=lambda one: -abs(one.z)))
 
 
 def expected_z2(of: Fit) -> float:
     """Sum of z² that the tolerances of a fit come to when nothing is wrong."""
     prior = np.array([one.tolerance for one in of.parameters])
-    counted = [one.kind in (SENSOR, DECLARED) and 0 < one.tolerance < np.inf for one in of.parameters]
+    counted = [one.kind in TOLERANCES and 0 < one.tolerance < np.inf for one in of.parameters]
     share = np.diag(of.covariance)[counted] / prior[counted] ** 2
     return float(np.sum(np.clip(1 - share, 0.0, 1.0)))
 
@@ -169,9 +169,7 @@ def _held_out(of: Evaluation) -> Told:
     said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
     others, before = of.held_out_configurations, of.held_out_configurations_nominal
     if others is not None and before is not None:
-        said += (
-            f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
-        )
+        said += f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
     return Told(
         name="held-out error", figure=percent(of.held_out.percent), meaning=meaning, verdict=DOUBTFUL if high else GOOD, text=said
     )

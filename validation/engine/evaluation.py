@@ -21,6 +21,8 @@ class Share:
     percent : over all data sets, runs and lines
     by_channel, by_run, by_data_set : the same by name; runs as ``data set/run``
     by_fold : of held-out data, by what was held out together
+    typical : the same with the median line of every run in place of the root of its mean square: without the few lines, at
+        resonances and where forces vanish, that make most of `percent`
     """
 
     percent: float
@@ -28,6 +30,7 @@ class Share:
     by_run: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_data_set: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_fold: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    typical: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,7 +45,7 @@ class Fit:
     cost : half the sum of squares of whitened residuals, knowledge beforehand included
     chi2 : of the data alone
     degrees_of_freedom : real numbers left when inputs and free parameters without knowledge beforehand are taken out
-    tolerance_z2 : sum of squares of offset / tolerance over the tolerances (kinds "sensor" and "declared")
+    tolerance_z2 : sum of squares of offset / tolerance over the `TOLERANCES`
     tolerances : how many these are
     log_evidence : Laplace approximation [nats], up to a constant of the data
     converged : whether the iteration ended by itself

@@ -20,7 +20,7 @@ from validation.engine.cost import Cost, cost_of
 from validation.engine.descent import End, Progress, annealed, direct, ended, within
 from validation.engine.evaluation import Fit
 from validation.engine.evidence import log_evidence
-from validation.engine.parameter import DECLARED, SENSOR, Parameter
+from validation.engine.parameter import SENSOR, TOLERANCES, Parameter
 from validation.engine.prediction import Offsets
 from validation.engine.problem import Problem
 
@@ -116,7 +116,7 @@ def fitted(end: End) -> Fit:
     everything = (*end.cost.free, *end.cost.held)
     order = [one for one in end.cost.problem.parameters if one.name in {each.name for each in everything}]
     offsets = end.offsets
-    tolerances = [one for one in everything if one.kind in (SENSOR, DECLARED) and np.isfinite(one.tolerance)]
+    tolerances = [one for one in everything if one.kind in TOLERANCES and np.isfinite(one.tolerance)]
     covariance = np.zeros((len(order), len(order)))
     place = {one.name: k for k, one in enumerate(order)}
     at = np.array([place[name] for name in end.cost.names], dtype=np.int64)

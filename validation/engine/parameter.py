@@ -5,14 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import exp, inf, log
 
-IDENTIFIED, DECLARED, SENSOR, EFFECT = KINDS = ("identified", "declared", "sensor", "effect")
+IDENTIFIED, DECLARED, STRUCTURAL, SENSOR, EFFECT = KINDS = ("identified", "declared", "structural", "sensor", "effect")
 """What a laboratory legitimately has to identify (the FMD's inertia), what the model declares to know within a tolerance
-(frequencies, damping, moduli), tolerances of the measurement, and effects that were added."""
+(frequencies, damping, moduli), what else it leaves open of its modes (participation, coupling), tolerances of the measurement,
+and effects that were added."""
 
 NOMINAL: tuple[str, ...] = ()
 PLAIN = (IDENTIFIED, DECLARED, EFFECT)
 FITTED = KINDS
 """Which kinds of parameters are free in the three fits behind the nominal, the plain and the fitted error."""
+
+IDENTIFYING = (*PLAIN, STRUCTURAL)
+"""Those that are free where an article's inertia is identified: whatever its modes do, its mass does not follow from them."""
+
+TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
+"""Those whose offsets have a price."""
 
 
 @dataclass(frozen=True, kw_only=True)

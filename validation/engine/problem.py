@@ -14,6 +14,9 @@ from validation.engine.prediction import Fact, Lines, Prediction
 
 ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 
+FEWEST = 20
+"""Lines of a data set below which none is left out."""
+
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within")
 """What two predictions must say alike of a parameter that they share."""
 
@@ -82,6 +85,11 @@ class Problem:
         from validation.engine.thinning import chosen
 
         return replace(self, lines={one.measured.name: chosen(one.measured) for one in self.predictions})
+
+    def sparser(self, step: int) -> Problem:
+        """The same with every so many lines of its fits, where that leaves `FEWEST`."""
+        lines = {one.measured.name: self.lines_of(one) for one in self.predictions}
+        return replace(self, lines={name: of[::step] if len(of) >= step * FEWEST else of for name, of in lines.items()})
 
 
 def _require_agreement(first: Parameter, said_by: str, second: Parameter, source: str) -> None:

@@ -11,6 +11,8 @@ Tapley, Schutz and Born, Statistical Orbit Determination, 2004, 6.3). Without an
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -19,18 +21,18 @@ from identification.self_calibration.solve import inverse
 from validation.engine.cost import cost_of
 from validation.engine.evaluation import Fit
 from validation.engine.fit import floor_of
-from validation.engine.parameter import FITTED, PLAIN
+from validation.engine.parameter import FITTED
 from validation.engine.problem import Problem
 
 
-def of_plain(problem: Problem, found: Fit) -> tuple[tuple[str, ...], Array]:
-    """Names (i,) of the parameters that the plain fit `found` of `problem` estimated, and their covariance (i, i)."""
+def of_fit(problem: Problem, found: Fit, kinds: Sequence[str]) -> tuple[tuple[str, ...], Array]:
+    """Names (i,) of the parameters of `kinds` that the fit `found` of `problem` estimated, and their covariance (i, i)."""
     free = problem.free(FITTED)
-    cost = cost_of(problem, free, floor_of(PLAIN))
-    at = {one.name: 0.0 for one in free if one.kind not in PLAIN} | found.by_name
+    cost = cost_of(problem, free, floor_of(kinds))
+    at = {one.name: 0.0 for one in free if one.kind not in kinds} | found.by_name
     whole, _, _ = cost.total(cost.at(at))
-    estimated = np.array([one.kind in PLAIN for one in free])
-    names = tuple(one.name for one in free if one.kind in PLAIN)
+    estimated = np.array([one.kind in kinds for one in free])
+    names = tuple(one.name for one in free if one.kind in kinds)
     return names, covariance(whole.matrix, estimated, np.array([one.tolerance for one in free]))
 
 

@@ -122,7 +122,7 @@ def errors_json(errors: Errors) -> dict[str, Any]:
     """The errors of a rung; what was not held out, or cannot be told, is null."""
     found = {key: getattr(errors, name) for name, key in _ERRORS.items()}
     plain = {key: list(value) if isinstance(value, tuple) else value for key, value in found.items()}
-    return {key: _finite(value) for key, value in plain.items()} | {_ERRORS["by_channel"]: dict(errors.by_channel)}
+    return {key: finite(value) for key, value in plain.items()} | {_ERRORS["by_channel"]: dict(errors.by_channel)}
 
 
 def _rung_json(one: Rung) -> dict[str, Any]:
@@ -133,7 +133,7 @@ def _rung_json(one: Rung) -> dict[str, Any]:
         "effect": one.effect or None,
         "effects": {name: [_size_json(size) for size in sizes] for name, sizes in one.effects.items()},
         "errors": None if one.errors is None else errors_json(one.errors),
-        "evidence_gain_nats": _finite(one.gain),
+        "evidence_gain_nats": finite(one.gain),
         "verdict": list(one.verdict),
         "inertia": [_body_json(body) for body in one.bodies],
         "conditions": _conditions_json(one.conditions),
@@ -156,7 +156,7 @@ def _conditions_json(of: Conditions) -> dict[str, Any]:
 
 
 def _size_json(size: Size) -> dict[str, Any]:
-    return {"key": size.key, "value": size.value, "sd": _finite(size.deviation), "unit": size.unit}
+    return {"key": size.key, "value": size.value, "sd": finite(size.deviation), "unit": size.unit}
 
 
 def _body_json(body: Body) -> dict[str, Any]:
@@ -169,7 +169,7 @@ def _body_json(body: Body) -> dict[str, Any]:
     }
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """JSON knows no infinity."""
     return None if isinstance(value, float) and not isfinite(value) else value
 

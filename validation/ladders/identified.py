@@ -1,8 +1,9 @@
 """What the data say of an article's inertia when its ten parameters are free beside what the plain fit frees.
 
 The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell the
-FMD from it. Tolerances of the measurement are not fitted; their share of the interval is propagated
-(`validation.ladders.considered`). The reference is the model's own inertia with its effects, at the sizes of the model file.
+FMD from it. Participation and coupling of its modes are free too, within what the model leaves open of them. Tolerances of the
+measurement are not fitted; their share of the interval is propagated (`validation.ladders.considered`). The reference is the
+model's own inertia with its effects, at the sizes of the model file.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from identification.self_calibration.structure import ten_matrices
 from validation.effects.identifiers import Named
 from validation.engine.evaluation import Fit
 from validation.engine.fit import fit
-from validation.engine.parameter import PLAIN
+from validation.engine.parameter import IDENTIFYING
 from validation.engine.prediction import Offsets, Prediction
 from validation.engine.problem import Problem
 from validation.ladders import considered
@@ -44,9 +45,9 @@ def identified(problem: Problem, article: str, plain: Fit, progress: Callable[[f
     freed, of = _freed(problem, article)
     if of is None:
         return None
-    found = fit(freed, PLAIN, start=plain, progress=progress)
+    found = fit(freed, IDENTIFYING, start=plain, progress=progress)
     offsets = {**freed.start, **found.by_name}
-    names, C = considered.of_plain(freed, found)
+    names, C = considered.of_fit(freed, found, IDENTIFYING)
     ten, slopes = inertia(of, offsets)
     J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
     through = jacobian(ten) @ J

@@ -70,7 +70,8 @@ def _most(old: Errors, new: Errors) -> Iterator[str]:
     gained = {name: old.by_channel[name] ** 2 - new.by_channel[name] ** 2 for name in known}
     best = max(gained, key=lambda name: gained[name], default="")
     if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
-        yield f"Most of that is {best}, {percent(old.by_channel[best])} before and {percent(new.by_channel[best])} after."
+        was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
+        yield f"Of its channels {best} gains most: {was} before and {now} after."
 
 
 def _held_out(old: Errors, new: Errors) -> Iterator[str]:
@@ -122,3 +123,8 @@ def unit(of: str) -> str:
 def percent(value: float | None) -> str:
     """An error with three digits."""
     return "–" if value is None else f"{value:.3g} %"
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital and one full stop."""
+    return f"{text[:1].upper()}{text[1:].rstrip('.')}."

@@ -70,7 +70,7 @@ def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
         accelerometers=_channels(campaigns, ("acceleration",)),
         forces=_channels(campaigns, ("force", "moment")),
         places=None if own else _places(model, campaigns),
-        parts=None if own else _parts(model, campaigns),
+        parts=None if own and model.kind != RIGID else _parts(model, campaigns),
     )
 
 

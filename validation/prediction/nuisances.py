@@ -17,7 +17,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS
 from validation.effects.stages import Matrices
-from validation.engine.parameter import DECLARED, Parameter
+from validation.engine.parameter import DECLARED, STRUCTURAL, Parameter
 from validation.engine.prediction import Offsets
 from validation.models.model import StructureTolerances
 from validation.prediction.matrices import sheet
@@ -63,9 +63,9 @@ class Nuisances:
         made += [_declared(f"damping:{self.configuration}:{r}", of.damping) for r in modes]
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
-            made += [Parameter(name=name, unit="1", tolerance=of.participation) for name in names]
+            made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
         names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
-        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling) for name in names]
+        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling, kind=STRUCTURAL) for name in names]
         return tuple(one for one in made if one.tolerance > 0)
 
     @property

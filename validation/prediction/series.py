@@ -45,6 +45,9 @@ Progress = Callable[[float], None]
 EQUATIONS = (STRUCTURE_STAGE, BODY_STAGE, CHANNEL_STAGE)
 """Stages whose effects change what is read, so that a fit can tell their sizes."""
 
+OF_CHANNELS = ("_reaching", "_chain", "_opened")
+"""What is worked out once for a campaign, whichever of its runs are asked for."""
+
 
 def predictions(
     model: Model,
@@ -130,7 +133,9 @@ class SeriesPrediction:
 
     def on(self, runs: Sequence[str]) -> SeriesPrediction:
         """The same model of the runs named alone."""
-        return replace(self, tested=self.tested.on(runs))
+        some = replace(self, tested=self.tested.on(runs))
+        vars(some).update({name: getattr(self, name) for name in OF_CHANNELS})
+        return some
 
     def with_effects(self, effects: Sequence[Added]) -> SeriesPrediction:
         """The same campaign by a model with these `effects` instead of its own."""

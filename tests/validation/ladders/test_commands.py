@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation import cli
-from validation.ladders import run as runs
+from validation.ladders import adding
 from validation.ladders.climbing import standing
 from validation.ladders.judging import judged
 
@@ -48,7 +48,7 @@ def _interrupted(patch: pytest.MonkeyPatch) -> None:
         return judged(bench, model, parent, progress)
 
     with patch.context() as inner:
-        inner.setattr(runs, "judged", only_before)
+        inner.setattr(adding, "judged", only_before)
         assert cli.run(["add", "model.toml", GAIN, "cuboid"]) == cli.INTERRUPTED
 
 

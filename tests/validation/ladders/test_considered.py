@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from validation.engine.fit import fit
 from validation.engine.parameter import EFFECT, PLAIN, SENSOR, Parameter
 from validation.engine.problem import Problem
-from validation.ladders.considered import covariance, of_plain
+from validation.ladders.considered import covariance, of_fit
 
 MakeProblem = Callable[..., Problem]
 
@@ -43,7 +43,7 @@ def drawn(affine: MakeProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         truth = {"wanted": 0.3, **{one.name: 0.03 * rng.standard_normal() for one in sensors}}
         problem = affine((wanted, *sensors), truth, seed)
         found = fit(problem, PLAIN)
-        names, C = of_plain(problem, found)
+        names, C = of_fit(problem, found, PLAIN)
         assert names == ("wanted",)
         rows.append((found.by_name["wanted"] - 0.3, np.sqrt(C[0, 0]), np.sqrt(found.covariance[0, 0])))
     error, considered, noise = np.array(rows).T

@@ -150,6 +150,8 @@ def test_the_campaign_that_has_the_part_makes_it_right(campaign: Callable[..., C
 def test_the_parts_of_a_rigid_model_do_not_give(campaign: Callable[..., Campaign]) -> None:
     error = refused(model("modulus:mast=0.1", kind="rigid"), campaign())
     assert "the parts of a rigid model do not give" in error.problem
+    own = model("modulus:boom=0.1", article="fmd+satellite", kind="rigid", own={"fmd+satellite": "s.h5"})
+    assert "the parts of a rigid model do not give" in refused(own, campaign("fmd+satellite")).problem
 
 
 def test_an_effect_on_the_way_in_is_held_against_the_same(campaign: Callable[..., Campaign]) -> None:

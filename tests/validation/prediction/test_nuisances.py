@@ -7,7 +7,7 @@ from fem import beam
 from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.articles import built_in
-from validation.engine.parameter import DECLARED, SENSOR
+from validation.engine.parameter import DECLARED, STRUCTURAL
 from validation.models.model import StructureTolerances
 from validation.prediction import condensation, matrices, nuisances
 from validation.prediction.nuisances import Nuisances
@@ -82,8 +82,8 @@ def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
         "modulus:mast": (of.modulus, DECLARED),
         f"frequency:{name}:1": (of.frequency, DECLARED),
         f"damping:{name}:2": (of.damping, DECLARED),
-        f"participation:{name}:1:alpha": (of.participation, SENSOR),
-        f"coupling:{name}:1:2": (of.mode_coupling, SENSOR),
+        f"participation:{name}:1:alpha": (of.participation, STRUCTURAL),
+        f"coupling:{name}:1:2": (of.mode_coupling, STRUCTURAL),
     }
     assert {key: (by_name[key].tolerance, by_name[key].kind) for key in expected} == expected
     assert all(each.within == 2.5 * each.tolerance for each in by_name.values() if each.kind == DECLARED)
