@@ -24,6 +24,7 @@ from fem.element import bending_stiffness
 from fem.section import rectangle
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import CheckFailed
 from geometry.materials import Material
 from identification.spectra.cut_record import kept, lone_mode
 from validation.effects import catalogue
@@ -75,6 +76,8 @@ MODELS: Mapping[str, tuple[str, ...]] = {
     "and its mass": (*(f"leg-clamp:{floor}=0.0013" for floor in FLOORS), *(f"point-mass:{floor}=0" for floor in FLOORS)),
 }
 """The candidates, each by itself, and the rungs after the winner. The sizes are where a fit begins."""
+
+RESTARTS = 4
 
 LADDER = ("nominal", "leg clamps", "clamps, each storey", "and its mass")
 GROWN = {"and its mass": "clamps, each storey"}
@@ -161,8 +164,26 @@ def climbed(test: AcceleranceTest, *, quiet: bool = False) -> dict[str, Evaluati
     found: dict[str, Evaluation] = {}
     for name in counted(MODELS, "Fitting", quiet=quiet):
         parent = None if name == "nominal" else found[GROWN.get(name, "nominal")]
-        found[name] = evaluate(Problem((test.with_effects(effects(MODELS[name])),)), parent=parent)
+        found[name] = settled(Problem((test.with_effects(effects(MODELS[name])),)), parent)
     return found
+
+
+def settled(problem: Problem, parent: Evaluation | None) -> Evaluation:
+    """The evaluation of a model whose fits have ended by themselves.
+
+    Modulus and clamps are nearly one number: a fit that begins at the modulus of its parent may stop in the valley between them,
+    which costs it evidence that is not its model's fault. It then begins again where it stopped.
+
+    Raises
+    ------
+    CheckFailed : they have not after `RESTARTS`.
+    """
+    for _ in range(RESTARTS):
+        found = evaluate(problem, parent=parent)
+        if found.plain_fit.converged and found.fitted.converged:
+            return found
+        parent = found
+    raise CheckFailed(f"a fit of {problem.predictions[0].measured.name} has not converged after {RESTARTS} beginnings")
 
 
 def where(test: AcceleranceTest, name: str, fit: Mapping[str, float]) -> list[float]:

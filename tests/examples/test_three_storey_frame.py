@@ -145,6 +145,10 @@ def test_the_mass_line_finds_the_mass_of_a_model_without_error(program: dict[str
     assert np.all(line["alone"] < 0.97 * program["MASS"])
 
 
+def test_no_model_is_compared_before_its_fits_have_converged(found: dict[str, Evaluation]) -> None:
+    assert all(one.plain_fit.converged and one.fitted.converged for one in found.values())
+
+
 def test_leg_clamps_win_over_mass_damping_and_boundary_and_tie_with_the_modulus(found: dict[str, Evaluation]) -> None:
     """With damping declared as the example does; see the test with it declared tightly."""
     plain = {name: one.plain.percent for name, one in found.items()}
