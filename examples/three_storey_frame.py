@@ -77,7 +77,8 @@ MODELS: Mapping[str, tuple[str, ...]] = {
 }
 """The candidates, each by itself, and the rungs after the winner. The sizes are where a fit begins."""
 
-RESTARTS = 4
+RESTARTS, WORTH = 4, 1.0
+"""How often a fit that has not converged begins again, and what that must gain [nats] to go on."""
 
 LADDER = ("nominal", "leg clamps", "clamps, each storey", "and its mass")
 GROWN = {"and its mass": "clamps, each storey"}
@@ -169,21 +170,28 @@ def climbed(test: AcceleranceTest, *, quiet: bool = False) -> dict[str, Evaluati
 
 
 def settled(problem: Problem, parent: Evaluation | None) -> Evaluation:
-    """The evaluation of a model whose fits have ended by themselves.
+    """The evaluation of a model whose fits have ended by themselves, or would not gain `WORTH` by beginning again.
 
     Modulus and clamps are nearly one number: a fit that begins at the modulus of its parent may stop in the valley between them,
     which costs it evidence that is not its model's fault. It then begins again where it stopped.
 
     Raises
     ------
-    CheckFailed : they have not after `RESTARTS`.
+    CheckFailed : they still gain after `RESTARTS`.
     """
+    found = evaluate(problem, parent=parent)
     for _ in range(RESTARTS):
-        found = evaluate(problem, parent=parent)
         if found.plain_fit.converged and found.fitted.converged:
             return found
-        parent = found
-    raise CheckFailed(f"a fit of {problem.predictions[0].measured.name} has not converged after {RESTARTS} beginnings")
+        before, found = found, evaluate(problem, parent=found)
+        if gained(before, found) < WORTH:
+            return found
+    raise CheckFailed(f"a fit of {problem.predictions[0].measured.name} still gains after {RESTARTS} new beginnings")
+
+
+def gained(before: Evaluation, after: Evaluation) -> float:
+    """What the better of the two fits has gained [nats]."""
+    return max(before.plain_fit.cost - after.plain_fit.cost, before.fitted.cost - after.fitted.cost)
 
 
 def where(test: AcceleranceTest, name: str, fit: Mapping[str, float]) -> list[float]:
