@@ -30,7 +30,7 @@ from validation.effects.reach import acts
 from validation.effects.stages import Floor, Reading
 from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Lines, Offsets, Predicted
+from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
 from validation.models.model import Added, Model
 from validation.prediction import applied, fmd, nuisances
 from validation.prediction import measured as data
@@ -149,7 +149,7 @@ class SeriesPrediction:
         chosen = self._lines(lines)
         return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0]
 
-    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: bool = True) -> Predicted:
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
         Raises
@@ -213,18 +213,19 @@ class SeriesPrediction:
         chosen = np.searchsorted(every, frequency)
         return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
-    def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool) -> Predicted:
+    def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: Wanted) -> Predicted:
         """What the channels read of runs that were driven by `drive`."""
-        H, structural = self._carried(at, frequency, drive, derivatives=derivatives)
+        H, structural = self._carried(at, frequency, drive, derivatives=bool(derivatives))
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
         changes: dict[str, Change] = {}
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
             changes = {name: Change(channels=loaded, rows=A1[:, loaded] @ dH) for name, dH in structural.items()}
-            of_chain = self._chain.derivatives(theta, frequency, H)
-            for one, derivative in zip(self._chain.parameters, of_chain, strict=True):
-                changes[one.name] = Change(channels=derivative.channels, rows=derivative.rows)
+            names = [one.name for one in self._chain.parameters if derivatives is True or one.name in derivatives]
+            of_chain = self._chain.derivatives(theta, frequency, H, names)
+            for name, derivative in zip(names, of_chain, strict=True):
+                changes[name] = Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
         reading = Reading(
             frequency=frequency,
