@@ -24,6 +24,7 @@ from fem.element import bending_stiffness
 from fem.section import rectangle
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import CheckFailed
 from geometry.materials import Material
 from identification.spectra.cut_record import kept, lone_mode
 from validation.effects import catalogue
@@ -36,7 +37,7 @@ from validation.engine.evaluation import Evaluation
 from validation.engine.problem import Problem
 from validation.models.model import Added, StructureTolerances
 from validation.pictures.accelerances import DrawnModel, draw_accelerances
-from validation.pictures.ladder import DrawnRung, draw_fall
+from validation.pictures.ladder import FITTED, PERCENT, DrawnRung, draw_fall
 from validation.prediction import nuisances, scatter
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 from validation.prediction.nuisances import Nuisances
@@ -61,7 +62,8 @@ ALUMINIUM = Material(name="aluminium", density=2700.0, youngs_modulus=70e9, pois
 DAMPING = 0.002
 
 KNOWN = StructureTolerances(modulus=0.015, frequency=0.0, damping=2.0)
-"""Aluminium has 69 to 71 GPa, whatever the alloy; damping is a guess, right within a factor of seven."""
+"""Aluminium has 69 to 71 GPa, whatever the alloy. Damping is a guess, right within a factor of seven: widened from the default
+0.35 after looking at the fits, which changes the order of the single candidates (docs/three-storey-frame.md, last section)."""
 
 MODELS: Mapping[str, tuple[str, ...]] = {
     "nominal": (),
@@ -74,6 +76,9 @@ MODELS: Mapping[str, tuple[str, ...]] = {
     "and its mass": (*(f"leg-clamp:{floor}=0.0013" for floor in FLOORS), *(f"point-mass:{floor}=0" for floor in FLOORS)),
 }
 """The candidates, each by itself, and the rungs after the winner. The sizes are where a fit begins."""
+
+RESTARTS, WORTH = 4, 1.0
+"""How often a fit that has not converged begins again, and what that must gain [nats] to go on."""
 
 LADDER = ("nominal", "leg clamps", "clamps, each storey", "and its mass")
 GROWN = {"and its mass": "clamps, each storey"}
@@ -160,8 +165,33 @@ def climbed(test: AcceleranceTest, *, quiet: bool = False) -> dict[str, Evaluati
     found: dict[str, Evaluation] = {}
     for name in counted(MODELS, "Fitting", quiet=quiet):
         parent = None if name == "nominal" else found[GROWN.get(name, "nominal")]
-        found[name] = evaluate(Problem((test.with_effects(effects(MODELS[name])),)), parent=parent)
+        found[name] = settled(Problem((test.with_effects(effects(MODELS[name])),)), parent)
     return found
+
+
+def settled(problem: Problem, parent: Evaluation | None) -> Evaluation:
+    """The evaluation of a model whose fits have ended by themselves, or would not gain `WORTH` by beginning again.
+
+    Modulus and clamps are nearly one number: a fit that begins at the modulus of its parent may stop in the valley between them,
+    which costs it evidence that is not its model's fault. It then begins again where it stopped.
+
+    Raises
+    ------
+    CheckFailed : they still gain after `RESTARTS`.
+    """
+    found = evaluate(problem, parent=parent)
+    for _ in range(RESTARTS):
+        if found.plain_fit.converged and found.fitted.converged:
+            return found
+        before, found = found, evaluate(problem, parent=found)
+        if gained(before, found) < WORTH:
+            return found
+    raise CheckFailed(f"a fit of {problem.predictions[0].measured.name} still gains after {RESTARTS} new beginnings")
+
+
+def gained(before: Evaluation, after: Evaluation) -> float:
+    """What the better of the two fits has gained [nats]."""
+    return max(before.plain_fit.cost - after.plain_fit.cost, before.fitted.cost - after.fitted.cost)
 
 
 def where(test: AcceleranceTest, name: str, fit: Mapping[str, float]) -> list[float]:
@@ -294,13 +324,11 @@ def draw_ladder(found: Mapping[str, Evaluation], folder: Path) -> Path:
 
 def _drawn(name: str, one: Evaluation) -> dict[str, float]:
     """Errors of one rung; the nominal one is that of the model as drawn."""
-    return {
-        "nominal": one.nominal.percent if name == "nominal" else np.nan,
-        "plain": one.plain.percent,
-        "held out": one.held_out.percent if one.held_out else np.nan,
-        "chi² per degree of freedom": one.fitted.chi2 / one.fitted.degrees_of_freedom,
-        "sum z² per tolerance": one.fitted.tolerance_z2 / one.fitted.tolerances,
-    }
+    fit = one.fitted
+    drawn = one.nominal.percent if name == "nominal" else np.nan
+    held = one.held_out.percent if one.held_out else np.nan
+    values = (drawn, one.plain.percent, held, fit.chi2 / fit.degrees_of_freedom, fit.tolerance_z2 / fit.tolerances)
+    return dict(zip((*PERCENT, *FITTED), values, strict=True))
 
 
 def draw(test: AcceleranceTest, found: Mapping[str, Evaluation], folder: Path) -> Path:

@@ -94,7 +94,6 @@ def share(found: Sequence[Squares]) -> Share:
         by_run=_grouped((f"{one.data_set}/{one.run}", one.values) for one in found),
         by_data_set=_grouped((one.data_set, one.values) for one in found),
         by_fold=_grouped((one.fold, one.values) for one in found if one.fold),
-        typical=_percent([np.median(one.values.sum(axis=1))[None, None] for one in found]),
     )
 
 

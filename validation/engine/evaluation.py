@@ -21,8 +21,6 @@ class Share:
     percent : over all data sets, runs and lines
     by_channel, by_run, by_data_set : the same by name; runs as ``data set/run``
     by_fold : of held-out data, by what was held out together
-    typical : the same with the median line of every run in place of the root of its mean square: without the few lines, at
-        resonances and where forces vanish, that make most of `percent`
     """
 
     percent: float
@@ -30,7 +28,6 @@ class Share:
     by_run: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_data_set: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_fold: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
-    typical: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,8 +11,8 @@ nothing is ever written over it.
                 "effects": {ID: [{"key", "value", "sd": number|null, "unit"}]},
                 "errors": {"nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2",
                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
-                           "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number}} or null; what was not held
-                           out is null,
+                           "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number},
+                           "heldout_percent_by_fold": {NAME: number}} or null; what was not held out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
                 "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN, "converged"}],
                 "conditions": {"data": [{"path", "sha256"}], "hold_out": [NAME], "band_hz": [lo, hi]|null, "method"},
@@ -57,6 +57,7 @@ _ERRORS = {
     "converged": "converged",
     "held_out_names": "held_out",
     "by_channel": "plain_percent_by_channel",
+    "by_fold": "heldout_percent_by_fold",
 }
 """Keys of `Errors` in the file."""
 
@@ -122,7 +123,10 @@ def errors_json(errors: Errors) -> dict[str, Any]:
     """The errors of a rung; what was not held out, or cannot be told, is null."""
     found = {key: getattr(errors, name) for name, key in _ERRORS.items()}
     plain = {key: list(value) if isinstance(value, tuple) else value for key, value in found.items()}
-    return {key: finite(value) for key, value in plain.items()} | {_ERRORS["by_channel"]: dict(errors.by_channel)}
+    return {key: finite(value) for key, value in plain.items()} | {
+        _ERRORS["by_channel"]: dict(errors.by_channel),
+        _ERRORS["by_fold"]: dict(errors.by_fold),
+    }
 
 
 def _rung_json(one: Rung) -> dict[str, Any]:
@@ -244,12 +248,12 @@ def _size(table: Mapping[str, Any]) -> Size:
 
 
 def _errors(table: Mapping[str, Any]) -> Errors:
-    found = {name: table[key] for name, key in _ERRORS.items()}
+    found = {name: table[key] if name != "by_fold" else table.get(key, {}) for name, key in _ERRORS.items()}
     for one in fields(Errors):
         value = found[one.name]
         if one.name == "held_out_names":
             found[one.name] = _strings(value)
-        elif one.name == "by_channel":
+        elif one.name in ("by_channel", "by_fold"):
             found[one.name] = _numbers(value)
         elif one.name == "converged":
             found[one.name] = bool(value)

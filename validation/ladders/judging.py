@@ -142,6 +142,7 @@ def _errors(of: Evaluation) -> Errors:
         converged=of.plain_fit.converged and of.fitted.converged,
         held_out_names=of.held_out_names,
         by_channel=dict(of.plain.by_channel),
+        by_fold={} if of.held_out is None else dict(of.held_out.by_fold),
     )
 
 

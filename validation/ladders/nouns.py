@@ -76,6 +76,7 @@ class Errors:
     converged : whether both fits ended by themselves
     held_out_names : what was held out
     by_channel : plain error of every judged channel on the data that were fitted, their squares adding to its own
+    by_fold : plain error on everything that was held out together
     """
 
     nominal: float
@@ -90,6 +91,7 @@ class Errors:
     converged: bool = True
     held_out_names: tuple[str, ...] = ()
     by_channel: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    by_fold: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def chi2_per_dof(self) -> float:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from math import isfinite
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import isfinite, sqrt
+from statistics import fmean
 
 from identification.quality import NORMAL_95
 from validation.ladders.nouns import Errors, Rung, Size
@@ -23,18 +25,23 @@ def worth(rung: Rung) -> bool:
     return rung.gain is not None and rung.gain > WORTH
 
 
-def verdict(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> tuple[str, ...]:
+def verdict(
+    before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float], blind: Sequence[str] = ()
+) -> tuple[str, ...]:
     """Sentences about the effect that leads from `before` to `after`.
 
     Parameters
     ----------
     tolerances : by key of its sizes, what a careful laboratory or the model admits of it, one standard deviation; 0 for nothing
     nulls : by key, the size at which there is no effect
+    blind : what was held out and leaves no data that have the effect, so that nothing can tell its size
     """
-    return tuple(_sentences(before, after, tolerances, nulls))
+    return tuple(_sentences(before, after, tolerances, nulls, blind))
 
 
-def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> Iterator[str]:
+def _sentences(
+    before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float], blind: Sequence[str]
+) -> Iterator[str]:
     old, new = before.errors, after.errors
     if old is None or new is None:
         return
@@ -45,7 +52,10 @@ def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls
     yield _evidence(after.gain)
     yield _fall(old, new)
     yield from _most(old, new)
-    yield from _held_out(old, new)
+    yield from _held_out(_seen(old, blind), _seen(new, blind))
+    yield from (
+        f"That is without {name}: held out, it leaves no data that have the effect." for name in blind if name in new.by_fold
+    )
     for size in after.effects.get(after.effect, ()):
         yield from _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
     yield from _price(new)
@@ -74,13 +84,34 @@ def _most(old: Errors, new: Errors) -> Iterator[str]:
         yield f"Of its channels {best} gains most: {was} before and {now} after."
 
 
+def _seen(errors: Errors, blind: Sequence[str]) -> Errors:
+    """`errors` whose held-out ones leave out what is `blind`; each of the others counts alike."""
+    left = {name: value for name, value in errors.by_fold.items() if name not in blind}
+    if len(left) in (0, len(errors.by_fold)):
+        return errors
+    return replace(errors, by_fold=left, held_out=sqrt(fmean(value**2 for value in left.values())))
+
+
 def _held_out(old: Errors, new: Errors) -> Iterator[str]:
     if old.held_out is None or new.held_out is None:
         yield "Nothing was held out, so that nothing says whether it holds elsewhere."
         return
     yield f"It {_change(old.held_out, new.held_out)} on data that were held out."
+    yield from _by_fold(old, new)
     if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
         yield "What it explains here it does not explain there: it fits the data, not the structure."
+
+
+def _by_fold(old: Errors, new: Errors) -> Iterator[str]:
+    """What was held out and fell, and what rose, where it is not all of it."""
+    known = [name for name in new.by_fold if name in old.by_fold]
+    fell = [name for name in known if new.by_fold[name] < (1 - FALLS) * old.by_fold[name]]
+    rose = [name for name in known if new.by_fold[name] > (1 + FALLS) * old.by_fold[name]]
+    if rose and len(known) > 1:
+        worst = max(rose, key=lambda name: new.by_fold[name] / old.by_fold[name])
+        was, now = percent(old.by_fold[worst]), percent(new.by_fold[worst])
+        told = f"{len(fell)} fell and {len(rose)} rose, most of all {worst}: {was} before and {now} after"
+        yield f"Of {len(known)} that were held out in turn {told}."
 
 
 def _change(old: float, new: float) -> str:

@@ -50,6 +50,9 @@ PERCENT = {"nominal": NOMINAL, "plain": PLAIN, "held out": HELD_OUT}
 NAMED = ("held out", "sum z² per tolerance")
 """The errors at which branches have their names."""
 
+BELOW = ("plain", "sum z² per tolerance")
+"""Those whose figures stand below their points, out of the way of their neighbours'."""
+
 FITTED = {"chi² per deg. of freedom": CHI2, "sum z² per tolerance": PRICE}
 """The errors of the upper and of the lower panel, and their colours."""
 
@@ -94,8 +97,9 @@ def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None
     way = [one for one in rungs if one.here and np.isfinite(one.errors[name])]
     look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 7, "linewidth": 2.2, "markeredgecolor": PAPER}
     axes.plot([one.depth for one in way], [one.errors[name] for one in way], label=name, zorder=4, **look)
+    beside = (7, -12) if name in BELOW else (7, 6)
     for one in way:
-        axes.annotate(f"{one.errors[name]:.3g}", (one.depth, one.errors[name]), xytext=(7, 6), **_SMALL | {"color": colour})
+        axes.annotate(f"{one.errors[name]:.3g}", (one.depth, one.errors[name]), xytext=beside, **_SMALL | {"color": colour})
 
 
 _SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": FAINT}
@@ -119,7 +123,7 @@ def _gains(axes: Axes, rungs: Sequence[DrawnRung]) -> None:
     place = axes.get_xaxis_transform()
     for one in rungs:
         if one.here and one.parent is not None and one.gain is not None and np.isfinite(one.gain):
-            axes.text(one.depth - 0.5, 1.015, f"{one.gain:+.3g} nats", transform=place, ha="center", fontsize=9, color=INK)
+            axes.text(one.depth - 0.5, 1.015, f"{one.gain:+.0f} nats", transform=place, ha="center", fontsize=9, color=INK)
 
 
 def _names(axes: Axes, rungs: Sequence[DrawnRung], deepest: int) -> None:

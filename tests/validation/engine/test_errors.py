@@ -57,17 +57,6 @@ def test_squares_of_channels_add_and_runs_average(lab):
     assert set(found.by_run) == {f"one/r{k}" for k in (1, 2, 3, 4)}
 
 
-def test_the_typical_error_is_that_of_the_median_line(lab):
-    """One line that is wrong by much makes the mean and not the median."""
-    toy = lab.toy(lab.drawn(1), seed=None)
-    values = toy.measured.values.copy()
-    values[:, 30] += 50.0
-    before, after = error(toy), error(replace(toy, measured=replace(toy.measured, values=values)))
-    assert after.percent > 2 * before.percent
-    assert_allclose(after.typical, before.typical, rtol=0.02)
-    assert 0.3 * before.percent < before.typical < 1.2 * before.percent
-
-
 def test_several_data_sets_weigh_by_their_lines(lab):
     one, two = lab.toy(lab.drawn(1), name="one", runs=1, lines=30), lab.toy(lab.drawn(2), name="two", runs=2, lines=60)
     found = share([*squares(one, {}), *squares(two, {})])

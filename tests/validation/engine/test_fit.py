@@ -104,15 +104,21 @@ def test_tolerances_of_the_measurement_are_released_when_the_rest_is_near(lab):
         assert_allclose(released[name], found.by_name[name], atol=0.01, err_msg=name)
 
 
-def test_a_child_far_from_its_parent_is_found_by_the_annealed_floor(lab):
-    """A resonance that is 60 % higher: the sharp likelihood has no slope that leads there."""
-    stiffer = lab.effect("frequency:one", 0.5, nominal=12.0, logarithmic=True)
-    truth = {**TRUTH, "frequency:one": 0.47}
-    having = lab.toy(truth)
-    having = replace(having, parameters=(*having.parameters[:-1], stiffer))
-    parent = fit(Problem((replace(having, parameters=having.parameters[:-1]),)), PLAIN)
-    child = fit(Problem((having,)), PLAIN, start=parent)
-    assert_allclose(child.by_name["frequency:one"], 0.47, atol=0.002)
+@pytest.mark.parametrize("kinds", [PLAIN, FITTED], ids=["plain", "fitted"])
+def test_a_child_far_from_its_parent_is_found_by_the_annealed_floor(lab, kinds):
+    """A resonance five of its widths away: straight from the parent the way ends elsewhere."""
+    effects = (
+        lab.effect("appendage[m]", 0.3, start=0.1),
+        lab.effect("appendage[f]", 0.5, nominal=20.0, logarithmic=True),
+    )
+    truth = {"appendage[m]": 0.5, "appendage[f]": 0.1, "mass": 0.01}
+    parent = fit(Problem((lab.toy(truth, acting=effects),)), kinds)
+    problem = Problem((lab.toy(truth, parameters=(*lab.LABORATORY, *effects)),))
+    child = fit(problem, kinds, start=parent)
+    assert_allclose(child.by_name["appendage[f]"], 0.1, atol=1e-4)
+    cost = cost_of(problem, problem.free(kinds), 0.01)
+    straight = direct(cost, parents_point(cost.free, parent), lambda share: None)
+    assert abs(straight.offsets["appendage[f]"] - 0.1) > 0.05
 
 
 def test_a_child_whose_own_start_breaks_down_is_found_from_its_parent(lab):

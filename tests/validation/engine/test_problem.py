@@ -57,3 +57,10 @@ def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
 
 def test_few_lines_stay_as_they_are(lab):
     np.testing.assert_array_equal(chosen(lab.toy({}, lines=60).measured), np.arange(60))
+
+
+def test_stages_before_the_last_take_fewer_lines_where_enough_are_left(lab):
+    problem = Problem((lab.toy({}, lines=60), lab.toy({}, name="two", lines=59)))
+    lines = problem.sparser(3).lines
+    np.testing.assert_array_equal(lines["one"], np.arange(0, 60, 3))
+    np.testing.assert_array_equal(lines["two"], np.arange(59))

@@ -29,6 +29,7 @@ def errors(plain: float, held_out: float | None = None) -> Errors:
         log_evidence=-1234.5678901234567,
         held_out_names=("a/x",),
         by_channel={"fmd-z1": 0.7 * plain, "fmd-z2": 0.3 * plain},
+        by_fold={} if held_out is None else {"run x of a": held_out},
     )
 
 
