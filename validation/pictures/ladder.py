@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from validation.pictures.curves import Axes, finish, grid_lines, new_figure
@@ -51,13 +52,16 @@ NAMED = ("held out", "sum z² per tolerance")
 """The errors at which branches have their names."""
 
 BELOW = ("plain", "sum z² per tolerance")
-"""Those whose figures stand below their points, out of the way of their neighbours'."""
+"""Those whose figures stand below and to the left of their points, out of the way of the others'."""
+
+LINE = 10.5
+"""[points] between two labels, one above the other."""
 
 FITTED = {"chi² per deg. of freedom": CHI2, "sum z² per tolerance": PRICE}
 """The errors of the upper and of the lower panel, and their colours."""
 
 
-def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "") -> None:
+def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "", about: str = "") -> None:
     """Write how the four errors fall along the way to the current rung; branches are thin.
 
     Raises
@@ -80,7 +84,9 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     upper.tick_params(labelbottom=False)
     _gains(upper, rungs)
     _names(lower, rungs, deepest)
-    finish(figure, title, note, path)
+    for axes, shown in ((upper, PERCENT), (lower, FITTED)):
+        _labels(axes, rungs, shown)
+    finish(figure, title, note, path, about)
 
 
 def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None:
@@ -92,17 +98,67 @@ def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None
             axes.plot([parent.depth, one.depth], [parent.errors[name], one.errors[name]], color=ASIDE, linewidth=1.1, zorder=2)
         if not one.here and np.isfinite(one.errors[name]):
             axes.plot(one.depth, one.errors[name], marker="o", markersize=5, color=PAPER, markeredgecolor=colour, zorder=3)
-            if name in NAMED:
-                axes.annotate(f"{one.number}  {_cut(one.title)}", (one.depth, one.errors[name]), xytext=(7, -3), **_SMALL)
     way = [one for one in rungs if one.here and np.isfinite(one.errors[name])]
     look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 7, "linewidth": 2.2, "markeredgecolor": PAPER}
     axes.plot([one.depth for one in way], [one.errors[name] for one in way], label=name, zorder=4, **look)
-    beside = (7, -12) if name in BELOW else (7, 6)
-    for one in way:
-        axes.annotate(f"{one.errors[name]:.3g}", (one.depth, one.errors[name]), xytext=beside, **_SMALL | {"color": colour})
 
 
-_SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": FAINT}
+def _labels(axes: Axes, rungs: Sequence[DrawnRung], shown: Mapping[str, str]) -> None:
+    """Figures of the way beside their points, names of branches to the right of theirs, none upon another."""
+    for depth in sorted({one.depth for one in rungs}):
+        there = [one for one in rungs if one.depth == depth]
+        right, left = [], []
+        for name, colour in shown.items():
+            for one in there:
+                if one.here and np.isfinite(one.errors[name]):
+                    side, apart = (left, -10.0) if name in BELOW else (right, 9.0)
+                    side.append(_Label(text=f"{one.errors[name]:.3g}", value=one.errors[name], apart=apart, colour=colour))
+                elif name in NAMED and np.isfinite(one.errors[name]):
+                    right.append(_Label(text=f"{one.number}  {_cut(one.title)}", value=one.errors[name], apart=0.0, colour=FAINT))
+        _write(axes, depth, right, 7.0, "left")
+        _write(axes, depth, left, -6.0, "right")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Label:
+    text: str
+    value: float
+    apart: float
+    colour: str
+
+
+def _write(axes: Axes, depth: int, labels: Sequence[_Label], beside: float, align: str) -> None:
+    """Labels `beside` their points and `apart` from their heights [points], farther apart where they would meet."""
+    from matplotlib.patheffects import withStroke
+
+    to_points = 72 / axes.figure.dpi
+    heights = np.array([axes.transData.transform((depth, one.value))[1] * to_points for one in labels])
+    placed = spread(heights + [one.apart for one in labels], LINE)
+    for one, height, place in zip(labels, heights, placed, strict=True):
+        look = _SMALL | {"color": one.colour, "ha": align, "va": "center", "zorder": 6}
+        text = axes.annotate(one.text, (depth, one.value), xytext=(beside, place - height), **look)
+        text.set_path_effects([withStroke(linewidth=3, foreground=PAPER)])
+
+
+def spread(heights: npt.ArrayLike, gap: float) -> Array:
+    """`heights` (n,) moved apart to at least `gap`, in their order, each group of neighbours about its own middle.
+
+    The least squares of the moves under that condition: heights less their rank times `gap` are made to rise only, by pooling
+    adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955).
+    """
+    wished = np.asarray(heights, dtype=np.float64)
+    order, steps = np.argsort(wished, kind="stable"), gap * np.arange(len(wished))
+    pools: list[list[float]] = []
+    for height in wished[order] - steps:
+        pools.append([float(height)])
+        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
+            pools[-2:] = [pools[-2] + pools[-1]]
+    placed = np.empty_like(wished)
+    placed[order] = np.array([np.mean(pool) for pool in pools for _ in pool]) + steps
+    return placed
+
+
+_SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5}
 
 
 def _dress(axes: Axes) -> None:
