@@ -70,7 +70,7 @@ def modulus(rung: Rung) -> str:
     own = next((one for one in rung.model.structure.parameters if one.name == MODULUS), None)
     if own is None or MODULUS in rung.sizes:
         return "free"
-    return f"{rung.evaluation.fitted.by_name[MODULUS] / own.tolerance:+.1f} sd"
+    return f"{round(rung.evaluation.fitted.by_name[MODULUS] / own.tolerance, 1) + 0.0:+.1f} sd"  # no -0.0
 
 
 def evidence(rungs: Mapping[str, Rung], name: str) -> str:

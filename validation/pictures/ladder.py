@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from geometry.arrays import Array
-from validation.pictures.curves import Axes, finish, grid_lines, new_figure
+from validation.pictures.curves import DPI, Axes, finish, grid_lines, new_figure
 from validation.pictures.files import require_format
 from validation.pictures.palette import FAINT, INK, PAPER
 
@@ -107,55 +106,63 @@ def _labels(axes: Axes, rungs: Sequence[DrawnRung], shown: Mapping[str, str]) ->
     """Figures of the way beside their points, names of branches to the right of theirs, none upon another."""
     for depth in sorted({one.depth for one in rungs}):
         there = [one for one in rungs if one.depth == depth]
-        right, left = [], []
-        for name, colour in shown.items():
-            for one in there:
-                if one.here and np.isfinite(one.errors[name]):
-                    side, apart = (left, -10.0) if name in BELOW else (right, 9.0)
-                    side.append(_Label(text=f"{one.errors[name]:.3g}", value=one.errors[name], apart=apart, colour=colour))
-                elif name in NAMED and np.isfinite(one.errors[name]):
-                    right.append(_Label(text=f"{one.number}  {_cut(one.title)}", value=one.errors[name], apart=0.0, colour=FAINT))
-        _write(axes, depth, right, 7.0, "left")
-        _write(axes, depth, left, -6.0, "right")
+        found = [label for name, colour in shown.items() for label in _of_one(axes, there, name, colour)]
+        for align, beside in (("left", 7.0), ("right", -6.0)):
+            _write(axes, depth, [one for one in found if one.align == align], beside)
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Label:
+    """A text at the point at `value`, `apart` from its `height` [points]; aligned "left" it stands to the right of it."""
+
     text: str
     value: float
+    height: float
     apart: float
+    align: str
     colour: str
 
 
-def _write(axes: Axes, depth: int, labels: Sequence[_Label], beside: float, align: str) -> None:
-    """Labels `beside` their points and `apart` from their heights [points], farther apart where they would meet."""
+def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> Iterator[_Label]:
+    """Labels of one error at one depth; a branch upon the way is named below it, where the way does not run through its name."""
+    told = [one for one in rungs if np.isfinite(one.errors[name])]
+    heights = [float(axes.transData.transform((one.depth, one.errors[name]))[1]) * 72 / DPI for one in told]
+    on_way = [height for one, height in zip(told, heights, strict=True) if one.here]
+    for one, height in zip(told, heights, strict=True):
+        value = one.errors[name]
+        if one.here:
+            place: dict[str, Any] = {"align": "right", "apart": -LINE} if name in BELOW else {"align": "left", "apart": LINE}
+            yield _Label(text=f"{value:.3g}", value=value, height=height, colour=colour, **place)
+        elif name in NAMED:
+            upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
+            place = {"align": "right", "apart": -2 * LINE - height + on_way[0]} if upon else {"align": "left", "apart": 0.0}
+            yield _Label(text=f"{one.number}  {_cut(one.title)}", value=value, height=height, colour=FAINT, **place)
+
+
+def _write(axes: Axes, depth: int, labels: Sequence[_Label], beside: float) -> None:
+    """Labels beside their points, in the order of these, farther apart where they would meet."""
     from matplotlib.patheffects import withStroke
 
-    to_points = 72 / axes.figure.dpi
-    heights = np.array([axes.transData.transform((depth, one.value))[1] * to_points for one in labels])
-    placed = spread(heights + [one.apart for one in labels], LINE)
-    for one, height, place in zip(labels, heights, placed, strict=True):
-        look = _SMALL | {"color": one.colour, "ha": align, "va": "center", "zorder": 6}
-        text = axes.annotate(one.text, (depth, one.value), xytext=(beside, place - height), **look)
-        text.set_path_effects([withStroke(linewidth=3, foreground=PAPER)])
+    upwards = sorted(labels, key=lambda one: one.height + min(one.apart, 0.0))
+    placed = spread([one.height + one.apart for one in upwards], LINE)
+    for one, place in zip(upwards, placed, strict=True):
+        look = _SMALL | {"color": one.colour, "ha": one.align, "va": "center", "zorder": 6}
+        text = axes.annotate(one.text, (depth, one.value), xytext=(beside, place - one.height), **look)
+        text.set_path_effects([withStroke(linewidth=2, foreground=PAPER)])
 
 
-def spread(heights: npt.ArrayLike, gap: float) -> Array:
-    """`heights` (n,) moved apart to at least `gap`, in their order, each group of neighbours about its own middle.
+def spread(heights: Sequence[float], gap: float) -> Array:
+    """`heights` (n,) moved apart, so that each is at least `gap` above the one before, by the least squares of the moves.
 
-    The least squares of the moves under that condition: heights less their rank times `gap` are made to rise only, by pooling
-    adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955).
+    Less their rank times `gap` they then rise only: adjacent violators are pooled (Ayer et al., Annals of Mathematical
+    Statistics 26, 1955).
     """
-    wished = np.asarray(heights, dtype=np.float64)
-    order, steps = np.argsort(wished, kind="stable"), gap * np.arange(len(wished))
     pools: list[list[float]] = []
-    for height in wished[order] - steps:
-        pools.append([float(height)])
+    for rank, height in enumerate(heights):
+        pools.append([height - rank * gap])
         while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
             pools[-2:] = [pools[-2] + pools[-1]]
-    placed = np.empty_like(wished)
-    placed[order] = np.array([np.mean(pool) for pool in pools for _ in pool]) + steps
-    return placed
+    return np.array([np.mean(pool) for pool in pools for _ in pool]) + gap * np.arange(len(heights))
 
 
 _SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5}
@@ -166,7 +173,7 @@ def _dress(axes: Axes) -> None:
 
     axes.set_yscale("log")
     low, high = axes.get_ylim()
-    axes.set_ylim(low / 1.25, high * 1.35)
+    axes.set_ylim(low * (low / high) ** 0.12, high * (high / low) ** 0.1)  # room for figures and names
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
