@@ -150,8 +150,8 @@ def _what_is_left(console: Console, test: AcceleranceTest, found: Mapping[str, R
         console,
         "8  What stays unexplained",
         (),
-        "Proven: the floors together weigh what was drawn; the storeys are softer than drawn; no one factor on "
-        "mass or stiffness brings all three resonances home.",
+        "Proven: the floors together weigh what was drawn, within 2 %; the storeys are softer than drawn; no one factor on mass "
+        "or stiffness brings all three resonances home.",
         f"Likely: clamps that yield. A modulus would lie {other['modulus_sigmas']:+.0f} sd from the literature. But legs "
         f"{-other['thickness_mm']:.2f} mm thinner or {other['length_mm']:.1f} mm longer do the same, and no data of this test "
         f"tell them from clamps. Weight on the lowest legs ({small['weight_percent']:.1f} %) and shear "

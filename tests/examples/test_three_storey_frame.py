@@ -186,7 +186,7 @@ def test_the_literature_makes_clamps_tens_of_nats_more_probable_than_a_modulus_w
 
 
 def test_with_damping_declared_tightly_damping_is_ahead_of_clamps_and_the_last_rung_stays(
-    program: dict[str, Any], test: Any, found: dict[str, Evaluation]
+    root: Path, program: dict[str, Any], test: Any, found: dict[str, Evaluation]
 ) -> None:
     """The page says so: the order of the single candidates hangs on a choice that was made after looking."""
     tight = replace(test, structure=replace(test.structure, tolerances=replace(program["KNOWN"], damping=0.35)))
@@ -194,6 +194,9 @@ def test_with_damping_declared_tightly_damping_is_ahead_of_clamps_and_the_last_r
     for name in ("leg clamps", "damping", program["LADDER"][-1]):
         problem = Problem((tight.with_effects(program["effects"](program["MODELS"][name])),))
         plain[name] = evaluate(problem).plain.percent
+    page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
+    _, clamps, damping, _, _, last = said(page, "| 0.35 | # % | # % | # % | # % | # % | # % |")
+    assert [clamps, damping, last] == pytest.approx(list(plain.values()), rel=0.03)
     assert plain["damping"] < plain["leg clamps"]
     assert plain[program["LADDER"][-1]] == pytest.approx(found[program["LADDER"][-1]].plain.percent, rel=0.02)
 
@@ -321,10 +324,65 @@ def test_the_pictures_of_the_page_show_what_is_found_now(
 def test_the_page_prints_the_figures_that_are_found_now(root: Path, program: dict[str, Any], rungs: dict[str, Any]) -> None:
     page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
     for name, one in rungs.items():
-        row = re.search(rf"^\| {name} \| ([\d.]+) % \| ([\d.]+) % \| ([\d.]+) % \| (\d+) \| (\d+) of (\d) \|", page, re.MULTILINE)
+        row = re.search(
+            rf"^\| {name} \| ([\d.]+) % \| ([\d.]+) % \| ([\d.]+) % \| (\d+) \| (\d+) of (\d) \| (.+) \|$", page, re.MULTILINE
+        )
         assert row is not None, name
-        *shares, chi2, price, of = map(float, row.groups())
+        *shares, chi2, price, of = map(float, row.groups()[:-1])
+        assert row.group(7) == program["modulus"](one), name
         line = program["where"](one.model, one.offsets)[-1]
         assert shares == pytest.approx([one.evaluation.plain.percent, one.held_out, line], rel=0.03), name
         assert chi2 == pytest.approx(one.misfit, abs=0.6), name
         assert [price, of] == pytest.approx([one.evaluation.fitted.tolerance_z2, one.evaluation.fitted.tolerances], abs=0.6), name
+
+
+def said(page: str, words: str) -> list[float]:
+    """The numbers that stand where `words`, broken anywhere, have a #."""
+    pattern = r"\s+".join(re.escape(word).replace(r"\#", r"(-?\+?[\d.]*\d)") for word in words.split())
+    found = re.search(pattern, page)
+    assert found is not None, words
+    return [float(figure) for figure in found.groups()]
+
+
+def test_the_sentences_of_the_page_say_what_is_found_now(
+    root: Path, program: dict[str, Any], test: Any, rungs: dict[str, Any]
+) -> None:
+    page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
+    last, mass = rungs[program["LADDER"][-1]], program["MASS"]
+    line, cut = program["mass_line"](test), program["ringing"](test, program["DAMPING"])
+    clamps = [1e3 * last.sizes[f"leg-clamp:floor-{k}"] for k in (1, 2, 3)]
+    floors = [mass + last.sizes[f"point-mass:floor-{k}"] for k in (1, 2, 3)]
+    nominal, first, ended = (rungs[name].evaluation.plain.percent for name in ("nominal", "leg clamps", program["LADDER"][-1]))
+    turned = [cut[name] for name in ("lifted_percent", "turned_deg", "measured_turn_deg")]
+    boundary = rungs["boundary"].evaluation.fitted.by_name["modulus:legs"] / program["KNOWN"].modulus
+    pairs: dict[str, list[float]] = {
+        "misses the readings by # %": [program["missed"](test)],
+        "halve the error, # to # %; clamps and masses of each floor's own bring it to # %, on drive points held out to # %": [
+            nominal,
+            first,
+            ended,
+            last.held_out,
+        ],
+        "is # / # / # kg. Their mean, # kg": [*line["together"], float(np.mean(line["together"]))],
+        "reads # kg there, the others # and # kg": list(line["alone"]),
+        "it stops at # kg": [rungs["added mass"].sizes["storey-mass"]],
+        "All clamps alike have #e-3 rad/(N m)": [1e3 * rungs["leg clamps"].sizes["leg-clamp"]],
+        "end at #, # and #e-3 rad/(N m), the floors at #, # and # kg": [*clamps, *floors],
+        "Resonances at #, # and # Hz": program["others"](last),
+        "rings at # % of its start": [cut["left_percent"]],
+        "# % too high, turned by #°. The measured resonance is turned by #°": turned,
+        "have # nats more than the nominal model": [program["gain"](rungs, "leg clamps")],
+        "has # thousand nats": [1e-3 * program["gain"](rungs, "boundary")],
+    }
+    assert boundary == pytest.approx(-9.0, abs=0.1)
+    for words, found in pairs.items():
+        assert said(page, words) == pytest.approx(found, rel=0.05), words  # two digits
+
+
+def test_the_page_prints_what_every_drive_point_that_was_held_out_is_missed_by(
+    root: Path, program: dict[str, Any], rungs: dict[str, Any]
+) -> None:
+    page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
+    for run, *cells in program["held_out"]({name: rungs[name] for name in program["LADDER"]}).lines:
+        now = [float(cell.split()[0]) for cell in cells]
+        assert said(page, f"| {run} | # % | # % | # % | # % |") == pytest.approx(now, rel=0.03), run
