@@ -162,7 +162,8 @@ def spread(heights: Sequence[float], gap: float) -> Array:
         pools.append([height - rank * gap])
         while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
             pools[-2:] = [pools[-2] + pools[-1]]
-    return np.array([np.mean(pool) for pool in pools for _ in pool]) + gap * np.arange(len(heights))
+    means = [float(np.mean(pool)) for pool in pools for _ in pool]
+    return np.asarray(means + gap * np.arange(len(means)), dtype=np.float64)
 
 
 _SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5}
@@ -173,7 +174,7 @@ def _dress(axes: Axes) -> None:
 
     axes.set_yscale("log")
     low, high = axes.get_ylim()
-    axes.set_ylim(low * (low / high) ** 0.12, high * (high / low) ** 0.1)  # room for figures and names
+    axes.set_ylim(low * (low / high) ** 0.17, high * (high / low) ** 0.1)  # room for figures and names
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
