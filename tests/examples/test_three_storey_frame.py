@@ -149,7 +149,7 @@ def test_frequencies_alone_give_mass_and_stiffness_the_same_misfit(program: dict
 def test_the_mass_line_has_the_mass_as_drawn_once_the_springs_are_taken_off(program: dict[str, Any], test: Any) -> None:
     line = program["mass_line"](test)
     assert line["alone"][0] == pytest.approx(5.05, abs=0.01)  # as the data page has it: one drive point, springs still on
-    assert np.mean(line["together"]) == pytest.approx(program["MASS"], rel=0.03)
+    assert np.mean(line["together"]) == pytest.approx(program["MASS"], rel=0.02)  # as the story says
     assert np.all(line["together"] < program["MASS"] + 0.5 * program["by_frequencies"](test, program["MASS"])["mass_kg"])
 
 
