@@ -2,8 +2,8 @@
 
 Data and priors add: cost, gradient and matrix of every campaign, and half the square of whitened knowledge. The damped equations
 are scaled by the diagonal of the matrix (Marquardt 1963), so units do not matter. The iteration ends when the Newton decrement
-sqrt(g^T N^-1 g) - how many standard deviations the step still is - falls below `CLOSE`. Where parameters have bounds every step is
-that of the quadratic model within them, so that what stops at a bound is made up for by the others at once.
+sqrt(g^T N^-1 g) - how many standard deviations the step still is - falls below `CLOSE`. Where parameters have bounds, every step
+is that of the quadratic model within them, so that what stops at a bound is made up for by the others at once.
 """
 
 from __future__ import annotations
