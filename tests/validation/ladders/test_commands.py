@@ -172,6 +172,8 @@ def test_an_edit_by_hand_is_said(made: Path, run: Run) -> None:
         (("force-gain:fmd-z1", "--fixed"), "its size is missing"),
         (("force-gain:fmd-z1=99",), "between -0.9 and 9"),
         (("force-gain:fmd-z1", "--hold-out", "delta"), "delta"),
+        (("rigid-inertia:m=-100",), "no body is left of fmd+cuboid: the mass must be positive, found -87.9"),
+        (("rigid-inertia:m=-100", "--fixed"), "no body is left of fmd+cuboid"),
         (("force-gain:fmd-z1", "nowhere"), "no such file or folder"),
     ],
 )
