@@ -28,6 +28,7 @@ from validation.ladders.nouns import ADDED, OTHER_DATA, Conditions, Rung
 from validation.ladders.verdict import sentence, verdict
 from validation.models import reading
 from validation.models.model import Model
+from validation.prediction.bodies import require_bodies
 from validation.prediction.facts import facts
 from validation.prediction.series import SeriesPrediction, predictions
 
@@ -86,6 +87,7 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     data = gathered(paths, model, tell)
     conditions, said = _conditions(asked, at, paths)
     effect, left = candidates.read(asked.effect, model, _words(data), fixed=asked.fixed)
+    require_bodies(replace(model, effects=(*model.effects, effect)), data.campaigns)
     rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
     bench = _bench(model, data, conditions, lambda share: tell("spectra", share))
     conditions = replace(conditions, hold_out=bench.hold_out)  # names that mean the same from whatever folder

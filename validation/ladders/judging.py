@@ -78,11 +78,10 @@ def judged(bench: Bench, model: Model, parent: Rung | None, progress: Progress |
 
 def rung_with(rung: Rung, of: Judged) -> Rung:
     """`rung` with the figures of what was judged."""
-    sizes = {one.named.id: _sizes(one) for one in of.model.effects}
     return replace(
         rung,
         errors=_errors(of.evaluation),
-        effects={name: found for name, found in sizes.items() if found},
+        effects={one.named.id: _sizes(one) for one in of.model.effects},
         bodies=() if of.body is None else (of.body,),
         plain_offsets=_kept(of.evaluation.plain_fit),
         fitted_offsets=_kept(of.evaluation.fitted),

@@ -172,7 +172,7 @@ class Rung:
     parent : the rung it came from; None for the first
     cause : of `CAUSES`
     effect : id of the effect that was added; empty where none was
-    effects : by id the sizes of every effect of the model
+    effects : by id the sizes of every effect of the model; none of one that is there or not
     model : text of the model file
     conditions : what it was held against, and how
     errors : the four errors; None of a model that was put aside before anybody held it against data

@@ -38,10 +38,15 @@ def _errors(before: Rung, after: Rung) -> Grid:
 
 
 def _sizes(rung: Rung) -> list[Grid]:
-    lines = tuple((_label(name, size), _size(size)) for name, sizes in rung.effects.items() for size in sizes)
+    lines = tuple(line for name, sizes in rung.effects.items() for line in _lines(name, sizes))
     cells = aligned(tuple(cell for _, cell in lines))
     named = tuple((name, cell) for (name, _), cell in zip(lines, cells, strict=True))
     return [Grid(header=("effects of the model", "size ± one standard deviation"), lines=named)] if named else []
+
+
+def _lines(name: str, sizes: Sequence[Size]) -> list[tuple[str, str]]:
+    """A line a size; one that says that there is none, of an effect that is there or not."""
+    return [(_label(name, size), _size(size)) for size in sizes] or [(name, NONE)]
 
 
 def _label(name: str, size: Size) -> str:

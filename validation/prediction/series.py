@@ -156,6 +156,10 @@ class SeriesPrediction:
         ------
         numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
         """
+        with np.errstate(divide="raise", over="raise", invalid="raise"):  # a breakdown is an error, and no warning on a terminal
+            return self._predicted(offsets, lines, derivatives=derivatives)
+
+    def _predicted(self, offsets: Offsets, lines: Lines | None, *, derivatives: Wanted) -> Predicted:
         frequency, at = self._lines(lines), self._at(offsets)
         found = [self._read(at, frequency, drive, derivatives=derivatives) for drive, _ in self._variants]
         noise = self._noise(at, lines, frequency)
