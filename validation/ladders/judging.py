@@ -30,11 +30,13 @@ class Bench:
     problem : by model, what is compared
     hold_out : names of runs, data sets and facts as the engine knows them
     article : whose inertia is identified; empty for none
+    remarks : which lines of the data were left out, and why
     """
 
     problem: Callable[[Model], Problem]
     hold_out: tuple[str, ...] = ()
     article: str = ""
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
