@@ -149,7 +149,8 @@ def _modes(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, .
 
 
 def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:
-    said = [text for one in made for text in (*one.tested.campaign.warnings, *one.tested.carried.standing.remarks)]
+    tested = [one.tested for one in made]
+    said = [text for one in tested for text in (*one.campaign.warnings, *one.remarks, *one.carried.standing.remarks)]
     said += [text for one in maps for text in one.remarks]
     said += [
         _unconverged(name, of)

@@ -100,7 +100,8 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     rung = _next(at, before, after, chosen, asked)
     there = climbed(at, rung)
     new = there.ladder.rungs[-1]
-    return Step(at=there, before=before, after=new, said=(*said, *known, *_left_alone(there, new), *table.conditions(there)))
+    said = (*said, *bench.remarks, *known, *_left_alone(there, new), *table.conditions(there))
+    return Step(at=there, before=before, after=new, said=said)
 
 
 def _left_alone(at: Standing, new: Rung) -> tuple[str, ...]:
@@ -226,7 +227,9 @@ def _bench(model: Model, data: Data, conditions: Conditions, progress: Callable[
     def problem(of: Model) -> Problem:
         return Problem(tuple(one.with_effects(of.effects) for one in made), facts(of, data.classical))
 
-    return Bench(problem=problem, hold_out=meant(problem(model), data, conditions.hold_out), article=_article(model, made))
+    hold_out = meant(problem(model), data, conditions.hold_out)
+    left_out = tuple(text for one in made for text in one.tested.remarks)
+    return Bench(problem=problem, hold_out=hold_out, article=_article(model, made), remarks=left_out)
 
 
 def _article(model: Model, made: tuple[SeriesPrediction, ...]) -> str:
