@@ -24,7 +24,6 @@ from fem.element import bending_stiffness
 from fem.section import rectangle
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
-from geometry.errors import CheckFailed
 from geometry.materials import Material
 from identification.spectra.cut_record import kept, lone_mode
 from validation.effects import catalogue
@@ -76,9 +75,6 @@ MODELS: Mapping[str, tuple[str, ...]] = {
     "and its mass": (*(f"leg-clamp:{floor}=0.0013" for floor in FLOORS), *(f"point-mass:{floor}=0" for floor in FLOORS)),
 }
 """The candidates, each by itself, and the rungs after the winner. The sizes are where a fit begins."""
-
-RESTARTS, WORTH = 4, 1.0
-"""How often a fit that has not converged begins again, and what that must gain [nats] to go on."""
 
 LADDER = ("nominal", "leg clamps", "clamps, each storey", "and its mass")
 GROWN = {"and its mass": "clamps, each storey"}
@@ -165,33 +161,8 @@ def climbed(test: AcceleranceTest, *, quiet: bool = False) -> dict[str, Evaluati
     found: dict[str, Evaluation] = {}
     for name in counted(MODELS, "Fitting", quiet=quiet):
         parent = None if name == "nominal" else found[GROWN.get(name, "nominal")]
-        found[name] = settled(Problem((test.with_effects(effects(MODELS[name])),)), parent)
+        found[name] = evaluate(Problem((test.with_effects(effects(MODELS[name])),)), parent=parent)
     return found
-
-
-def settled(problem: Problem, parent: Evaluation | None) -> Evaluation:
-    """The evaluation of a model whose fits have ended by themselves, or would not gain `WORTH` by beginning again.
-
-    Modulus and clamps are nearly one number: a fit that begins at the modulus of its parent may stop in the valley between them,
-    which costs it evidence that is not its model's fault. It then begins again where it stopped.
-
-    Raises
-    ------
-    CheckFailed : they still gain after `RESTARTS`.
-    """
-    found = evaluate(problem, parent=parent)
-    for _ in range(RESTARTS):
-        if found.plain_fit.converged and found.fitted.converged:
-            return found
-        before, found = found, evaluate(problem, parent=found)
-        if gained(before, found) < WORTH:
-            return found
-    raise CheckFailed(f"a fit of {problem.predictions[0].measured.name} still gains after {RESTARTS} new beginnings")
-
-
-def gained(before: Evaluation, after: Evaluation) -> float:
-    """What the better of the two fits has gained [nats]."""
-    return max(before.plain_fit.cost - after.plain_fit.cost, before.fitted.cost - after.fitted.cost)
 
 
 def where(test: AcceleranceTest, name: str, fit: Mapping[str, float]) -> list[float]:
