@@ -27,7 +27,7 @@ from validation.engine.evaluation import Evaluation
 from validation.engine.problem import Problem
 from validation.pictures import said_about
 
-STORY = ("aliases", "climbing", "data", "pictures", "readings", "settling", "tables")
+STORY = ("aliases", "climbing", "data", "pictures", "readings", "tables")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -160,12 +160,14 @@ def test_the_mass_line_finds_the_mass_of_a_model_without_error(program: dict[str
     assert np.all(line["alone"] < 0.97 * program["MASS"])
 
 
-def test_no_fit_that_is_compared_would_gain_a_nat_by_beginning_again(program: dict[str, Any], rungs: dict[str, Any]) -> None:
+def test_every_fit_that_is_compared_ends_by_itself_and_would_not_gain_a_nat_by_beginning_again(rungs: dict[str, Any]) -> None:
     for name, one in rungs.items():
         found = one.evaluation
-        if not (found.plain_fit.converged and found.fitted.converged):
-            assert program["gained"](found, evaluate(Problem((one.model,)), parent=found)) < 1.0, name
-    assert rungs["leg clamps"].evaluation.fitted.converged
+        assert found.plain_fit.converged, name
+        assert found.fitted.converged, name
+        again = evaluate(Problem((one.model,)), parent=found)
+        assert found.plain_fit.cost - again.plain_fit.cost < 1.0, name
+        assert found.fitted.cost - again.fitted.cost < 1.0, name
 
 
 def test_leg_clamps_win_over_mass_damping_and_boundary_and_tie_with_the_modulus(found: dict[str, Evaluation]) -> None:

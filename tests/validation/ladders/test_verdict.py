@@ -49,6 +49,7 @@ def test_what_holds_only_where_it_was_fitted_is_said(rung: MakeRung) -> None:
         (0.008, 0.003, "may yet lie within its tolerance"),
         (0.08, 0.002, "Its size is 0.08"),
         (0.08, None, "was given, not fitted"),
+        (0.0, 0.0, "Its size ends at the bound of what its family allows, 0: the data want it beyond."),
     ],
 )
 def test_a_size_within_its_tolerance_is_no_fault(value: float, deviation: float | None, words: str, rung: MakeRung) -> None:
