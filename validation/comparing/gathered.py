@@ -42,8 +42,8 @@ def gathered(paths: Sequence[str], model: Model, progress: Progress | None = Non
 
     Raises
     ------
-    BadInput : a path that is neither a campaign nor a measurement, data that contradict each other or the model, no campaign, effects
-        that leave no body of an article.
+    BadInput : a path that is neither a campaign nor a measurement, data that contradict each other or the model, no campaign,
+        effects that leave no body of an article.
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
