@@ -2,7 +2,8 @@
 
 Data and priors add: cost, gradient and matrix of every campaign, and half the square of whitened knowledge. The damped equations
 are scaled by the diagonal of the matrix (Marquardt 1963), so units do not matter. The iteration ends when the Newton decrement
-sqrt(g^T N^-1 g) - how many standard deviations the step still is - falls below `CLOSE`.
+sqrt(g^T N^-1 g) - how many standard deviations the step still is - falls below `CLOSE`. Where parameters have bounds, every step
+is that of the quadratic model within them, so that what stops at a bound is made up for by the others at once.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ MOST = 60
 
 LEAST, HOPELESS = 1e-6, 1e12
 """Damping with which the iteration begins, and with which it is given up."""
+
+TINY = float(np.finfo(np.float64).tiny)
 
 WORTH_IT = 1e-4
 """Share of the expected gain from which a step is taken."""
@@ -70,24 +73,27 @@ def minimise(
     most: int = MOST,
     size: int = 0,
     asked: slice = EVERYTHING,
+    bounds: tuple[Array, Array] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
     """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,).
 
+    `bounds` are the least and the greatest x (k,), between which `start` lies; none by default.
     Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
     Once steps gain next to nothing, only the parameters `asked` for count: others may creep in a valley where they say the same.
     """
-    here = _place(data(start), start, knowledge)
+    room = bounds or (np.full(len(start), -np.inf), np.full(len(start), np.inf))
+    here = _place(data(start), start, knowledge, room)
     damping, growth, evaluation, gained = LEAST, 4.0, 1, np.inf
     while evaluation < most and damping < HOPELESS:
         if progress is not None:
             progress(min(evaluation / 15, 0.99))
-        if here.decrement < close * _excess(here.data, size):
+        if here.decrement < close * excess(here.data, size):
             return _solution(here, here.x + here.step(0.0), True, evaluation)
-        if gained < NOTHING and here.length(asked) < close * _excess(here.data, size):
+        if gained < NOTHING and here.length(asked) < close * excess(here.data, size):
             return _solution(here, here.x, True, evaluation)
         step = here.step(damping)
-        there, evaluation = _tried(data, here.x + step, knowledge), evaluation + 1
+        there, evaluation = _tried(data, here.x + step, knowledge, room), evaluation + 1
         ratio = -1.0 if there is None else (here.total.cost - there.total.cost) / here.expected(step)
         if there is not None and ratio > WORTH_IT:
             gained = here.total.cost - there.total.cost
@@ -107,11 +113,24 @@ class _Place:
     scale: Array
     values: Array
     vectors: Array
+    room: tuple[Array, Array]
 
     def step(self, damping: float) -> Array:
-        """The damped step (k,)."""
+        """The damped step (k,), within the bounds."""
         turned = self.vectors.T @ (self.scale * self.total.gradient)
-        return np.asarray(-self.scale * (self.vectors @ (turned / (self.values + damping))))
+        step = np.asarray(-self.scale * (self.vectors @ (turned / (self.values + damping))))
+        low, high = self.room[0] - self.x, self.room[1] - self.x
+        return step if np.all((step >= low) & (step <= high)) else self._stopped(damping, low, high)
+
+    def _stopped(self, damping: float, low: Array, high: Array) -> Array:
+        """The damped step (k,) that lies between `low` and `high` (k,) and gains most: linear least squares with bounds."""
+        from scipy.optimize import lsq_linear
+
+        root = np.sqrt(self.values + damping)
+        wanted = -(self.vectors.T @ (self.scale * self.total.gradient)) / root
+        least, greatest = np.minimum(low / self.scale, -TINY), np.maximum(high / self.scale, TINY)  # it wants them apart
+        found = lsq_linear(root[:, None] * self.vectors.T, wanted, (least, greatest), method="bvls")
+        return np.asarray(np.clip(self.scale * found.x, low, high))
 
     def expected(self, step: Array) -> float:
         """What the quadratic model says that `step` gains."""
@@ -127,13 +146,13 @@ class _Place:
     @property
     def decrement(self) -> float:
         """Length of the undamped step [standard deviations]."""
-        return float(np.sqrt(max(-float(self.total.gradient @ self.step(0.0)), 0.0)))
+        return float(np.sqrt(max(2 * self.expected(self.step(0.0)), 0.0)))
 
 
-def _place(data: Normal, x: Array, knowledge: Knowledge) -> _Place:
+def _place(data: Normal, x: Array, knowledge: Knowledge, room: tuple[Array, Array]) -> _Place:
     total = _with_knowledge(data, x, knowledge)
     scale, values, vectors = _factorised(total.matrix)
-    return _Place(x=x, data=data, total=total, scale=scale, values=values, vectors=vectors)
+    return _Place(x=x, data=data, total=total, scale=scale, values=values, vectors=vectors, room=room)
 
 
 def _solution(at: _Place, x: Array, converged: bool, evaluations: int) -> Solution:
@@ -151,12 +170,12 @@ def inverse(matrix: Array) -> Array:
 
 def _factorised(matrix: Array) -> tuple[Array, Array, Array]:
     """Scale (k,) that brings the diagonal to 1, eigenvalues (k,) and -vectors (k, k) of what is scaled; none below rounding."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), TINY))
     values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
     return scale, np.maximum(values, values[-1] * len(matrix) * np.finfo(np.float64).eps), vectors
 
 
-def _excess(data: Normal, size: int) -> float:
+def excess(data: Normal, size: int) -> float:
     """How many times the residuals of so many numbers exceed what they should be, at least 1."""
     return max(1.0, float(np.sqrt(2 * data.cost / size))) if size else 1.0
 
@@ -170,10 +189,10 @@ def _with_knowledge(data: Normal, x: Array, knowledge: Knowledge) -> Normal:
     )
 
 
-def _tried(data: Callable[[Array], Normal], x: Array, knowledge: Knowledge) -> _Place | None:
+def _tried(data: Callable[[Array], Normal], x: Array, knowledge: Knowledge, room: tuple[Array, Array]) -> _Place | None:
     """The cost at `x`; None where the model breaks down there."""
     try:
         found = data(x)
     except (np.linalg.LinAlgError, ValueError, FloatingPointError):
         return None
-    return _place(found, x, knowledge) if np.isfinite(found.cost) else None
+    return _place(found, x, knowledge, room) if np.isfinite(found.cost) else None

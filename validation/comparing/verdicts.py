@@ -28,6 +28,9 @@ MISFIT = 1.5
 MORE = 1.5
 """Factor on what tolerances explain, or on the error on fitted data, from which an error is too large."""
 
+NOTICED = 1.05
+"""Factor on what tolerances of the measurement explain, from which those of the modes are worth a word."""
+
 UNLIKELY = 1e-3
 """Probability of a sum of z² below which tolerances are absurd."""
 
@@ -57,6 +60,20 @@ class Told:
     meaning: str
     verdict: str = ""
     text: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explained:
+    """What the plain error comes to by what it does not fit, when nothing is wrong.
+
+    Attributes
+    ----------
+    measurement : per cent, by tolerances of the measurement
+    with_modes : per cent, by these and by what the model leaves open of its modes: participation, and damping between them
+    """
+
+    measurement: float
+    with_modes: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,12 +128,12 @@ def costly(z2: float, expected: float, largest: float) -> bool:
     return largest >= ABSURD or bool(chi2.sf(z2, max(expected, 1.0)) < UNLIKELY)
 
 
-def told(of: Evaluation, explained: float, peak: float) -> tuple[Told, ...]:
+def told(of: Evaluation, explained: Explained, peak: float) -> tuple[Told, ...]:
     """The four errors of `of`.
 
     Parameters
     ----------
-    explained : per cent that the plain error would be by tolerances alone
+    explained : what the plain error would be by tolerances alone
     peak : the worst spot of the maps [sigma]
     """
     return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of))
@@ -130,9 +147,11 @@ def _nominal(of: Evaluation) -> Told:
     )
 
 
-def _plain(of: Evaluation, explained: float, peak: float) -> Told:
+def _plain(of: Evaluation, explained: Explained, peak: float) -> Told:
     high = peak >= STANDS_OUT
-    said = f"tolerances alone let expect {percent(explained)}"
+    said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
+    if explained.with_modes > NOTICED * explained.measurement:
+        said += f", with those of the modes up to {percent(explained.with_modes)}"
     return Told(
         name="plain error",
         figure=percent(of.plain.percent),

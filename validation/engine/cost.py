@@ -31,6 +31,7 @@ class Cost:
     floor : model-error floor, relative
     base : offsets at which the others stand, those of the model where nothing is said
     held : parameters of the fit that stand at a bound; what is known of them counts
+    plain : whether declared parameters stay within what a plain fit allows them
     """
 
     problem: Problem
@@ -38,6 +39,7 @@ class Cost:
     floor: float
     base: Offsets = field(default_factory=lambda: NOTHING)
     held: tuple[Parameter, ...] = ()
+    plain: bool = False
     observed: tuple[tuple[Prediction, Lines, Observed], ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
@@ -51,6 +53,12 @@ class Cost:
     def names(self) -> tuple[str, ...]:
         """(p,) of the free parameters."""
         return tuple(one.name for one in self.free)
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """(p,) least and (p,) greatest offsets of the free parameters."""
+        pairs = np.array([one.bounds(plain=self.plain) for one in self.free]).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
 
     def offsets(self, x: Array) -> dict[str, float]:
         """Of all parameters, the free ones at `x` (p,)."""
@@ -123,6 +131,6 @@ class Cost:
         return found
 
 
-def cost_of(problem: Problem, free: Sequence[Parameter], floor: float, base: Offsets = NOTHING) -> Cost:
-    """The cost of `problem` in the parameters `free`."""
-    return Cost(problem=problem, free=tuple(free), floor=floor, base=base)
+def cost_of(problem: Problem, free: Sequence[Parameter], floor: float, base: Offsets = NOTHING, *, plain: bool = False) -> Cost:
+    """The cost of `problem` in the parameters `free`; of a plain fit declared ones have narrower bounds."""
+    return Cost(problem=problem, free=tuple(free), floor=floor, base=base, plain=plain)

@@ -1,8 +1,8 @@
-"""The way down: stages of an annealed floor, bounds of declared parameters, and where it ended."""
+"""The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +10,9 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise
+from identification.self_calibration.solve import CLOSE, MOST, Solution, excess, minimise
 from validation.engine.cost import Cost
-from validation.engine.parameter import DECLARED, SENSOR, STRUCTURAL
+from validation.engine.parameter import SENSOR, STRUCTURAL
 from validation.engine.prediction import Offsets
 
 COARSE = (0.2, 0.06)
@@ -29,6 +29,12 @@ STEPS = 6
 
 SPARSE = 3
 """Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
+
+AGAIN, WORTH = 2, 1.0
+"""How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
+
+ROUNDING = 1e-9
+"""Standard deviations from a bound that are none."""
 
 BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
 """What a prediction raises where its model breaks down."""
@@ -86,27 +92,58 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress) -> End:
     return direct(cost, found, progress)
 
 
-def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST) -> End:
-    """From `offsets` straight down.
+def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+    """From `offsets` straight down, and once more from where that ended while it does not end by itself but still gains.
+
+    Parameters
+    ----------
+    most : evaluations before it begins again
+    again : times that it may
 
     Raises
     ------
     CheckFailed : the model breaks down where it begins.
     """
     solution = _solved(cost, offsets, close=CLOSE, most=most)
+    converged = solution.converged
+    for _ in range(again):
+        if converged:
+            break
+        before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
+        converged = solution.converged or _idle(before, solution, cost, most)
+        if before.normal.cost - solution.normal.cost < WORTH:
+            break
     progress(0.95)
+    seen = standing(cost, cost.offsets(solution.seen), converged=converged)
     try:
-        return ended(cost, cost.offsets(solution.x), converged=solution.converged)
+        last = standing(cost, cost.offsets(solution.x), converged=converged)
     except BREAKDOWNS:  # the last step was taken unseen
-        return ended(cost, cost.offsets(solution.seen), converged=solution.converged)
+        return seen
+    return min(last, seen, key=lambda end: end.whole.cost)  # nor need it go down where the valley bends
+
+
+def standing(cost: Cost, offsets: Offsets, *, converged: bool) -> End:
+    """The point `offsets` as an end, what stands at a bound there held."""
+    low, high = cost.bounds
+    x = cost.at(offsets)
+    near = ROUNDING * np.array([one.tolerance if np.isfinite(one.tolerance) else 1.0 for one in cost.free])
+    at = np.where(x <= low + near, low, np.where(x >= high - near, high, np.nan))
+    held = {name: float(bound) for name, bound in zip(cost.names, at, strict=True) if np.isfinite(bound)}
+    return ended(cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held}), offsets, converged=converged)
+
+
+def _idle(before: Solution, after: Solution, cost: Cost, most: int) -> bool:
+    """Whether all evaluations of a whole beginning gained next to nothing near a minimum: the rest creeps along a valley."""
+    far = ROUGHLY * excess(after.data, cost.size(after.seen))
+    return after.evaluations >= most and before.normal.cost - after.normal.cost < WORTH and after.decrement < far
 
 
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
-    start = cost.at(offsets)
+    start = np.clip(cost.at(offsets), *cost.bounds)
     if not len(start):
         return _nothing_to_do(cost, start)
     try:
-        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start))
+        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start), bounds=cost.bounds)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 
@@ -114,34 +151,3 @@ def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solutio
 def _nothing_to_do(cost: Cost, x: Array) -> Solution:
     whole, data, _ = cost.total(x)
     return Solution(x=x, seen=x, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
-
-
-def within(end: End, progress: Progress, *, most: int = MOST) -> End:
-    """`end` with declared parameters inside their bounds: those beyond stand at theirs, and the others are fitted again.
-
-    One that would rather come back is let go (an active set), no more often than there are bounds.
-    """
-    declared = [one for one in (*end.cost.free, *end.cost.held) if one.kind == DECLARED and np.isfinite(one.within)]
-    for _ in range(2 * len(declared)):
-        held = {one.name: end.cost.base[one.name] for one in end.cost.held}
-        beyond = {
-            one.name: float(np.clip(end.offsets[one.name], -one.within, one.within))
-            for one in declared
-            if abs(end.offsets[one.name]) > one.within * (1 + 1e-12)
-        }
-        back = () if beyond else _inwards(end, held)
-        if not beyond and not back:
-            break
-        cost = end.cost.holding({**{name: at for name, at in held.items() if name not in back}, **beyond})
-        end = direct(cost, {**end.offsets, **beyond}, progress, most=most)
-    return end
-
-
-def _inwards(end: End, held: Offsets) -> Sequence[str]:
-    """Those `held` at a bound whose cost falls when they leave it inwards."""
-    if not held:
-        return ()
-    everything = end.cost.holding({})
-    whole, _, _ = everything.total(everything.at(end.offsets))
-    slope = dict(zip(everything.names, whole.gradient * np.sqrt(np.diag(inverse(whole.matrix))), strict=True))
-    return tuple(name for name, at in held.items() if slope[name] * np.sign(at) > CLOSE)

@@ -11,13 +11,16 @@ begins at a parent's solution keeps that where it finds nothing better, and so n
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from math import inf
 
 import numpy as np
 
 from geometry.errors import CheckFailed
 from identification.self_calibration.solve import inverse
 from validation.engine.cost import Cost, cost_of
-from validation.engine.descent import End, Progress, annealed, direct, ended, within
+from validation.engine.descent import WORTH, End, Progress, annealed, direct, ended
 from validation.engine.evaluation import Fit
 from validation.engine.evidence import log_evidence
 from validation.engine.parameter import SENSOR, TOLERANCES, Parameter
@@ -41,7 +44,8 @@ def fit(
 ) -> Fit:
     """The parameters of `kinds` that fit best, knowledge beforehand counted; others stand where the model has them.
 
-    Where the tolerances of the measurement are not among `kinds`, declared parameters stay `within` their bounds.
+    Where the tolerances of the measurement are not among `kinds`, declared parameters stay `within` their bounds. Effects always
+    stay within what their family allows.
 
     Parameters
     ----------
@@ -55,8 +59,8 @@ def fit(
     CheckFailed : without a parent, when the iteration does not end by itself or the model breaks down where it begins; says why.
     """
     tell = progress or (lambda share: None)
-    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor)
-    end = _child(cost, kinds, start, tell) if isinstance(start, Fit) else _baseline(cost, kinds, start or {}, tell)
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
+    end = _child(cost, start, tell) if isinstance(start, Fit) else _baseline(cost, start or {}, tell)
     tell(1.0)
     return fitted(end)
 
@@ -66,35 +70,59 @@ def floor_of(kinds: Sequence[str]) -> float:
     return FLOOR if SENSOR in kinds else PLAIN_FLOOR
 
 
-def _baseline(cost: Cost, kinds: Sequence[str], start: Offsets, tell: Progress) -> End:
-    end = bounded(annealed(cost, start, tell), kinds, tell)
+def _baseline(cost: Cost, start: Offsets, tell: Progress) -> End:
+    end = _cheaper(annealed(cost, start, tell), start, tell)
     if not end.converged:
         raise _refused(end)
     return end
 
 
-def _child(cost: Cost, kinds: Sequence[str], parent: Fit, tell: Progress) -> End:
-    """The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start."""
+def _child(cost: Cost, parent: Fit, tell: Progress) -> End:
+    """The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start.
+
+    Where none of them ends by itself, also of the way annealed from the model as it was given.
+    """
     null = parents_point(cost.free, parent)
     ends = [ended(cost, null, converged=False)]
     begins = {one.name: parent.by_name.get(one.name, one.start) for one in cost.free}
     for way, begin in ((direct, null), (annealed, begins)):
         try:
-            ends.append(bounded(way(cost, begin, tell), kinds, tell))
+            ends.append(_cheaper(way(cost, begin, tell), begin, tell))
         except CheckFailed:
             continue
-    return min(ends, key=lambda end: end.whole.cost)
+    if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
+        with suppress(CheckFailed):
+            ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
+    return _best(ends)
+
+
+def _best(ends: Sequence[End]) -> End:
+    """The cheapest; it is as good as any other that ended by itself and costs as much."""
+    best = min(ends, key=lambda end: end.whole.cost)
+    return replace(best, converged=any(one.converged and one.whole.cost < best.whole.cost + WORTH for one in ends))
+
+
+def _cheaper(end: End, start: Offsets, tell: Progress) -> End:
+    """`end`, or where it stands at bounds what is cheaper: the way from `start` without them, brought back within them."""
+    if not (end.cost.plain and any(one.within < inf for one in end.cost.held)):
+        return end
+    cost = end.cost.holding({})
+    try:
+        free = annealed(replace(cost, free=tuple(map(_unbounded, cost.free))), start, tell)
+        other = direct(cost, free.offsets, tell)
+    except CheckFailed:
+        return end
+    return min(end, other, key=lambda one: one.whole.cost)
+
+
+def _unbounded(one: Parameter) -> Parameter:
+    return replace(one, within=inf)
 
 
 def parents_point(free: Sequence[Parameter], parent: Fit) -> dict[str, float]:
     """Offsets of `free` at which a child is its parent: what is new stands where it has no effect."""
     known = parent.by_name
     return {one.name: known.get(one.name, one.start if one.logarithmic else 0.0) for one in free}
-
-
-def bounded(end: End, kinds: Sequence[str], tell: Progress) -> End:
-    """`end` with declared parameters within their bounds where the fit is a plain one."""
-    return end if SENSOR in kinds else within(end, tell)
 
 
 def _refused(end: End) -> CheckFailed:

@@ -37,6 +37,7 @@ class Parameter:
     above : what a logarithmic value has on top, -1 for a relative change of something that stays positive
     start : offset at which a fit begins
     within : greatest offset either way that a plain fit allows a declared one
+    low, high : least and greatest offset of all fits; beyond is no physics
     """
 
     name: str
@@ -48,6 +49,13 @@ class Parameter:
     above: float = 0.0
     start: float = 0.0
     within: float = inf
+    low: float = -inf
+    high: float = inf
+
+    def bounds(self, *, plain: bool) -> tuple[float, float]:
+        """Least and greatest offset, in a plain fit or in any other."""
+        within = self.within if plain and self.kind == DECLARED else inf
+        return max(self.low, -within), min(self.high, within)
 
     def value(self, offset: float) -> float:
         """Value in `unit` at `offset`."""

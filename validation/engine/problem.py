@@ -17,7 +17,7 @@ ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 FEWEST = 20
 """Lines of a data set below which none is left out."""
 
-AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within")
+AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
 
 

@@ -13,12 +13,12 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
+from identification.self_calibration.solve import excess
 from validation.engine import hold_out, likelihood
 from validation.engine.cost import Cost, cost_of
-from validation.engine.descent import BREAKDOWNS, direct, within
+from validation.engine.descent import BREAKDOWNS, direct, standing
 from validation.engine.evaluation import Fit
 from validation.engine.hold_out import Fold
-from validation.engine.parameter import DECLARED
 from validation.engine.problem import Problem
 
 NEAR = 3.0
@@ -49,9 +49,7 @@ class Solved:
 
 def solved(problem: Problem, plain: Fit, floor: float) -> Solved:
     """`plain`, the plain fit of `problem` at `floor`, ready for folds."""
-    bounds = {one.name: one.within for one in plain.parameters if one.kind == DECLARED}
-    held = {name: x for name, x in plain.by_name.items() if abs(x) >= bounds.get(name, np.inf) * (1 - 1e-9)}
-    cost = cost_of(problem, plain.parameters, floor).holding(held)
+    cost = standing(cost_of(problem, plain.parameters, floor, plain=True), plain.by_name, converged=True).cost
     x = cost.at(plain.by_name)
     return Solved(cost=cost, x=x, by_run=cost.by_run(x))
 
@@ -64,8 +62,7 @@ def refitted(at: Solved, fold: Fold) -> dict[str, float]:
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
     step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
     offsets = rest.offsets(at.x + step)
-    excess = max(1.0, float(np.sqrt(2 * left.cost / max(rest.size(at.x), 1))))
-    if float(step @ matrix @ step) < (NEAR * excess) ** 2:
+    if float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
         return offsets
     return _further(rest, offsets)
 
@@ -79,15 +76,16 @@ def _left(at: Solved, rest: Cost, fold: Fold) -> Normal:
 
 def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array:
     """(p,) to the minimum of the quadratic model; what would leave its bounds stops at them, and the others make up for it."""
-    bound = np.array([one.within if one.kind == DECLARED else np.inf for one in cost.free])
+    low, high = cost.bounds
     step, moving = np.zeros(len(x)), np.ones(len(x), dtype=bool)
     for _ in range(len(x) + 1):
         force = gradient[moving] + matrix[np.ix_(moving, ~moving)] @ step[~moving]
         step[moving] = -_solve(matrix[np.ix_(moving, moving)], force)
-        beyond = moving & (np.abs(x + step) > bound * (1 + 1e-12))
+        there = np.clip(x + step, low, high)
+        beyond = moving & (there != x + step)
         if not beyond.any():
             break
-        step[beyond] = np.clip(x + step, -bound, bound)[beyond] - x[beyond]
+        step[beyond] = there[beyond] - x[beyond]
         moving &= ~beyond
     return step
 
@@ -116,6 +114,6 @@ def _further(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
         """Folds tell their number, not their share."""
 
     try:
-        return within(direct(rest, offsets, nobody, most=FEW), nobody, most=FEW).offsets
+        return direct(rest.holding({}), offsets, nobody, most=FEW, again=0).offsets
     except CheckFailed:
         return offsets

@@ -15,10 +15,12 @@ from validation.comparing.compared import meant
 from validation.comparing.gathered import Data, gathered
 from validation.effects import catalogue
 from validation.effects.targets import Vocabulary
+from validation.engine.hold_out import named, without
 from validation.engine.problem import Problem
 from validation.identifying.known import above_fmd
 from validation.ladders import candidate as candidates
 from validation.ladders import file, sources, table
+from validation.ladders.beginning import begun
 from validation.ladders.candidate import Candidate
 from validation.ladders.climbing import Standing, climbed, kept, next_rung, standing
 from validation.ladders.judging import Bench, Judged, judged, rewritten, rung_with
@@ -93,11 +95,13 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     chosen = candidates.candidate(effect, left, model, bench.problem, allowed=asked.alias_ok)
     at, known = grounded(at, model, bench, conditions, tell)
     before = _rung_of(at)
+    chosen = _begun(chosen, model, bench, before, tell)
     after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), before, tell)
     rung = _next(at, before, after, chosen, asked)
     there = climbed(at, rung)
     new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
-    return Step(at=there, before=before, after=new, said=(*said, *known, *_left_alone(there, new), *table.conditions(there)))
+    said = (*said, *bench.remarks, *known, *_left_alone(there, new), *table.conditions(there))
+    return Step(at=there, before=before, after=new, said=said)
 
 
 def _left_alone(at: Standing, new: Rung) -> tuple[str, ...]:
@@ -120,6 +124,14 @@ def grounded(
         said = (f"rung {at.rung.number} stands on other data or settings: the model is held against these first",)
     found = judged(bench, model, None, lambda what, share: progress(f"the model before: {what}", share))
     return kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(model))), said
+
+
+def _begun(chosen: Candidate, model: Model, bench: Bench, before: Rung, progress: Progress) -> Candidate:
+    """`chosen` with the sizes at which its fit begins; data that are held out do not say where."""
+    problem = bench.problem(replace(model, effects=(*model.effects, chosen.added))).thinned()
+    known = without(problem, named(problem, bench.hold_out)) if bench.hold_out else problem
+    at = begun(chosen.added, chosen.left, known, before.plain_offsets, lambda share: progress("looking where it is", share))
+    return replace(chosen, added=at)
 
 
 def _rung_of(at: Standing) -> Rung:
@@ -215,7 +227,9 @@ def _bench(model: Model, data: Data, conditions: Conditions, progress: Callable[
     def problem(of: Model) -> Problem:
         return Problem(tuple(one.with_effects(of.effects) for one in made), facts(of, data.classical))
 
-    return Bench(problem=problem, hold_out=meant(problem(model), data, conditions.hold_out), article=_article(model, made))
+    hold_out = meant(problem(model), data, conditions.hold_out)
+    left_out = tuple(text for one in made for text in one.tested.remarks)
+    return Bench(problem=problem, hold_out=hold_out, article=_article(model, made), remarks=left_out)
 
 
 def _article(model: Model, made: tuple[SeriesPrediction, ...]) -> str:

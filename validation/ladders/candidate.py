@@ -13,9 +13,7 @@ from validation.effects.family import Size as Described
 from validation.effects.identifiers import Named, parse
 from validation.effects.targets import Vocabulary
 from validation.engine.hold_out import Fold, folds
-from validation.engine.parameter import EFFECT
 from validation.engine.problem import Problem
-from validation.engine.starting import start
 from validation.ladders import aliases
 from validation.ladders.aliases import Alias, names_of
 from validation.models.model import Added, Model
@@ -32,7 +30,8 @@ class Candidate:
 
     Attributes
     ----------
-    added : with the sizes at which its fit begins
+    added : with the sizes that were asked for, or a first guess
+    left : keys of the sizes that are a guess
     alias : what does the same to these data; None where nothing does
     tolerances : by key of its sizes what a laboratory or the model admits, one standard deviation
     nulls : by key the size at which there is no effect
@@ -41,6 +40,7 @@ class Candidate:
     """
 
     added: Added
+    left: tuple[str, ...]
     alias: Alias | None
     tolerances: Mapping[str, float]
     nulls: Mapping[str, float]
@@ -72,7 +72,7 @@ def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Ad
 def candidate(
     added: Added, left: Sequence[str], model: Model, problem: Callable[[Model], Problem], *, allowed: bool
 ) -> Candidate:
-    """`added` as it can be fitted to the data of `problem`, beginning where a grid says for the sizes that were `left` open.
+    """`added`, whose sizes were partly `left` open, as it can be fitted to the data of `problem`.
 
     Raises
     ------
@@ -90,10 +90,10 @@ def candidate(
             problem=f"these data cannot tell it from what is in the model: {found.text}",
             remedy="Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out",
         )
-    begun = _begun(added, left, after)
     said = (f"{found.text}; only what is known beforehand shares it out",) if found is not None else ()
     return Candidate(
-        added=begun,
+        added=added,
+        left=tuple(left),
         alias=found,
         tolerances=_tolerances(added.named, before),
         nulls={size.key: size.null for size in added.named.sizes},
@@ -163,30 +163,6 @@ def _differ(before: Problem, after: Problem) -> bool:
         if (first.noise is None) != (second.noise is None):
             return True
     return False
-
-
-def _begun(added: Added, left: Sequence[str], problem: Problem) -> Added:
-    """`added` where a grid finds it best, of the sizes `left` open that no fit finds from afar."""
-    free = {one.name: one for one in problem.parameters if one.kind == EFFECT}
-    names = {_name(added.named, size): size for size in added.named.sizes if size.key in left and _is_far(added.named, size)}
-    if added.fixed or not names or not set(names) <= set(free):
-        return added
-    found = start(problem, tuple(names))
-    values = dict(added.named.values)
-    for size in added.named.sizes:
-        one = free.get(_name(added.named, size))
-        if one is not None and size.key in left:
-            values[size.key] = min(max(one.value(found.get(one.name, one.start)), size.low), size.high)
-    return replace(added, named=replace(added.named, values=values))
-
-
-def _is_far(named: Named, size: Described) -> bool:
-    """Whether a fit cannot find it from afar: the frequency of a resonator, the modulus of a part."""
-    return (size.unit == "Hz" and size.logarithmic) or named.family == "modulus"
-
-
-def _name(named: Named, size: Described) -> str:
-    return f"{named.id}[{size.key}]" if size.key else named.id
 
 
 def _tolerances(named: Named, before: Problem) -> dict[str, float]:

@@ -31,11 +31,13 @@ class Bench:
     problem : by model, what is compared
     hold_out : names of runs, data sets and facts as the engine knows them
     article : whose inertia is identified; empty for none
+    remarks : which lines of the data were left out, and why
     """
 
     problem: Callable[[Model], Problem]
     hold_out: tuple[str, ...] = ()
     article: str = ""
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -191,10 +193,11 @@ def _fit(offsets: Mapping[str, float], problem: Problem) -> Fit:
 
 
 def _nominal(problem: Problem, names: Sequence[str]) -> tuple[Share, Share | None]:
-    """The errors of the model as it stands, on what is fitted and on what is held out."""
+    """The errors of the model as it stands, on what is fitted and on what the held-out plain error is told of: runs, or what is
+    named, no configurations."""
     apart = hold_out.named(problem, names) if names else None
     known = problem if apart is None else hold_out.without(problem, apart)
-    turns = hold_out.folds(problem) if apart is None else (apart,)
+    turns = [fold for fold in hold_out.folds(problem) if not fold.configuration] if apart is None else [apart]
     fitted = [each for one in known.predictions for each in errors.squares(one, problem.start)]
     held = [
         each

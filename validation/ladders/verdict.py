@@ -128,7 +128,9 @@ def _size(size: Size, tolerance: float, null: float) -> Iterator[str]:
     off, half = abs(size.value - null), NORMAL_95 * size.deviation
     told = f"{size.value:.4g} ± {half:.2g}{unit(size.unit)} (95 %)"
     admitted = f"within its tolerance of {tolerance:.2g}{unit(size.unit)}, one standard deviation"
-    if tolerance > 0 and off <= NORMAL_95 * tolerance:
+    if size.deviation == 0:
+        yield f"{name} ends at the bound of what its family allows, {size.value:.4g}{unit(size.unit)}: the data want it beyond."
+    elif tolerance > 0 and off <= NORMAL_95 * tolerance:
         yield f"{name}, {told}, lies {admitted}: it is no fault."
     elif tolerance > 0 and off - half <= NORMAL_95 * tolerance:
         yield f"{name}, {told}, may yet lie {admitted}."

@@ -232,7 +232,7 @@ def draw_errors(
 
     Parameters
     ----------
-    explained : per cent that tolerances alone let expect of the plain error
+    explained : per cent that tolerances of the measurement let expect of the plain error
     prices : ratios to what is expected
 
     Raises

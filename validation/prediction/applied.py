@@ -70,7 +70,8 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
         else:
             (size,) = added.named.sizes
             start = one.offset(added.named.value)
-            left.append(replace(one, tolerance=size.plausible, kind=EFFECT, start=start, within=inf))
+            low, high = bounds(one, size)
+            left.append(replace(one, tolerance=size.plausible, kind=EFFECT, start=start, within=inf, low=low, high=high))
     return tuple(left), known
 
 
@@ -131,7 +132,7 @@ def _free(added: Added) -> tuple[Size, ...]:
 
 def _parameter(named: Named, size: Size) -> Parameter:
     value = named.values[size.key]
-    return Parameter(
+    made = Parameter(
         name=name(named, size.key),
         unit=size.unit,
         tolerance=size.plausible,
@@ -140,6 +141,15 @@ def _parameter(named: Named, size: Size) -> Parameter:
         logarithmic=size.logarithmic,
         start=0.0 if size.logarithmic else value - size.null,
     )
+    low, high = bounds(made, size)
+    return replace(made, low=low, high=high)
+
+
+def bounds(one: Parameter, size: Size) -> tuple[float, float]:
+    """Least and greatest offset of `one` at which `size` is what its family allows; that of no effect is always allowed."""
+    if one.logarithmic:
+        return one.offset(size.low), one.offset(size.high)
+    return one.offset(min(size.low, size.null)), one.offset(max(size.high, size.null))
 
 
 def _at(added: Added, offsets: Mapping[str, float]) -> Added:

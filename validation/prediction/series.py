@@ -62,9 +62,9 @@ def predictions(
 
     Parameters
     ----------
-    band : (low, high) [Hz] of the lines
+    band : (low, high) [Hz] of the lines; by default what all runs drive, see `validation.prediction.driven`
     method : of `identification.campaign.METHODS`, for time histories
-    lines : (n,) [Hz]; by default those of the campaign's processing, or of its files
+    lines : (n,) [Hz]; by default those of the campaign's processing, or of its files, within the band
     progress : called with the share done
 
     Raises
@@ -91,6 +91,7 @@ class Tested:
     drives : (r,) of the runs of `measured`
     per_rms : (r,) noise of a line for 1 SI unit rms in the record
     method : by which its spectra were made
+    remarks : which lines were left out, and why
     """
 
     model: Model
@@ -100,6 +101,7 @@ class Tested:
     drives: tuple[Drive, ...]
     per_rms: Array
     method: str = "full-record"
+    remarks: tuple[str, ...] = ()
 
     def on(self, runs: Sequence[str]) -> Tested:
         """Of the runs named alone."""
@@ -289,16 +291,17 @@ def _tested(
 ) -> Tested:
     stands = standing(model, campaign)
     of = laboratory(model, campaign, ())
-    measured, made = data.measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
-    driven = drives(campaign, made)
+    made = data.measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
+    driven = drives(campaign, made.method)
     return Tested(
         model=model,
         campaign=replace(campaign, recordings={}),
-        measured=measured,
+        measured=made.measured,
         carried=_carried(model, campaign, stands),
-        drives=tuple(driven[run] for run in measured.runs),
-        per_rms=data.per_rms(campaign, made),
-        method=made,
+        drives=tuple(driven[run] for run in made.measured.runs),
+        per_rms=data.per_rms(campaign, made.method),
+        method=made.method,
+        remarks=made.remarks,
     )
 
 

@@ -1,6 +1,6 @@
 """Fits find the truth, say how well they know it, refuse what does not converge, and no child costs more than its parent."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -8,10 +8,12 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
 from validation.engine.cost import cost_of
-from validation.engine.descent import direct, within
+from validation.engine.descent import direct
 from validation.engine.evaluation import Fit
-from validation.engine.fit import fit, parents_point
-from validation.engine.parameter import FITTED, NOMINAL, PLAIN
+from validation.engine.fit import PLAIN_FLOOR, fit, parents_point
+from validation.engine.measured import Measured
+from validation.engine.parameter import DECLARED, EFFECT, FITTED, NOMINAL, PLAIN, Parameter
+from validation.engine.prediction import Change, Predicted
 from validation.engine.problem import Problem
 
 TRUTH = {"mass": 0.06, "inertia": -0.04, "damping": 0.3, "frequency:one": 0.02}
@@ -80,9 +82,39 @@ def test_what_is_known_of_a_parameter_at_its_bound_counts(lab):
 
 def test_a_parameter_at_a_bound_is_let_go_when_the_data_pull_it_back(lab):
     problem = Problem((lab.toy(TRUTH, seed=None),))
-    held = cost_of(problem, problem.free(PLAIN), 0.01).holding({"frequency:one": 0.05})
-    end = within(direct(held, {}, lambda share: None), lambda share: None)
+    cost = cost_of(problem, problem.free(PLAIN), 0.01, plain=True)
+    end = direct(cost, {"frequency:one": 0.05}, lambda share: None)
     assert_allclose(end.offsets["frequency:one"], 0.02, atol=1e-3)
+    assert end.cost.held == ()
+
+
+@pytest.mark.parametrize("kinds", [PLAIN, FITTED], ids=["plain", "fitted"])
+@pytest.mark.parametrize("child", [False, True], ids=["baseline", "child"])
+def test_an_effect_ends_at_the_bound_of_what_its_family_allows_and_the_others_make_up_for_it(lab, kinds, child):
+    effect = lab.effect("offset", 1.0, low=0.0, high=2.0)
+    truth = {**TRUTH, "offset": -0.3}
+    without = Problem((lab.toy(truth, acting=(effect,)),))
+    problem = Problem((lab.toy(truth, acting=(effect,), parameters=(*lab.LABORATORY, effect)),))
+    parent = fit(without, kinds)
+    found = fit(problem, kinds, start=parent if child else None)
+    assert found.by_name["offset"] == 0.0
+    assert sd(found, "offset") == 0.0
+    assert_allclose(found.cost, parent.cost, atol=1.0)
+    upper = Problem((replace(problem.predictions[0], parameters=(*lab.LABORATORY, replace(effect, low=-1.0, high=-0.5))),))
+    assert fit(upper, kinds, start={"offset": -0.7}).by_name["offset"] == -0.5
+
+
+def test_a_plain_fit_at_bounds_is_as_cheap_as_any_feasible_beginning_leads_to(lab):
+    """Declared parameters far beyond what a plain fit allows: the way without bounds leads elsewhere."""
+    truth = {"mass": 0.1, "inertia": -0.1, "damping": 1.4, "frequency:one": 0.3}
+    problem = Problem((lab.toy(truth, seed=None),))
+    found = fit(problem, PLAIN)
+    rng = np.random.default_rng(3)
+    for _ in range(6):
+        start = {"frequency:one": rng.uniform(-0.05, 0.05), "damping": rng.uniform(-0.8, 0.8), "mass": rng.uniform(-0.2, 0.2)}
+        cost = cost_of(problem, problem.free(PLAIN), PLAIN_FLOOR, plain=True)
+        end = direct(cost, start, lambda share: None)
+        assert found.cost < end.whole.cost + 1.0
 
 
 class Listening:
@@ -197,12 +229,61 @@ def test_a_child_never_costs_more_than_its_parent(lab, kinds, size):
 
 
 def test_a_child_that_finds_nothing_keeps_its_parents_point(lab):
-    without, having = with_offset(lab, TRUTH)
+    without, having = with_offset(lab, {**TRUTH, "offset": 0.3})
     parent = fit(Problem((without,)), PLAIN)
     child = fit(Problem((Broken(having),)), PLAIN, start=parent)
     assert not child.converged
     assert {**child.by_name, "offset": 0.0} == {**parent.by_name, "offset": 0.0}
     assert_allclose(child.cost, parent.cost, rtol=1e-12)
+
+
+def test_a_child_that_finds_nothing_better_is_converged_where_its_parent_was(lab):
+    without, having = with_offset(lab, TRUTH)
+    parent = fit(Problem((without,)), PLAIN)
+    assert fit(Problem((having,)), PLAIN, start=parent).converged
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Valley:
+    """One channel reads e^modulus / (1 + clamp): a bent valley, as narrow as the noise."""
+
+    measured: Measured
+    parameters: tuple[Parameter, ...]
+
+    def at(self, offsets, lines=None, *, derivatives=True):
+        n = len(self.measured.frequency if lines is None else lines)
+        stiffness, clamp = np.exp(offsets.get("modulus", 0.0)), offsets.get("clamp", 0.0)
+        reads = np.full((n, 1, 1), stiffness / (1 + clamp), dtype=complex)
+        slopes = {"modulus": reads, "clamp": -reads / (1 + clamp)}
+        names = [one.name for one in self.parameters]
+        changes = {name: Change(channels=(0,), rows=slopes[name]) for name in names if derivatives}
+        return Predicted(rows=reads, changes=changes)
+
+
+def test_a_child_in_a_bent_valley_goes_on_while_it_gains(lab):
+    """The parent had to bend its modulus far out of its tolerance; straight steps along the valley leave it at once."""
+    n = 40
+    shape = (1, n, 1)
+    measured = Measured(
+        name="one",
+        configuration="one",
+        runs=("r",),
+        channels=("c",),
+        judged=np.ones(1, dtype=bool),
+        frequency=np.linspace(1.0, 2.0, n),
+        values=np.full(shape, 0.7, dtype=complex),
+        noise=np.full(shape, 2e-6),
+        inputs=np.ones(shape, dtype=complex),
+    )
+    modulus = Parameter(name="modulus", unit="1", tolerance=0.02, kind=DECLARED)
+    clamp = Parameter(name="clamp", unit="1", tolerance=0.5, kind=EFFECT, start=3.0, low=0.0)
+    parent = fit(Problem((Valley(measured=measured, parameters=(modulus,)),)), FITTED, floor=0.0)
+    child = fit(Problem((Valley(measured=measured, parameters=(modulus, clamp)),)), FITTED, start=parent, floor=0.0)
+    clamps = np.linspace(0.0, 1.0, 100_001)
+    least = np.min(0.5 * (np.log(0.7 * (1 + clamps)) / 0.02) ** 2 + 0.5 * (clamps / 0.5) ** 2)
+    assert child.converged
+    assert child.cost < least + 0.5
+    assert parent.cost > least + 50
 
 
 def test_what_is_new_begins_where_it_has_no_effect_and_a_factor_at_its_own_start(lab):
