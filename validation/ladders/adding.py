@@ -99,7 +99,7 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), before, tell)
     rung = _next(at, before, after, chosen, asked)
     there = climbed(at, rung)
-    new = there.ladder.rungs[-1]
+    new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
     said = (*said, *bench.remarks, *known, *_left_alone(there, new), *table.conditions(there))
     return Step(at=there, before=before, after=new, said=said)
 

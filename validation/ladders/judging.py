@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from validation.comparing.verdicts import expected_z2, largest_z
 from validation.engine import errors, hold_out
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation, Fit, Share
@@ -140,6 +141,8 @@ def _errors(of: Evaluation) -> Errors:
         tolerance_z2=of.fitted.tolerance_z2,
         tolerances=of.fitted.tolerances,
         log_evidence=of.fitted.log_evidence,
+        expected_z2=expected_z2(of.fitted),
+        largest_z=largest_z(of.fitted),
         converged=of.plain_fit.converged and of.fitted.converged,
         held_out_names=of.held_out_names,
         by_channel=dict(of.plain.by_channel),

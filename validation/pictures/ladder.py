@@ -133,8 +133,9 @@ def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> I
         if one.here:
             place: dict[str, Any] = {"align": "right", "apart": -LINE} if name in BELOW else {"align": "left", "apart": LINE}
             yield _Label(text=f"{value:.3g}", value=value, height=height, colour=colour, **place)
-        elif name in NAMED:
-            upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
+            continue
+        upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
+        if name in NAMED or (name in FITTED and not upon):
             place = {"align": "right", "apart": -2 * LINE - height + on_way[0]} if upon else {"align": "left", "apart": 0.0}
             yield _Label(text=f"{one.number}  {_cut(one.title)}", value=value, height=height, colour=FAINT, **place)
 
