@@ -290,7 +290,7 @@ def test_evidence_alone_would_prefer_clamps_at_the_feet_with_a_modulus_of_no_alu
     single = {name: one for name, one in rungs.items() if name not in program["LADDER"][2:]}
     assert max(single, key=lambda name: program["gain"](single, name)) == "boundary"
     assert program["modulus"](single["boundary"]) == "-9.0 sd"
-    assert program["modulus"](single["leg clamps"]) == "+0.0 sd"
+    assert _sd(program["modulus"](single["leg clamps"])) == pytest.approx(0, abs=0.5)  # a flat valley
     assert program["modulus"](single["modulus"]) == "free"
 
 
@@ -331,11 +331,16 @@ def test_the_page_prints_the_figures_that_are_found_now(root: Path, program: dic
         )
         assert row is not None, name
         *shares, chi2, price, of = map(float, row.groups()[:-1])
-        assert row.group(7) == program["modulus"](one), name
+        here, there = row.group(7), program["modulus"](one)
+        assert (here == there) if "free" in here else _sd(here) == pytest.approx(_sd(there), abs=0.5), name
         line = program["where"](one.model, one.offsets)[-1]
         assert shares == pytest.approx([one.evaluation.plain.percent, one.held_out, line], rel=0.03), name
         assert chi2 == pytest.approx(one.misfit, abs=0.6), name
         assert [price, of] == pytest.approx([one.evaluation.fitted.tolerance_z2, one.evaluation.fitted.tolerances], abs=0.6), name
+
+
+def _sd(text: str) -> float:
+    return float(text.removesuffix(" sd"))
 
 
 def said(page: str, words: str) -> list[float]:
