@@ -10,7 +10,6 @@ moved on.
 
 import json
 import os
-import runpy
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -102,11 +101,12 @@ def three_storey_frame(folder: Path, data: Path) -> None:
     """Draw the three-storey frame of `data` with the models of its ladder into `folder`; nothing where the data are absent."""
     if not data.is_dir():
         return
-    program = runpy.run_path(str(Path(__file__).with_name("three_storey_frame.py")))
-    test = program["tested"](data)
-    found = program["climbed"](test)
-    program["draw"](test, found, folder)
-    program["draw_ladder"](found, folder)
+    from frame_story.pictures import draw, draw_ladder
+    from three_storey_frame import GROWN, LADDER, MODELS, climbed, nominal, tested
+
+    found = climbed(tested(data, nominal()), MODELS, GROWN)
+    draw(found, LADDER, folder)
+    draw_ladder(found, LADDER, folder)
 
 
 def swing_setup() -> Setup:

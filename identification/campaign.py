@@ -42,6 +42,12 @@ class Excitation:
         return value if isinstance(value, float) else None
 
     @property
+    def band(self) -> tuple[float, float] | None:
+        """(low, high) [Hz] of what is driven; None where start or stop is not stated."""
+        start, stop = self.figure("start_hz"), self.figure("stop_hz")
+        return None if start is None or stop is None else (min(start, stop), max(start, stop))
+
+    @property
     def sweep_duration(self) -> float | None:
         """[s] that a sine sweep at the stated rate takes; None where start, stop or rate is not stated."""
         from math import log2

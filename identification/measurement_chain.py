@@ -12,7 +12,7 @@ with their errors written out; "The likelihood" of the catalogue of effects.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -113,16 +113,22 @@ class Chain:
         A1 = loads.rows(self.forces, x, lines)
         return np.concatenate([cover[0], table[0], np.zeros_like(A1)], axis=1), np.concatenate([cover[1], table[1], A1], axis=1)
 
-    def derivatives(self, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike) -> tuple[Derivative, ...]:
-        """By parameter, in order, d(A0 + A1 H) / d offset at `theta` (p,), `frequency` (n,) [Hz] and `H` (n, 6, 6)."""
+    def derivatives(
+        self, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, wanted: Collection[str] | None = None
+    ) -> tuple[Derivative, ...]:
+        """By parameter, in order, d(A0 + A1 H) / d offset at `theta` (p,), `frequency` (n,) [Hz] and `H` (n, 6, 6).
+
+        Of parameters whose names are not `wanted` there are none; by default all are.
+        """
+        names = [one.name for one in self.parameters if wanted is None or one.name in wanted]
         x, lines, matrix = self._offsets(theta), _lines(frequency), np.asarray(H, dtype=np.complex128)
-        found: dict[str, list[tuple[list[int], ComplexArray]]] = {one.name: [] for one in self.parameters}
+        found: dict[str, list[tuple[list[int], ComplexArray]]] = {name: [] for name in names}
         for part in (self.cover, self.table):
-            for key, touched, (A0, A1) in pick_ups.changes(part, x, lines):
+            for key, touched, (A0, A1) in pick_ups.changes(part, x, lines, found):
                 found[key].append(([part.first + k for k in touched], A0 + A1 @ matrix))
-        for key, touched, A1 in loads.changes(self.forces, x, lines):
+        for key, touched, A1 in loads.changes(self.forces, x, lines, found):
             found[key].append(([self.forces.first + k for k in touched], A1 @ matrix))
-        return tuple(_joined(found[one.name]) for one in self.parameters)
+        return tuple(_joined(found[name]) for name in names)
 
     def _checked(self, theta: npt.ArrayLike) -> Array:
         return frozen(theta, (len(self.parameters),), "theta")

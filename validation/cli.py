@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
+import warnings
 from importlib import import_module
 from importlib.metadata import version
 
@@ -80,6 +81,8 @@ def main(arguments: list[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without a sign for ² or Θ shows ? instead of stopping the run
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore", RuntimeWarning)  # what overflows on the way of a fit is no word to a user; results are
     sys.exit(run(arguments))
 
 

@@ -44,6 +44,9 @@ GAP = '--cells --preload "1 kN" --band 10 20 --octaves-per-minute 30 --ring-down
 
 EXAMPLE = shlex.quote(str(DATA / "example_series"))
 
+HIDDEN, MODEL = "out/hidden", "out/hidden/model.toml"
+"""A series with an effect that its model lacks, and the model."""
+
 SERIES, IDENTIFIED = "out/series", "out/identified"
 """Of the virtual test."""
 
@@ -118,6 +121,27 @@ STEPS = (
         "--cell-stiffness 1e8 1e8 4e8 --no-study",
         needs=DATA / "example_series",
     ),
+    Step(
+        title="A series in which one load cell reads 8 % too much ...",
+        command="massline simulate fmd+disc+cuboid fmd+clumod-1 --seed 3 --octaves-per-minute 16 "
+        f"--effect force-gain:fmd-z2=0.08 --out {HIDDEN}",
+    ),
+    Step(title="... the model of a laboratory that does not know", command=f"massline model fmd+clumod-1 --out {MODEL} --force"),
+    Step(
+        title="... where it fails: errors, worst spots in words, maps",
+        command=f"massline compare {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --out {HIDDEN}/compared",
+    ),
+    Step(
+        title="... the effect added: the error falls, on held-out sweeps too, the identified inertia returns",
+        command=f"massline add {MODEL} force-gain:fmd-z2 {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1",
+    ),
+    Step(title="... and the ladder, with pictures of the fall", command=f"massline ladder {MODEL} --out {HIDDEN}/ladder"),
+    Step(
+        title="Real data with a real missing effect: a three-storey frame",
+        command=f"python examples/three_storey_frame.py --data {shlex.quote(str(DATA))}",
+        needs=DATA / "three_storey_frame",
+    ),
+    Step(title="An effect of one's own, from its file to a campaign", command="python examples/own_effect.py"),
 )
 
 WHERE = """Pictures: {pictures}

@@ -7,7 +7,7 @@ with a late channel's delay positive, and f_c the corner of the charge amplifier
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -42,16 +42,16 @@ def factors(names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency
 
 
 def changes(
-    names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency: Array
+    names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency: Array, wanted: Collection[str]
 ) -> Iterator[tuple[str, list[int], ComplexArray]]:
-    """By open parameter: which of `names` it touches, and d ln(factor) / d parameter of these, (n, k)."""
+    """By parameter of those `wanted`: which of `names` it touches, and d ln(factor) / d parameter of these, (n, k)."""
     late = np.asarray(-2j * np.pi * frequency[:, None], dtype=np.complex128)
     for k, name in enumerate(names):
-        if (key := f"{kind}-gain:{name}") in x:
+        if (key := f"{kind}-gain:{name}") in wanted:
             yield key, [k], np.full((len(frequency), 1), 1 / (1 + x[key]), dtype=np.complex128)
-        if (key := f"{kind}-delay:{name}") in x:
+        if (key := f"{kind}-delay:{name}") in wanted:
             yield key, [k], late
-        if (key := f"force-highpass:{name}") in x:
+        if (key := f"force-highpass:{name}") in wanted:
             yield key, [k], np.asarray(1j / (frequency - 1j * x[key]))[:, None]
-    if (key := f"board-delay:{board}") in x:
+    if (key := f"board-delay:{board}") in wanted:
         yield key, list(range(len(names))), np.repeat(late, len(names), axis=1)

@@ -9,7 +9,7 @@ beside elements that carry everything reads the resultant moment.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,18 +63,20 @@ def rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
     return np.asarray(f[:, :, None] * (_reading(part, x) @ _mixing(x)))
 
 
-def changes(part: Loads, x: Offsets, frequency: Array) -> Iterator[tuple[str, list[int], ComplexArray]]:
-    """By open parameter: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
+def changes(part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], ComplexArray]]:
+    """By open parameter of those `wanted`: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
     f = factor.factors(part.names, "force", "force", x, frequency)
     reading, X = _reading(part, x), _mixing(x)
     A1 = f[:, :, None] * (reading @ X)
-    for key, touched, slope in factor.changes(part.names, "force", "force", x, frequency):
+    for key, touched, slope in factor.changes(part.names, "force", "force", x, frequency, wanted):
         yield key, touched, slope[:, :, None] * A1[:, touched]
     every = list(range(len(part.channels)))
     for key, change in _reading_changes(part, x):
-        yield key, every, f[:, :, None] * (change @ X)
+        if key in wanted:
+            yield key, every, f[:, :, None] * (change @ X)
     for key, change in _mixing_changes(x):
-        yield key, every, f[:, :, None] * (reading @ change)
+        if key in wanted:
+            yield key, every, f[:, :, None] * (reading @ change)
 
 
 def _reading(part: Loads, x: Offsets) -> Array:

@@ -9,7 +9,7 @@ under a vertical force, its vertical pick-ups read -omega² c f_z on top.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,17 +90,18 @@ def rows(part: PickUps, x: Offsets, frequency: Array) -> Rows:
     return _seen(_sight(part, x, frequency), geometry, upward, list(range(len(part.channels))))
 
 
-def changes(part: PickUps, x: Offsets, frequency: Array) -> Iterator[tuple[str, list[int], Rows]]:
-    """By open parameter: the channels of `part` it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
+def changes(part: PickUps, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], Rows]]:
+    """By parameter of those `wanted`: the channels of `part` it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
     sight = _sight(part, x, frequency)
     geometry, upward = _geometry(part, x)
     every = list(range(len(part.channels)))
     A0, A1 = _seen(sight, geometry, upward, every)
-    for key, touched, slope in factor.changes(part.names, "accelerometer", part.group, x, frequency):
+    for key, touched, slope in factor.changes(part.names, "accelerometer", part.group, x, frequency, wanted):
         yield key, touched, (slope[:, :, None] * A0[:, touched], slope[:, :, None] * A1[:, touched])
-    for key, k, change, rise in _geometry_changes(part, x):
+    for key, k, change, rise in _geometry_changes(part, x, wanted):
         yield key, [k], _seen(sight, change[None], rise[None], [k])
-    yield from ((key, every, change) for key, change in _common_changes(part, x, sight, geometry, upward))
+    common = _common_changes(part, x, sight, geometry, upward)
+    yield from ((key, every, change) for key, change in common if key in wanted)
 
 
 def _axes(channel: Channel, family: str) -> str:
@@ -131,16 +132,16 @@ def _placed(part: PickUps, channel: Channel, x: Offsets) -> tuple[Array, float]:
     return np.asarray(row), float(np.mean([d[2] for d in directions]))
 
 
-def _geometry_changes(part: PickUps, x: Offsets) -> Iterator[tuple[str, int, Array, Array]]:
-    """By open parameter of position and angle: the channel, the change (6,) of its row and () of its vertical component."""
+def _geometry_changes(part: PickUps, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, Array]]:
+    """By `wanted` parameter of position and angle: the channel, the change (6,) of its row and () of its vertical component."""
     for k, channel in enumerate(part.channels):
         shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
         Q, J = _rotation(turn), _left_jacobian(turn)
         for axis, e in zip(AXES, np.eye(3), strict=True):
-            if (key := f"accelerometer-position:{channel.name}:{axis}") in x:
+            if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
                 d = np.mean([Q @ place.direction for place in channel.places], axis=0)
                 yield key, k, np.concatenate([np.zeros(3), -d @ skew(e)]), np.zeros(())
-            if (key := f"accelerometer-misalignment:{channel.name}:{axis}") in x:
+            if (key := f"accelerometer-misalignment:{channel.name}:{axis}") in wanted:
                 turned = [(np.cross(J @ e, Q @ place.direction), place.position + shift - part.point) for place in channel.places]
                 change = np.mean([d @ rigid_transformation(arm) for d, arm in turned], axis=0)
                 yield key, k, np.asarray(change), np.asarray(np.mean([d[2] for d, _ in turned]))

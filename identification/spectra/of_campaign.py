@@ -63,7 +63,7 @@ def spectra(
     if recorded[0].is_spectrum:
         made = _as_recorded(campaign, recorded, band, frequency)
     else:
-        lines = _restricted(_grid(campaign, frequency), band, campaign.source)
+        lines = _restricted(grid(campaign, frequency), band, campaign.source)
         made = _transformed(campaign, recorded, method, lines, reference, progress or (lambda _: None))
     return replace(made, quality=quality.of_lines(made, gravity=campaign.gravity))
 
@@ -107,7 +107,13 @@ def _recordings(campaign: Campaign, method: str) -> list[Recording]:
     return recorded
 
 
-def _grid(campaign: Campaign, frequency: npt.ArrayLike | None) -> Array:
+def grid(campaign: Campaign, frequency: npt.ArrayLike | None = None) -> Array:
+    """(n,) lines [Hz] that are made of time histories: `frequency`, or those of the campaign's processing.
+
+    Raises
+    ------
+    BadInput : lines that do not ascend above 0 Hz.
+    """
     if frequency is None:
         of = campaign.processing or Processing()
         return np.asarray(of.start + of.step * np.arange(round((of.stop - of.start) / of.step) + 1), dtype=np.float64)
@@ -192,7 +198,7 @@ def _as_recorded(
             raise _refused(campaign, "frequency", problem, "Export all runs on one grid of lines")
     if given is None:
         raise _refused(campaign, "frequency", "the files hold no spectra", "Give spectra or time histories")
-    wanted = _restricted(given[given > 0] if frequency is None else _grid(campaign, frequency), band, campaign.source)
+    wanted = _restricted(given[given > 0] if frequency is None else grid(campaign, frequency), band, campaign.source)
     at = np.clip(np.searchsorted(given, wanted - np.diff(given, append=2 * given[-1]).min() / 2), 0, len(given) - 1)
     if not _same(given[at], wanted, given):
         problem = f"the files do not hold the lines asked for, theirs lie from {given[0]:g} to {given[-1]:g} Hz"

@@ -14,6 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from validation.comparing.doubt import Doubt
+from validation.engine import errors
 from validation.engine.fit import FLOOR
 from validation.engine.likelihood import observed
 from validation.engine.prediction import Lines, Offsets, Predicted, Prediction
@@ -31,12 +32,14 @@ class Chunk:
     lines : (n,) indices
     rows : (r, n, c, k) what the channels read for a unit of every input
     noise : (r, n, c) standard deviation by noise and model-error floor
+    weight : (r, n, c) by which the plain error tells inputs
     spread : (r, n, c, q) what one standard deviation of everything that is not known does to the readings, SI
     """
 
     lines: Lines
     rows: ComplexArray
     noise: Array
+    weight: Array
     spread: ComplexArray
 
 
@@ -54,11 +57,13 @@ def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unkno
         lines = np.arange(first, min(first + TOGETHER, count), dtype=np.int64)
         found, u = prediction.at(offsets, lines), inputs[:, lines]
         shape = (len(u), *found.rows.shape[-3:])
-        weight = observed(measured, lines).weight(FLOOR, found.noise)  # of the real and of the imaginary part
+        seen = observed(measured, lines)
+        weight = seen.weight(FLOOR, found.noise)  # of the real and of the imaginary part
         yield Chunk(
             lines=lines,
             rows=np.broadcast_to(found.rows, shape),
             noise=np.sqrt(2) / weight,
+            weight=seen.weight(errors.FLOOR, found.noise),
             spread=_spread(found, u, unknown),
         )
 

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from geometry.arrays import Array
 from validation.comparing.comparison import Beside, Comparison
 from validation.comparing.doubt import doubt
 from validation.comparing.gathered import Data
 from validation.comparing.maps import Map, Rig, mapped
 from validation.comparing.modes import NamedMode, named
 from validation.comparing.spots import worst
-from validation.comparing.verdicts import MOST, told, tolerances
+from validation.comparing.verdicts import MOST, Explained, told, tolerances
 from validation.engine import hold_out as held
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation, Fit
@@ -108,9 +109,16 @@ def mapped_all(
     return tuple(found)
 
 
-def explained(maps: Sequence[Map]) -> float:
-    """Per cent that the plain error comes to by noise, model-error floor and tolerances alone."""
-    return float(100 * np.sqrt(np.mean(np.concatenate([of.explained.ravel() ** 2 for of in maps]))))
+def explained(maps: Sequence[Map]) -> Explained:
+    """What the plain error comes to by tolerances alone; known noise is no part of either."""
+    return Explained(
+        measurement=_percent([of.explained for of in maps]), with_modes=_percent([of.explained_with_modes for of in maps])
+    )
+
+
+def _percent(shares: Sequence[Array]) -> float:
+    """Of all runs and lines, as `validation.engine.errors` counts them."""
+    return float(100 * np.sqrt(np.mean(np.concatenate([one.ravel() ** 2 for one in shares]))))
 
 
 def beside(facts: Sequence[ArticleFact], problem: Problem, evaluation: Evaluation) -> tuple[Beside, ...]:
@@ -141,7 +149,8 @@ def _modes(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, .
 
 
 def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:
-    said = [text for one in made for text in (*one.tested.campaign.warnings, *one.tested.carried.standing.remarks)]
+    tested = [one.tested for one in made]
+    said = [text for one in tested for text in (*one.campaign.warnings, *one.remarks, *one.carried.standing.remarks)]
     said += [text for one in maps for text in one.remarks]
     said += [
         _unconverged(name, of)

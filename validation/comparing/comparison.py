@@ -10,7 +10,7 @@ import numpy as np
 from validation.comparing.maps import Map
 from validation.comparing.modes import NamedMode
 from validation.comparing.spots import Spot
-from validation.comparing.verdicts import Told, Tolerance
+from validation.comparing.verdicts import Explained, Told, Tolerance
 from validation.engine.evaluation import Evaluation
 
 
@@ -65,7 +65,7 @@ class Comparison:
     title : of the model
     source : its file
     evaluation : the four errors and the fits behind them
-    explained : per cent of the plain error that tolerances of the measurement let expect
+    explained : what tolerances let expect of the plain error
     errors : the four errors in words
     absurd : the tolerances that the fit moved farthest, most absurd first
     maps : one a data set
@@ -79,7 +79,7 @@ class Comparison:
     title: str
     source: str
     evaluation: Evaluation
-    explained: float
+    explained: Explained
     errors: tuple[Told, ...]
     absurd: tuple[Tolerance, ...]
     maps: tuple[Map, ...]

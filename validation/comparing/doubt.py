@@ -20,6 +20,7 @@ from identification.self_calibration.solve import inverse
 from validation.engine.cost import cost_of
 from validation.engine.evaluation import Fit
 from validation.engine.fit import PLAIN_FLOOR
+from validation.engine.parameter import STRUCTURAL
 from validation.engine.problem import Problem
 from validation.engine.refit import solved
 
@@ -34,18 +35,20 @@ class Doubt:
     fitted : (p,) names of the parameters that were and could move
     answer : (p, q) what one standard deviation of every tolerance does to them
     own : (p, p) what is left unknown of them when all tolerances are known
+    of_modes : names of those tolerances that are not of the measurement but of modes, of whatever configuration
     """
 
     tolerances: dict[str, float]
     fitted: tuple[str, ...] = ()
     answer: Array
     own: Array
+    of_modes: frozenset[str] = frozenset()
 
 
 def nothing_fitted(problem: Problem) -> Doubt:
     """Of a model as it stands."""
     loose = _loose(problem, ())
-    return Doubt(tolerances=loose, answer=np.zeros((0, len(loose))), own=np.zeros((0, 0)))
+    return Doubt(tolerances=loose, answer=np.zeros((0, len(loose))), own=np.zeros((0, 0)), of_modes=_of_modes(problem))
 
 
 def doubt(problem: Problem, plain: Fit) -> Doubt:
@@ -64,7 +67,12 @@ def doubt(problem: Problem, plain: Fit) -> Doubt:
         fitted=tuple(one.name for one in free),
         answer=-own @ N[:p, p:] * np.array(list(loose.values())),
         own=vectors * np.sqrt(np.maximum(values, 0.0)),
+        of_modes=_of_modes(problem),
     )
+
+
+def _of_modes(problem: Problem) -> frozenset[str]:
+    return frozenset(one.name for one in problem.parameters if one.kind == STRUCTURAL)
 
 
 def _loose(problem: Problem, fitted: list[str] | tuple[str, ...]) -> dict[str, float]:

@@ -69,7 +69,7 @@ def _errors(found: Comparison, path: Path) -> None:
         pages.DrawnError(name="z² of the tolerances", percent=price, verdict="failed" if absurd(of.fitted) else "good"),
     ]
     note = f"Fitted: {fitted.text}."
-    pages.draw_errors(f"{found.title}: the four errors", bars, found.explained, prices, path, note)
+    pages.draw_errors(f"{found.title}: the four errors", bars, found.explained.measurement, prices, path, note)
 
 
 def _chi2(found: Comparison) -> str:

@@ -17,6 +17,7 @@ from identification.campaign import Campaign
 from validation import measurement_file
 from validation.models.model import Model
 from validation.models.pairing import require_pair
+from validation.prediction.bodies import require_bodies
 
 Progress = Callable[[str, float], None]
 """Hears which folder is read, and the share of it."""
@@ -41,7 +42,8 @@ def gathered(paths: Sequence[str], model: Model, progress: Progress | None = Non
 
     Raises
     ------
-    BadInput : a path that is neither a campaign nor a measurement, data that contradict each other or the model, no campaign.
+    BadInput : a path that is neither a campaign nor a measurement, data that contradict each other or the model, no campaign,
+        effects that leave no body of an article.
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
@@ -58,6 +60,7 @@ def gathered(paths: Sequence[str], model: Model, progress: Progress | None = Non
     described = [campaign_file.read_description(folder) for folder in folders]
     _require_one_hardware(described)
     require_pair(model, described)
+    require_bodies(model, described)
     return Data(campaigns=tuple(_read(folder, progress) for folder in folders), classical=tuple(files))
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
@@ -47,7 +48,9 @@ class Map:
     level : (r, n, m) of which a deviation is told in per cent
     inputs : (r, n, k) base motions or known inputs, as the channels that are not judged tell them
     misfit : (r, n) chi² per degree of freedom of all channels together, tolerances counted
-    explained : (r, n) share of the judged channels' readings that the plain error is expected to be
+    explained : (r, n) share of the judged channels' readings that the plain error is expected to be, by tolerances of the
+        measurement
+    explained_with_modes : (r, n) the same by what the model leaves open of its modes as well
     pairs : of the dynamic mass; None where runs or channels do not tell it
     remarks : sentences
     """
@@ -66,6 +69,7 @@ class Map:
     inputs: ComplexArray
     misfit: Array
     explained: Array
+    explained_with_modes: Array
     pairs: Pairs | None = None
     remarks: tuple[str, ...] = field(default=())
 
@@ -114,9 +118,10 @@ def mapped(
     measured = prediction.measured
     R = None if rig is None else _resultants(measured, rig)
     of, remarks = (None, ()) if rig is None else _operators(measured, rig)
+    of_modes = _of_modes(unknown)
     said, both, told = [], [], progress or (lambda share: None)
     for part in chunks(prediction, offsets, inputs, unknown):
-        said.append(_of_lines(measured, part, R))
+        said.append(_of_lines(measured, part, R) | _explained(measured, part, of_modes))
         if of is not None:
             both.append(lines(of, measured.frequency, measured.values, inputs, part))
         told((part.lines[-1] + 1) / len(measured.frequency))
@@ -152,20 +157,26 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
-        "explained": _explained(measured, part),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
     }
 
 
-def _explained(measured: Measured, part: Chunk) -> Array:
-    """(r, n) of the error that the engine calls plain, by tolerances: known noise it takes off."""
+def _explained(measured: Measured, part: Chunk, of_modes: npt.NDArray[np.bool_]) -> dict[str, Array]:
+    """(r, n) of the error that the engine calls plain, which knows no noise, by tolerances: without those `of_modes` and with."""
     seen, judged = observed(measured, part.lines), measured.judged
     found = []
-    for run, (A, V, noise) in enumerate(zip(part.rows, part.spread, part.noise, strict=True)):
-        gain = left_of_run(seen, A, np.sqrt(2) / noise, run).gain
-        found.append(np.sum(np.abs((V if gain is None else gain @ V)[:, judged]) ** 2, axis=(1, 2)))
-    level = np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1)
-    return np.asarray(np.sqrt(np.stack(found) / np.maximum(level, np.finfo(np.float64).tiny)))
+    for run, (A, V, weight) in enumerate(zip(part.rows, part.spread, part.weight, strict=True)):
+        gain = left_of_run(seen, A, weight, run).gain
+        found.append(np.sum(np.abs((V if gain is None else gain @ V)[:, judged]) ** 2, axis=1))
+    level = np.maximum(np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
+    squares = np.stack(found)  # (r, n, q + p)
+    known, every = (np.sqrt(one.sum(axis=-1) / level) for one in (squares[..., ~of_modes], squares))
+    return {"explained": known, "explained_with_modes": every}
+
+
+def _of_modes(unknown: Doubt) -> npt.NDArray[np.bool_]:
+    """(q + p,) which of the unknowns are what the model leaves open of modes, here or in another configuration of the series."""
+    return np.array([name in unknown.of_modes for name in unknown.tolerances] + [False] * len(unknown.own), dtype=bool)
 
 
 def _levels(measured: Measured, found: Mapping[str, Array]) -> Array:

@@ -27,6 +27,10 @@ REGION = 0.5
 GAP = 0.5
 """[Hz] of calmer lines that do not end a spot."""
 
+LOAD, RESONANT = 0.65, 0.05
+"""What a sigma of a load counts beside one of a channel, but for lines within that share of a mode's frequency. A channel that is
+off shows in its loads nearly as much, all over the band; a resonance that is wrong is the structure's, and every cell sees it."""
+
 A_RUN = 6
 """Spots of one run that are looked at."""
 
@@ -43,6 +47,7 @@ class Spot:
     frequency : [Hz] of the peak
     band : (low, high) [Hz]
     sigma : at the peak, in standard deviations
+    counts : the same as it counts beside other rows
     percent : there, of what the channel reads, of the dynamic mass for a load
     course : what it follows over frequency, in words; empty where nothing plain
     others : rows of the same run that say the same, worst first
@@ -59,6 +64,7 @@ class Spot:
     band: tuple[float, float]
     sigma: float
     percent: float
+    counts: float = 0.0
     course: str = ""
     others: tuple[str, ...] = ()
     elsewhere: tuple[tuple[str, str, float], ...] = field(default=())
@@ -67,7 +73,7 @@ class Spot:
 def worst(maps: Sequence[Map], modes: Sequence[Sequence[NamedMode]], count: int = COUNT) -> tuple[Spot, ...]:
     """The worst `count` spots of all `maps`, worst first; `modes` are those of each map's configuration."""
     found = [spot for of, own in zip(maps, modes, strict=True) for spot in _of_map(of, own)]
-    return tuple(_merged(sorted(found, key=lambda spot: -spot.sigma)))[:count]
+    return tuple(_merged(sorted(found, key=lambda spot: -spot.counts)))[:count]
 
 
 def _of_map(of: Map, modes: Sequence[NamedMode]) -> Iterator[Spot]:
@@ -77,7 +83,9 @@ def _of_map(of: Map, modes: Sequence[NamedMode]) -> Iterator[Spot]:
 
 
 def _of_run(of: Map, run: int, left: Array, modes: Sequence[NamedMode]) -> Iterator[Spot]:
-    """The spots of one run; `left` (n, m) are sigmas that no spot has taken yet."""
+    """The spots of one run; `left` (n, m) are sigmas, which spots take one after the other."""
+    sigma, counts = np.array(left), _counts(of, modes)
+    left *= counts
     whole = np.array(left)
     for _ in range(A_RUN):
         line, row = np.unravel_index(int(np.argmax(left)), left.shape)
@@ -85,8 +93,17 @@ def _of_run(of: Map, run: int, left: Array, modes: Sequence[NamedMode]) -> Itera
         if peak <= 0:
             return
         first, last = _stretch(of.frequency, whole[:, row], int(line), REGION * peak)
-        yield _spot(of, run, whole, int(line), int(row), (first, last), modes)
+        yield replace(_spot(of, run, sigma, int(line), int(row), (first, last), modes), counts=peak)
         _take(left, whole[:, row], int(row), first, last, of.frequency)
+
+
+def _counts(of: Map, modes: Sequence[NamedMode]) -> Array:
+    """(n, m) what a sigma counts when the worst row is sought."""
+    near = [np.abs(of.frequency / mode.frequency - 1) <= RESONANT for mode in modes]
+    loads = np.where(np.any(near, axis=0), 1.0, LOAD) if near else np.full(len(of.frequency), LOAD)
+    counts = np.ones((len(of.frequency), len(of.rows)))
+    counts[:, of.channels :] = loads[:, None]
+    return counts
 
 
 def _stretch(frequency: Array, sigma: Array, line: int, limit: float) -> tuple[int, int]:

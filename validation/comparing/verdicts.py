@@ -28,6 +28,9 @@ MISFIT = 1.5
 MORE = 1.5
 """Factor on what tolerances explain, or on the error on fitted data, from which an error is too large."""
 
+NOTICED = 1.05
+"""Factor on what tolerances of the measurement explain, from which those of the modes are worth a word."""
+
 UNLIKELY = 1e-3
 """Probability of a sum of z² below which tolerances are absurd."""
 
@@ -57,6 +60,20 @@ class Told:
     meaning: str
     verdict: str = ""
     text: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explained:
+    """What the plain error comes to by what it does not fit, when nothing is wrong.
+
+    Attributes
+    ----------
+    measurement : per cent, by tolerances of the measurement
+    with_modes : per cent, by these and by what the model leaves open of its modes: participation, and damping between them
+    """
+
+    measurement: float
+    with_modes: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -96,19 +113,27 @@ def expected_z2(of: Fit) -> float:
 
 def absurd(of: Fit) -> bool:
     """Whether the tolerances of a fit, together or one of them, cost more than chance."""
+    return costly(of.tolerance_z2, expected_z2(of), largest_z(of))
+
+
+def largest_z(of: Fit) -> float:
+    """|z| of the tolerance that a fit moved farthest; 0 where there is none."""
+    return max((abs(one.z) for one in tolerances(of)[:1]), default=0.0)
+
+
+def costly(z2: float, expected: float, largest: float) -> bool:
+    """Whether a sum `z2` of z², where about `expected` is due, is more than chance, or the `largest` z of one tolerance is."""
     from scipy.stats import chi2
 
-    if any(abs(one.z) >= ABSURD for one in tolerances(of)[:1]):
-        return True
-    return bool(chi2.sf(of.tolerance_z2, max(expected_z2(of), 1.0)) < UNLIKELY)
+    return largest >= ABSURD or bool(chi2.sf(z2, max(expected, 1.0)) < UNLIKELY)
 
 
-def told(of: Evaluation, explained: float, peak: float) -> tuple[Told, ...]:
+def told(of: Evaluation, explained: Explained, peak: float) -> tuple[Told, ...]:
     """The four errors of `of`.
 
     Parameters
     ----------
-    explained : per cent that the plain error would be by tolerances alone
+    explained : what the plain error would be by tolerances alone
     peak : the worst spot of the maps [sigma]
     """
     return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of))
@@ -122,9 +147,11 @@ def _nominal(of: Evaluation) -> Told:
     )
 
 
-def _plain(of: Evaluation, explained: float, peak: float) -> Told:
+def _plain(of: Evaluation, explained: Explained, peak: float) -> Told:
     high = peak >= STANDS_OUT
-    said = f"tolerances alone let expect {percent(explained)}"
+    said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
+    if explained.with_modes > NOTICED * explained.measurement:
+        said += f", with those of the modes up to {percent(explained.with_modes)}"
     return Told(
         name="plain error",
         figure=percent(of.plain.percent),
@@ -136,7 +163,7 @@ def _plain(of: Evaluation, explained: float, peak: float) -> Told:
 
 def _fitted(of: Fit) -> Told:
     ratio = misfit(of)
-    verdict, text = _judged(ratio, absurd(of), of)
+    verdict, text = _judged(ratio, of)
     return Told(
         name="fitted error",
         figure=f"χ² {ratio:.3g}, z² {of.tolerance_z2:.3g}",
@@ -152,12 +179,12 @@ def misfit(of: Fit) -> float:
     return of.chi2 / max(of.degrees_of_freedom, 1)
 
 
-def _judged(ratio: float, costly: bool, of: Fit) -> tuple[str, str]:
-    moved = tolerances(of)
+def _judged(ratio: float, of: Fit) -> tuple[str, str]:
+    moved, too_much = tolerances(of), absurd(of)
     worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or moved[:1])
     if ratio > MISFIT:
-        return FAILED, "no tolerance explains the data" + (f", though {worst} try" if costly else "")
-    if costly:
+        return FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
+    if too_much:
         return FAILED, f"a good χ² with absurd tolerances is a failed model: {worst}"
     return GOOD, "data and tolerances are content"
 

@@ -83,7 +83,7 @@ class Cost:
         found: dict[tuple[str, str], Normal] = {}
         offsets = self.offsets(x)
         for prediction, lines, seen in self.observed:
-            predicted = prediction.at(offsets, lines, derivatives=bool(self.free))
+            predicted = prediction.at(offsets, lines, derivatives=frozenset(self.names))
             for run, one in likelihood.normals(seen, predicted, self.names, self.floor).items():
                 found[prediction.measured.name, run] = one
         return found

@@ -6,7 +6,7 @@ is a single number that another measurement says: a weight, a centre of gravity,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Protocol, Self
@@ -20,6 +20,9 @@ from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
 
 Lines = npt.NDArray[np.int64]
+
+Wanted = bool | Collection[str]
+"""Whether derivatives are wanted, or of which parameters; others may be left out."""
 
 Offsets = Mapping[str, float]
 """Offsets of parameters by name; one that is not in it stands at 0."""
@@ -69,7 +72,7 @@ class Prediction(Protocol):
     def on(self, runs: Sequence[str]) -> Self:
         """The same model of the runs named alone."""
 
-    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: bool = True) -> Predicted:
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
         Raises

@@ -238,16 +238,10 @@ def _require_same_hardware(campaign: Campaign, tares: Sequence[Campaign]) -> Non
 
 def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[str]:
     """Refuse a band that no run drives; say which part of it is not driven."""
-    driven = [
-        (low, high)
-        for run in campaign.runs
-        if run.excitation is not None
-        and (low := run.excitation.figure("start_hz")) is not None
-        and (high := run.excitation.figure("stop_hz")) is not None
-    ]
+    driven = [of for run in campaign.runs if run.excitation is not None and (of := run.excitation.band) is not None]
     if band is None or len(driven) < len(campaign.runs):
         return []
-    low, high = max(min(pair) for pair in driven), min(max(pair) for pair in driven)
+    low, high = max(of[0] for of in driven), min(of[1] for of in driven)
     if band[1] <= low or band[0] >= high:
         problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
         raise BadInput(source="--band", problem=problem, remedy="Choose a band within")

@@ -28,6 +28,7 @@ from validation.ladders.nouns import ADDED, OTHER_DATA, Conditions, Rung
 from validation.ladders.verdict import sentence, verdict
 from validation.models import reading
 from validation.models.model import Model
+from validation.prediction.bodies import require_bodies
 from validation.prediction.facts import facts
 from validation.prediction.series import SeriesPrediction, predictions
 
@@ -86,6 +87,7 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     data = gathered(paths, model, tell)
     conditions, said = _conditions(asked, at, paths)
     effect, left = candidates.read(asked.effect, model, _words(data), fixed=asked.fixed)
+    require_bodies(replace(model, effects=(*model.effects, effect)), data.campaigns)
     rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
     bench = _bench(model, data, conditions, lambda share: tell("spectra", share))
     conditions = replace(conditions, hold_out=bench.hold_out)  # names that mean the same from whatever folder
@@ -97,8 +99,9 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), before, tell)
     rung = _next(at, before, after, chosen, asked)
     there = climbed(at, rung)
-    new = there.ladder.rungs[-1]
-    return Step(at=there, before=before, after=new, said=(*said, *known, *_left_alone(there, new), *table.conditions(there)))
+    new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
+    said = (*said, *bench.remarks, *known, *_left_alone(there, new), *table.conditions(there))
+    return Step(at=there, before=before, after=new, said=said)
 
 
 def _left_alone(at: Standing, new: Rung) -> tuple[str, ...]:
@@ -224,7 +227,9 @@ def _bench(model: Model, data: Data, conditions: Conditions, progress: Callable[
     def problem(of: Model) -> Problem:
         return Problem(tuple(one.with_effects(of.effects) for one in made), facts(of, data.classical))
 
-    return Bench(problem=problem, hold_out=meant(problem(model), data, conditions.hold_out), article=_article(model, made))
+    hold_out = meant(problem(model), data, conditions.hold_out)
+    left_out = tuple(text for one in made for text in one.tested.remarks)
+    return Bench(problem=problem, hold_out=hold_out, article=_article(model, made), remarks=left_out)
 
 
 def _article(model: Model, made: tuple[SeriesPrediction, ...]) -> str:

@@ -16,6 +16,7 @@ from platform import python_version
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from validation.ladders import file
+from validation.ladders.locking import locked
 from validation.ladders.nouns import EDITED, START, Ladder, Rung
 
 PROGRAMS = ("massline", "numpy", "scipy")
@@ -94,21 +95,45 @@ def next_rung(at: Standing) -> Rung:
 def kept(at: Standing, rung: Rung) -> Standing:
     """`at` with `rung` on its ladder, written at once, and standing on it where it is the model as it is; no other file changes.
 
-    A rung that waits for its figures gets them. Whatever other rungs were made meanwhile stay, and `rung` is numbered after them.
+    A rung that waits for its figures gets them, and one that is there already is not made twice. Whatever other rungs were made
+    meanwhile stay, and `rung` is numbered after them.
 
     Raises
     ------
     BadInput, OSError : see `standing`; the ladder cannot be written.
     """
+    with locked(at.path):
+        return _kept(at, rung)[0]
+
+
+def _kept(at: Standing, rung: Rung) -> tuple[Standing, int]:
+    """As `kept`, the ladder being ours alone, and the number of the rung."""
     now = standing(at.path).ladder
-    waiting = rung.number < len(now.rungs) and _is_waiting(now.rung(rung.number), rung)
-    one = stamped(rung if waiting else replace(rung, number=len(now.rungs)))
+    one = _numbered(now, stamped(rung))
     rungs = [*now.rungs]
     rungs[one.number : one.number + 1] = [one]
     here = one.model == at.text
     ladder = Ladder(rungs=tuple(rungs), current=one.number if here or now.current is None else now.current)
     file.write(file.beside(at.path), ladder, at.path.name)
-    return replace(at, ladder=ladder, rung=one if here else at.rung)
+    return replace(at, ladder=ladder, rung=one if here else at.rung), one.number
+
+
+def _numbered(now: Ladder, rung: Rung) -> Rung:
+    """`rung` in the place that waits for it, or as it is there already, or behind all others."""
+    if rung.number < len(now.rungs) and _is_waiting(now.rung(rung.number), rung):
+        return rung
+    there = next((one for one in now.rungs if _is_same(one, rung)), None)
+    return there or replace(rung, number=len(now.rungs))
+
+
+def _is_same(there: Rung, rung: Rung) -> bool:
+    """Whether another process made the very rung: the same step to the same model, on the same data, by the same programs."""
+    step = ("parent", "cause", "effect", "model", "versions", "verdict")
+    return (
+        rung.stands_on(there.conditions)
+        and there.errors is not None
+        and all(getattr(there, name) == getattr(rung, name) for name in step)
+    )
 
 
 def _is_waiting(there: Rung, rung: Rung) -> bool:
@@ -132,9 +157,10 @@ def climbed(at: Standing, rung: Rung) -> Standing:
     ------
     BadInput, OSError : see `kept`.
     """
-    there = kept(at, rung)
-    untouched = read_text(at.path) == at.text
-    return gone_to(there, len(there.ladder.rungs) - 1) if untouched else standing(at.path)
+    with locked(at.path):
+        there, number = _kept(at, rung)
+        untouched = read_text(at.path) == at.text
+        return _gone_to(there, number) if untouched else standing(at.path)
 
 
 def gone_to(at: Standing, number: int) -> Standing:
@@ -145,12 +171,19 @@ def gone_to(at: Standing, number: int) -> Standing:
     BadInput : there is no such rung, or no ladder.
     OSError : a file cannot be written.
     """
+    with locked(at.path):
+        return _gone_to(at, number)
+
+
+def _gone_to(at: Standing, number: int) -> Standing:
+    """As `gone_to`, the ladder being ours alone; rungs that others made since `at` was read stay."""
     _require_rungs(at)
+    at = replace(at, ladder=standing(at.path).ladder)
     if not 0 <= number < len(at.ladder.rungs):
         numbers = f"0 to {len(at.ladder.rungs) - 1}" if len(at.ladder.rungs) > 1 else "0"
         raise BadInput(source=str(file.beside(at.path)), problem=f"there is no rung {number}", remedy=f"It has {numbers}")
     if at.edited:
-        at = kept(at, next_rung(at))
+        at, _ = _kept(at, next_rung(at))
     ladder = replace(at.ladder, current=number)
     file.write(file.beside(at.path), ladder, at.path.name)
     rung = ladder.rung(number)

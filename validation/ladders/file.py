@@ -11,6 +11,7 @@ nothing is ever written over it.
                 "effects": {ID: [{"key", "value", "sd": number|null, "unit"}]},
                 "errors": {"nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2",
                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
+                           "tolerance_z2_expected": number|null, "largest_z": number|null,
                            "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number},
                            "heldout_percent_by_fold": {NAME: number}} or null; what was not held out is null,
                 "evidence_gain_nats": number|null, "verdict": [TEXT],
@@ -54,12 +55,17 @@ _ERRORS = {
     "tolerance_z2": "tolerance_z2",
     "tolerances": "tolerances",
     "log_evidence": "log_evidence_nats",
+    "expected_z2": "tolerance_z2_expected",
+    "largest_z": "largest_z",
     "converged": "converged",
     "held_out_names": "held_out",
     "by_channel": "plain_percent_by_channel",
     "by_fold": "heldout_percent_by_fold",
 }
 """Keys of `Errors` in the file."""
+
+_LATER: Mapping[str, Any] = {"by_fold": {}, "expected_z2": None, "largest_z": None}
+"""What the first ladders did not have, and stands for it."""
 
 _TEN = {
     "mass_kg": (slice(0, 1), 1.0),
@@ -248,7 +254,7 @@ def _size(table: Mapping[str, Any]) -> Size:
 
 
 def _errors(table: Mapping[str, Any]) -> Errors:
-    found = {name: table[key] if name != "by_fold" else table.get(key, {}) for name, key in _ERRORS.items()}
+    found = {name: table.get(key, _LATER[name]) if name in _LATER else table[key] for name, key in _ERRORS.items()}
     for one in fields(Errors):
         value = found[one.name]
         if one.name == "held_out_names":

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from validation.comparing.verdicts import expected_z2, largest_z
 from validation.engine import errors, hold_out
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation, Fit, Share
@@ -30,11 +31,13 @@ class Bench:
     problem : by model, what is compared
     hold_out : names of runs, data sets and facts as the engine knows them
     article : whose inertia is identified; empty for none
+    remarks : which lines of the data were left out, and why
     """
 
     problem: Callable[[Model], Problem]
     hold_out: tuple[str, ...] = ()
     article: str = ""
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,11 +81,10 @@ def judged(bench: Bench, model: Model, parent: Rung | None, progress: Progress |
 
 def rung_with(rung: Rung, of: Judged) -> Rung:
     """`rung` with the figures of what was judged."""
-    sizes = {one.named.id: _sizes(one) for one in of.model.effects}
     return replace(
         rung,
         errors=_errors(of.evaluation),
-        effects={name: found for name, found in sizes.items() if found},
+        effects={one.named.id: _sizes(one) for one in of.model.effects},
         bodies=() if of.body is None else (of.body,),
         plain_offsets=_kept(of.evaluation.plain_fit),
         fitted_offsets=_kept(of.evaluation.fitted),
@@ -139,6 +141,8 @@ def _errors(of: Evaluation) -> Errors:
         tolerance_z2=of.fitted.tolerance_z2,
         tolerances=of.fitted.tolerances,
         log_evidence=of.fitted.log_evidence,
+        expected_z2=expected_z2(of.fitted),
+        largest_z=largest_z(of.fitted),
         converged=of.plain_fit.converged and of.fitted.converged,
         held_out_names=of.held_out_names,
         by_channel=dict(of.plain.by_channel),
@@ -189,10 +193,11 @@ def _fit(offsets: Mapping[str, float], problem: Problem) -> Fit:
 
 
 def _nominal(problem: Problem, names: Sequence[str]) -> tuple[Share, Share | None]:
-    """The errors of the model as it stands, on what is fitted and on what is held out."""
+    """The errors of the model as it stands, on what is fitted and on what the held-out plain error is told of: runs, or what is
+    named, no configurations."""
     apart = hold_out.named(problem, names) if names else None
     known = problem if apart is None else hold_out.without(problem, apart)
-    turns = hold_out.folds(problem) if apart is None else (apart,)
+    turns = [fold for fold in hold_out.folds(problem) if not fold.configuration] if apart is None else [apart]
     fitted = [each for one in known.predictions for each in errors.squares(one, problem.start)]
     held = [
         each

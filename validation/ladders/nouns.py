@@ -72,6 +72,8 @@ class Errors:
     held_out_nominal, held_out : the same on data that were not fitted; None where nothing was held out
     chi2, degrees_of_freedom : of the fit in which every tolerance is free
     tolerance_z2, tolerances : sum of squares of its tolerances in standard deviations, and how many there are
+    expected_z2, largest_z : that sum where nothing is wrong, and |z| of the tolerance that moved farthest; None in ladders that
+        were written before these were kept
     log_evidence : [nats], up to a constant of the data
     converged : whether both fits ended by themselves
     held_out_names : what was held out
@@ -88,6 +90,8 @@ class Errors:
     tolerance_z2: float
     tolerances: int
     log_evidence: float
+    expected_z2: float | None = None
+    largest_z: float | None = None
     converged: bool = True
     held_out_names: tuple[str, ...] = ()
     by_channel: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
@@ -97,6 +101,11 @@ class Errors:
     def chi2_per_dof(self) -> float:
         """The fitted error."""
         return self.chi2 / max(self.degrees_of_freedom, 1)
+
+    @property
+    def due_z2(self) -> float:
+        """What its tolerances cost where nothing is wrong; at most one each."""
+        return float(self.tolerances) if self.expected_z2 is None else self.expected_z2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -172,7 +181,7 @@ class Rung:
     parent : the rung it came from; None for the first
     cause : of `CAUSES`
     effect : id of the effect that was added; empty where none was
-    effects : by id the sizes of every effect of the model
+    effects : by id the sizes of every effect of the model; none of one that is there or not
     model : text of the model file
     conditions : what it was held against, and how
     errors : the four errors; None of a model that was put aside before anybody held it against data

@@ -20,7 +20,7 @@ ERRORS: tuple[tuple[str, Callable[[Errors], str]], ...] = (
     ("plain error, held out", lambda e: percent(e.held_out)),
     ("nominal error, held out", lambda e: percent(e.held_out_nominal)),
     ("fitted: chi² per degree of freedom", lambda e: f"{e.chi2_per_dof:.3g}"),
-    ("fitted: sum z² of the tolerances", lambda e: f"{e.tolerance_z2:.3g} of {e.tolerances}"),
+    ("fitted: sum z² of the tolerances, and what is due", lambda e: _price(e)),
 )
 
 
@@ -38,10 +38,15 @@ def _errors(before: Rung, after: Rung) -> Grid:
 
 
 def _sizes(rung: Rung) -> list[Grid]:
-    lines = tuple((_label(name, size), _size(size)) for name, sizes in rung.effects.items() for size in sizes)
+    lines = tuple(line for name, sizes in rung.effects.items() for line in _lines(name, sizes))
     cells = aligned(tuple(cell for _, cell in lines))
     named = tuple((name, cell) for (name, _), cell in zip(lines, cells, strict=True))
     return [Grid(header=("effects of the model", "size ± one standard deviation"), lines=named)] if named else []
+
+
+def _lines(name: str, sizes: Sequence[Size]) -> list[tuple[str, str]]:
+    """A line a size; one that says that there is none, of an effect that is there or not."""
+    return [(_label(name, size), _size(size)) for size in sizes] or [(name, NONE)]
 
 
 def _label(name: str, size: Size) -> str:
@@ -98,7 +103,11 @@ def _told(errors: Errors | None) -> tuple[str, ...]:
     if errors is None:
         return (NONE,) * 5
     percents = [percent(value) for value in (errors.nominal, errors.plain, errors.held_out)]
-    return (*percents, f"{errors.chi2_per_dof:.3g}", f"{errors.tolerance_z2:.3g} of {errors.tolerances}")
+    return (*percents, f"{errors.chi2_per_dof:.3g}", _price(errors))
+
+
+def _price(errors: Errors) -> str:
+    return f"{errors.tolerance_z2:.3g} of {errors.due_z2:.0f}"
 
 
 def _way(at: Standing) -> list[Grid]:
@@ -114,6 +123,7 @@ def _way(at: Standing) -> list[Grid]:
 def notes(at: Standing) -> Iterator[str]:
     """What must be known to read the tables, and what is odd."""
     yield "Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of the force read. Evidence in nats."
+    yield "Sum z²: of the tolerances, all fitted, and what is due where nothing is wrong."
     yield "Inertia: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
     yield from conditions(at)
 

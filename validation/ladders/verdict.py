@@ -8,6 +8,7 @@ from math import isfinite, sqrt
 from statistics import fmean
 
 from identification.quality import NORMAL_95
+from validation.comparing.verdicts import ABSURD, costly
 from validation.ladders.nouns import Errors, Rung, Size
 
 WORTH = 6.0
@@ -15,9 +16,6 @@ WORTH = 6.0
 
 FALLS = 0.02
 """Share of an error by which it must change for us to say so."""
-
-ODD = 4.0
-"""Sum of z² over the number of tolerances from which a good fit is bought at a price that nobody believes."""
 
 
 def worth(rung: Rung) -> bool:
@@ -119,7 +117,7 @@ def _change(old: float, new: float) -> str:
         return f"falls from {percent(old)} to {percent(new)}"
     if new > (1 + FALLS) * old:
         return f"rises from {percent(old)} to {percent(new)}"
-    return f"does not fall, {percent(old)} before and {percent(new)} after,"
+    return f"does not fall ({percent(old)} before and {percent(new)} after)"
 
 
 def _size(size: Size, tolerance: float, null: float) -> Iterator[str]:
@@ -143,9 +141,11 @@ def _size(size: Size, tolerance: float, null: float) -> Iterator[str]:
 
 
 def _price(new: Errors) -> Iterator[str]:
-    if new.tolerances and new.tolerance_z2 > ODD * new.tolerances:
-        many = f"sum z² {new.tolerance_z2:.3g} of {new.tolerances}"
-        yield f"The tolerances still pay for it, {many}: something else is wrong, however good chi² is."
+    """Judged as `massline compare` judges it."""
+    if new.tolerances and costly(new.tolerance_z2, new.due_z2, new.largest_z or 0.0):
+        many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
+        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one of them at {new.largest_z:.1f} z"
+        yield f"The tolerances still pay for it, {many}{most}: something else is wrong, however good chi² is."
 
 
 def unit(of: str) -> str:

@@ -24,7 +24,8 @@ class StructureTolerances:
     ----------
     modulus : of every part's moduli
     frequency : of every mode's frequency, beside the moduli
-    damping : of the logarithm of every mode's damping
+    damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
+    mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
     participation : of every mode's participation, along each axis, as a share of its largest
     mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs
     """
@@ -32,6 +33,7 @@ class StructureTolerances:
     modulus: float = 0.025
     frequency: float = 0.0015
     damping: float = 0.35
+    mode_damping: float = 0.1
     participation: float = 0.02
     mode_coupling: float = 0.5
 

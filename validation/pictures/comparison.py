@@ -232,7 +232,7 @@ def draw_errors(
 
     Parameters
     ----------
-    explained : per cent that tolerances alone let expect of the plain error
+    explained : per cent that tolerances of the measurement let expect of the plain error
     prices : ratios to what is expected
 
     Raises
@@ -274,4 +274,4 @@ def _legend(figure: Any) -> None:
 
     handles: list[Any] = [Patch(color=VERDICTS[word], label=word or "not judged") for word in VERDICTS]
     handles.append(Line2D([], [], color=INK, linewidth=1.6, linestyle=(0, (5, 3)), label="expected, nothing wrong"))
-    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.975, 0.99), ncols=5, fontsize=9.5, frameon=False)
+    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.985, 0.932), ncols=5, fontsize=9.5, frameon=False)

@@ -250,13 +250,13 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[Curve], i: int, j: int) ->
                 side.set_color("#d9dde3")
         upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
         return
-    lines = iter(zip(CURVES, DASHES, strict=True))
+    lines, measured = iter(zip(CURVES, DASHES, strict=True)), any(curve.dots for curve in curves)
     for curve in curves:
         if curve.dots:
             _dots(upper, lower, curve, i, j)
         else:
             colour, dash = next(lines)
-            _line(upper, lower, curve, i, j, colour, dash, curve.name)
+            _line(upper, lower, curve, i, j, colour, dash, curve.name, above=measured)
     if rigid > NOTHING * np.abs(curves[0].rigid).max():
         upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
     _dress(upper, lower, np.concatenate([curve.mass.frequency for curve in curves]))
@@ -279,15 +279,33 @@ def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
     return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
 
 
-def _line(upper: Axes, lower: Axes, curve: Curve, i: int, j: int, colour: str, dash: str, label: str, width: float = 1.3) -> None:
+def _line(
+    upper: Axes,
+    lower: Axes,
+    curve: Curve,
+    i: int,
+    j: int,
+    colour: str,
+    dash: str,
+    label: str,
+    width: float = 1.3,
+    *,
+    above: bool = False,
+) -> None:
+    """A curve; `above` dots it has a rim, so that both are seen where they agree."""
+    from matplotlib.patheffects import Normal, withStroke
+
     f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-    upper.semilogy(f, np.abs(H), color=colour, linestyle=dash, linewidth=width, label=label)
-    lower.plot(f, _phase(H), color=colour, linestyle=dash, linewidth=width)
+    look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": width, "zorder": 3 if above else 2}
+    if above:
+        look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=INK), Normal()]
+    upper.semilogy(f, np.abs(H), label=label, **look)
+    lower.plot(f, _phase(H), **look)
 
 
 def _dots(upper: Axes, lower: Axes, curve: Curve, i: int, j: int) -> None:
     f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-    look: dict[str, Any] = {"color": curve.dots, "linestyle": "none", "marker": "o", "markersize": 3.0, "markeredgewidth": 0}
+    look: dict[str, Any] = {"color": curve.dots, "linestyle": "none", "marker": "o", "markersize": 4.2, "markeredgewidth": 0}
     upper.semilogy(f, np.abs(H), label=curve.name, **look)
     lower.plot(f, np.degrees(np.angle(H)), **look)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from validation.pictures.curves import Axes, finish, grid_lines, new_figure
+from validation.pictures.curves import DPI, Axes, finish, grid_lines, new_figure
 from validation.pictures.files import require_format
 from validation.pictures.palette import FAINT, INK, PAPER
 
@@ -51,13 +51,16 @@ NAMED = ("held out", "sum z² per tolerance")
 """The errors at which branches have their names."""
 
 BELOW = ("plain", "sum z² per tolerance")
-"""Those whose figures stand below their points, out of the way of their neighbours'."""
+"""Those whose figures stand below and to the left of their points, out of the way of the others'."""
+
+LINE = 10.5
+"""[points] between two labels, one above the other."""
 
 FITTED = {"chi² per deg. of freedom": CHI2, "sum z² per tolerance": PRICE}
 """The errors of the upper and of the lower panel, and their colours."""
 
 
-def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "") -> None:
+def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "", about: str = "") -> None:
     """Write how the four errors fall along the way to the current rung; branches are thin.
 
     Raises
@@ -80,7 +83,9 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     upper.tick_params(labelbottom=False)
     _gains(upper, rungs)
     _names(lower, rungs, deepest)
-    finish(figure, title, note, path)
+    for axes, shown in ((upper, PERCENT), (lower, FITTED)):
+        _labels(axes, rungs, shown)
+    finish(figure, title, note, path, about)
 
 
 def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None:
@@ -92,17 +97,77 @@ def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None
             axes.plot([parent.depth, one.depth], [parent.errors[name], one.errors[name]], color=ASIDE, linewidth=1.1, zorder=2)
         if not one.here and np.isfinite(one.errors[name]):
             axes.plot(one.depth, one.errors[name], marker="o", markersize=5, color=PAPER, markeredgecolor=colour, zorder=3)
-            if name in NAMED:
-                axes.annotate(f"{one.number}  {_cut(one.title)}", (one.depth, one.errors[name]), xytext=(7, -3), **_SMALL)
     way = [one for one in rungs if one.here and np.isfinite(one.errors[name])]
     look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 7, "linewidth": 2.2, "markeredgecolor": PAPER}
     axes.plot([one.depth for one in way], [one.errors[name] for one in way], label=name, zorder=4, **look)
-    beside = (7, -12) if name in BELOW else (7, 6)
-    for one in way:
-        axes.annotate(f"{one.errors[name]:.3g}", (one.depth, one.errors[name]), xytext=beside, **_SMALL | {"color": colour})
 
 
-_SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": FAINT}
+def _labels(axes: Axes, rungs: Sequence[DrawnRung], shown: Mapping[str, str]) -> None:
+    """Figures of the way beside their points, names of branches to the right of theirs, none upon another."""
+    for depth in sorted({one.depth for one in rungs}):
+        there = [one for one in rungs if one.depth == depth]
+        found = [label for name, colour in shown.items() for label in _of_one(axes, there, name, colour)]
+        for align, beside in (("left", 7.0), ("right", -6.0)):
+            _write(axes, depth, [one for one in found if one.align == align], beside)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Label:
+    """A text at the point at `value`, `apart` from its `height` [points]; aligned "left" it stands to the right of it."""
+
+    text: str
+    value: float
+    height: float
+    apart: float
+    align: str
+    colour: str
+
+
+def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> Iterator[_Label]:
+    """Labels of one error at one depth; a branch upon the way is named below it, where the way does not run through its name."""
+    told = [one for one in rungs if np.isfinite(one.errors[name])]
+    heights = [float(axes.transData.transform((one.depth, one.errors[name]))[1]) * 72 / DPI for one in told]
+    on_way = [height for one, height in zip(told, heights, strict=True) if one.here]
+    for one, height in zip(told, heights, strict=True):
+        value = one.errors[name]
+        if one.here:
+            place: dict[str, Any] = {"align": "right", "apart": -LINE} if name in BELOW else {"align": "left", "apart": LINE}
+            yield _Label(text=f"{value:.3g}", value=value, height=height, colour=colour, **place)
+            continue
+        upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
+        if name in NAMED or (name in FITTED and not upon):
+            place = {"align": "right", "apart": -2 * LINE - height + on_way[0]} if upon else {"align": "left", "apart": 0.0}
+            yield _Label(text=f"{one.number}  {_cut(one.title)}", value=value, height=height, colour=FAINT, **place)
+
+
+def _write(axes: Axes, depth: int, labels: Sequence[_Label], beside: float) -> None:
+    """Labels beside their points, in the order of these, farther apart where they would meet."""
+    from matplotlib.patheffects import withStroke
+
+    upwards = sorted(labels, key=lambda one: one.height + min(one.apart, 0.0))
+    placed = spread([one.height + one.apart for one in upwards], LINE)
+    for one, place in zip(upwards, placed, strict=True):
+        look = _SMALL | {"color": one.colour, "ha": one.align, "va": "center", "zorder": 6}
+        text = axes.annotate(one.text, (depth, one.value), xytext=(beside, place - one.height), **look)
+        text.set_path_effects([withStroke(linewidth=2, foreground=PAPER)])
+
+
+def spread(heights: Sequence[float], gap: float) -> Array:
+    """`heights` (n,) moved apart, so that each is at least `gap` above the one before, by the least squares of the moves.
+
+    Less their rank times `gap` they then rise only: adjacent violators are pooled (Ayer et al., Annals of Mathematical
+    Statistics 26, 1955).
+    """
+    pools: list[list[float]] = []
+    for rank, height in enumerate(heights):
+        pools.append([height - rank * gap])
+        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
+            pools[-2:] = [pools[-2] + pools[-1]]
+    means = [float(np.mean(pool)) for pool in pools for _ in pool]
+    return np.asarray(means + gap * np.arange(len(means)), dtype=np.float64)
+
+
+_SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5}
 
 
 def _dress(axes: Axes) -> None:
@@ -110,7 +175,7 @@ def _dress(axes: Axes) -> None:
 
     axes.set_yscale("log")
     low, high = axes.get_ylim()
-    axes.set_ylim(low / 1.25, high * 1.35)
+    axes.set_ylim(low * (low / high) ** 0.17, high * (high / low) ** 0.1)  # room for figures and names
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())

@@ -26,7 +26,7 @@ from validation.effects.reach import There, acts
 from validation.effects.stages import Matrices, Reading
 from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Lines, Offsets, Predicted
+from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
 from validation.models.model import Added
 from validation.prediction import applied, condensation, scatter
 from validation.prediction.nuisances import Nuisances
@@ -94,7 +94,7 @@ class AcceleranceTest:
             _require_acting(one, self)
         return replace(self, effects=tuple(effects))
 
-    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: bool = True) -> Predicted:
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
         Raises
@@ -106,13 +106,14 @@ class AcceleranceTest:
         effects = applied.at(self.effects, known)
         if not derivatives:
             effects = tuple(replace(one, fixed=True) for one in effects)
-        A, dA = self._accelerances(known, f, effects, derivatives=derivatives)
+        moving = bool(derivatives)
+        A, dA = self._accelerances(known, f, effects, derivatives=moving)
         gains = np.array([1 + known.get(name, 0.0) for name in self._gains])
-        made = [self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, effects, derivatives) for run in range(len(A))]
+        made = [self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, effects, moving) for run in range(len(A))]
         changes = {name: np.stack([tangents[name] for _, tangents in made]) for name in made[0][1]}
         every = tuple(range(len(self.measured.channels)))
-        moving = {name: Change(channels=every, rows=rows) for name, rows in changes.items() if name not in self._opened[1]}
-        return Predicted(rows=np.stack([rows for rows, _ in made]), changes=moving)
+        found = {name: Change(channels=every, rows=rows) for name, rows in changes.items() if name not in self._opened[1]}
+        return Predicted(rows=np.stack([rows for rows, _ in made]), changes=found)
 
     def _accelerances(
         self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,25 @@ from identification.spectra.of_campaign import spectra
 from identification.spectra.peak_hold import hann
 from validation.effects.floors import leak
 from validation.engine.measured import Measured
+from validation.prediction import driven
 
 Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Made:
+    """Spectra as the engine wants them.
+
+    Attributes
+    ----------
+    measured : the data set
+    method : by which they were made
+    remarks : which lines were left out, and why
+    """
+
+    measured: Measured
+    method: str
+    remarks: tuple[str, ...] = ()
 
 
 def measured(
@@ -30,15 +48,24 @@ def measured(
     method: str = "full-record",
     lines: npt.ArrayLike | None = None,
     progress: Progress | None = None,
-) -> tuple[Measured, str]:
-    """The data set `name` of `campaign`, and by which method its spectra were made.
+) -> Made:
+    """The data set `name` of `campaign`; where neither `band` nor `lines` are given, at the lines that every run drives.
 
     Raises
     ------
-    BadInput : as `identification.spectra.of_campaign.spectra`.
+    BadInput : as `identification.spectra.of_campaign.spectra`; runs that drive no line in common.
     """
-    found = spectra(campaign, method=method, band=band, frequency=lines, progress=progress)
-    return _measured(campaign, found, of, name), found.method
+    if band is not None or lines is not None:
+        found = spectra(campaign, method=method, band=band, frequency=lines, progress=progress)
+        return Made(measured=_measured(campaign, found, of, name), method=found.method)
+    stated = driven.stated(campaign)
+    found = spectra(campaign, method=method, band=stated, progress=progress)
+    kept, left = driven.by_level(campaign, found, _groups(of))
+    return Made(
+        measured=_measured(campaign, _at(found, kept), of, name),
+        method=found.method,
+        remarks=(*driven.outside(campaign, stated), *left),
+    )
 
 
 def names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
@@ -71,6 +98,20 @@ def hum(frequency: Array, quantities: Sequence[str], method: str) -> Array:
         return np.zeros((0, 0))
     ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
     return np.outer(leak(frequency), ordinary)
+
+
+def _groups(of: Chain) -> tuple[list[int], list[int]]:
+    """Columns of what is judged, and of what the inputs are estimated from."""
+    forces = [of.columns[k] for k in of.forces.columns]
+    return forces, [column for column in of.columns if column not in forces]
+
+
+def _at(found: Spectra, kept: npt.NDArray[np.bool_]) -> Spectra:
+    """Of the lines `kept` (n,) alone."""
+    if np.all(kept):
+        return found
+    values, deviation, quality = found.values[:, kept], found.noise[:, kept], found.quality[:, kept]
+    return replace(found, frequency=found.frequency[kept], values=values, noise=deviation, quality=quality)
 
 
 def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:

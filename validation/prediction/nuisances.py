@@ -2,9 +2,15 @@
 
     K' = E K E,  S' = D E S E D,  C' = D G C G D + c,  M_br' = M_br + l,      E = diag(e^ln f),  D = diag(e^(ln zeta / 2)),
 
-on the nominal modal basis, K and S with the moduli of the parts in them. G lets viscous damping grow with the frequency of its
-mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the matrices are smooth
-in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
+on the nominal modal basis, K and S with the moduli and the loss factors of the parts in them. G lets viscous damping grow with
+the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
+matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
+
+Where parts have loss factors, these are what is not known of damping: one number moves all modes in which the part bends, in all
+configurations, and what it cannot do is left to the modes within the small tolerance `mode_damping`. A third of freedom on each
+mode would swallow any loss of a part. The offset of a loss factor is a relative change of it and no logarithm: effects add to
+the same matrix, and only in a straight valley between the two does a fit find the lowest point. Where damping is given by mode
+there is nothing else to move, and the modes have it all.
 """
 
 from __future__ import annotations
@@ -59,14 +65,28 @@ class Nuisances:
         of, modes = self.tolerances, range(1, len(self.frequency) + 1)
         parts = self.nominal.parts if len(self.frequency) else ()
         made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
+        made += [_declared(f"loss:{part}", of.damping) for part in self.lossy]
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
-        made += [_declared(f"damping:{self.configuration}:{r}", of.damping) for r in modes]
+        left = [of.mode_damping if own else of.damping for own in self.by_parts]
+        made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
         names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
         made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling, kind=STRUCTURAL) for name in names]
         return tuple(one for one in made if one.tolerance > 0)
+
+    @property
+    def lossy(self) -> tuple[str, ...]:
+        """Parts that have a loss factor."""
+        parts = self.nominal.parts if len(self.frequency) else ()
+        return tuple(part for part in parts if self.losses.get(part, 0.0) > 0)
+
+    @property
+    def by_parts(self) -> tuple[bool, ...]:
+        """(m,) whether the damping of a mode is that of its parts alone, and none of it was given for the mode."""
+        own = np.diag(self.nominal.viscous)[self.nominal.base :]
+        return tuple(bool(self.lossy) and not own[r] for r in range(len(self.frequency)))
 
     @property
     def neighbours(self) -> tuple[tuple[int, int], ...]:
@@ -111,12 +131,13 @@ def of(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Now:
-    """Matrices at some offsets, and what they are made of: E and D (k,), and C before the coupling."""
+    """Matrices at some offsets, and what they are made of: E and D (k,), C before the coupling, the loss factors of the parts."""
 
     matrices: Matrices
     E: Array
     D: Array
     uncoupled: Array
+    losses: Mapping[str, float]
 
 
 def _now(of: Nuisances, offsets: Offsets) -> _Now:
@@ -125,11 +146,13 @@ def _now(of: Nuisances, offsets: Offsets) -> _Now:
     for r in range(len(of.frequency)):
         E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
         D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
-    stiffer = {part: float(np.expm1(offsets[f"modulus:{part}"])) for part in m.parts if offsets.get(f"modulus:{part}")}
     K, S, parts = m.stiffness, m.structural, dict(m.parts)
-    for part, change in stiffer.items():
-        K, S = K + change * m.parts[part], S + change * of.losses.get(part, 0.0) * m.parts[part]
-        parts[part] = (1 + change) * m.parts[part]
+    for part, share in m.parts.items():
+        stiffer, lossier = offsets.get(f"modulus:{part}", 0.0), offsets.get(f"loss:{part}", 0.0)
+        if stiffer:
+            K, parts[part] = K + np.expm1(stiffer) * share, np.exp(stiffer) * share
+        if stiffer or lossier:
+            S = S + (np.exp(stiffer) * (1 + lossier) - 1) * of.losses.get(part, 0.0) * share
     stiffness = E[:, None] * K * E
     GD = D * _grown(m.stiffness, stiffness)
     C = GD[:, None] * m.viscous * GD
@@ -141,7 +164,8 @@ def _now(of: Nuisances, offsets: Offsets) -> _Now:
         viscous=C + _coupled(of, offsets),
         parts=parts,
     )
-    return _Now(matrices=made, E=E, D=D, uncoupled=C)
+    losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in of.losses.items()}
+    return _Now(matrices=made, E=E, D=D, uncoupled=C, losses=losses)
 
 
 def _grown(before: Array, after: Array) -> Array:
@@ -194,10 +218,15 @@ def _of_modulus(of: Nuisances, now: _Now, part: str) -> Tangent:
     grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=whole > 0)
     changes = {
         "stiffness": stiffness,
-        "structural": of.losses.get(part, 0.0) * DE[:, None] * K * DE,
+        "structural": now.losses.get(part, 0.0) * DE[:, None] * K * DE,
         "viscous": now.uncoupled * (grows[:, None] + grows),
     }
     return of_arrays(len(K), {part: K}, **changes)
+
+
+def _of_loss(of: Nuisances, now: _Now, part: str) -> Tangent:
+    DE = now.D * now.E
+    return of_arrays(len(DE), structural=of.losses[part] * DE[:, None] * now.matrices.parts[part] * DE)
 
 
 def _of_frequency(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:
@@ -225,6 +254,7 @@ def _of_coupling(of: Nuisances, now: _Now, configuration: str, one: str, other: 
 
 _TANGENTS: Mapping[str, _Maker] = {
     "modulus": _of_modulus,
+    "loss": _of_loss,
     "frequency": _of_frequency,
     "damping": _of_damping,
     "participation": _of_participation,

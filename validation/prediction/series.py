@@ -30,7 +30,7 @@ from validation.effects.reach import acts
 from validation.effects.stages import Floor, Reading
 from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Lines, Offsets, Predicted
+from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
 from validation.models.model import Added, Model
 from validation.prediction import applied, fmd, nuisances
 from validation.prediction import measured as data
@@ -62,9 +62,9 @@ def predictions(
 
     Parameters
     ----------
-    band : (low, high) [Hz] of the lines
+    band : (low, high) [Hz] of the lines; by default what all runs drive, see `validation.prediction.driven`
     method : of `identification.campaign.METHODS`, for time histories
-    lines : (n,) [Hz]; by default those of the campaign's processing, or of its files
+    lines : (n,) [Hz]; by default those of the campaign's processing, or of its files, within the band
     progress : called with the share done
 
     Raises
@@ -91,6 +91,7 @@ class Tested:
     drives : (r,) of the runs of `measured`
     per_rms : (r,) noise of a line for 1 SI unit rms in the record
     method : by which its spectra were made
+    remarks : which lines were left out, and why
     """
 
     model: Model
@@ -100,6 +101,7 @@ class Tested:
     drives: tuple[Drive, ...]
     per_rms: Array
     method: str = "full-record"
+    remarks: tuple[str, ...] = ()
 
     def on(self, runs: Sequence[str]) -> Tested:
         """Of the runs named alone."""
@@ -149,13 +151,17 @@ class SeriesPrediction:
         chosen = self._lines(lines)
         return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0]
 
-    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: bool = True) -> Predicted:
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
         Raises
         ------
         numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
         """
+        with np.errstate(divide="raise", over="raise", invalid="raise"):  # a breakdown is an error, and no warning on a terminal
+            return self._predicted(offsets, lines, derivatives=derivatives)
+
+    def _predicted(self, offsets: Offsets, lines: Lines | None, *, derivatives: Wanted) -> Predicted:
         frequency, at = self._lines(lines), self._at(offsets)
         found = [self._read(at, frequency, drive, derivatives=derivatives) for drive, _ in self._variants]
         noise = self._noise(at, lines, frequency)
@@ -213,18 +219,19 @@ class SeriesPrediction:
         chosen = np.searchsorted(every, frequency)
         return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
-    def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool) -> Predicted:
+    def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: Wanted) -> Predicted:
         """What the channels read of runs that were driven by `drive`."""
-        H, structural = self._carried(at, frequency, drive, derivatives=derivatives)
+        H, structural = self._carried(at, frequency, drive, derivatives=bool(derivatives))
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
         changes: dict[str, Change] = {}
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
             changes = {name: Change(channels=loaded, rows=A1[:, loaded] @ dH) for name, dH in structural.items()}
-            of_chain = self._chain.derivatives(theta, frequency, H)
-            for one, derivative in zip(self._chain.parameters, of_chain, strict=True):
-                changes[one.name] = Change(channels=derivative.channels, rows=derivative.rows)
+            names = [one.name for one in self._chain.parameters if derivatives is True or one.name in derivatives]
+            of_chain = self._chain.derivatives(theta, frequency, H, names)
+            for name, derivative in zip(names, of_chain, strict=True):
+                changes[name] = Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
         reading = Reading(
             frequency=frequency,
@@ -284,16 +291,17 @@ def _tested(
 ) -> Tested:
     stands = standing(model, campaign)
     of = laboratory(model, campaign, ())
-    measured, made = data.measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
-    driven = drives(campaign, made)
+    made = data.measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
+    driven = drives(campaign, made.method)
     return Tested(
         model=model,
         campaign=replace(campaign, recordings={}),
-        measured=measured,
+        measured=made.measured,
         carried=_carried(model, campaign, stands),
-        drives=tuple(driven[run] for run in measured.runs),
-        per_rms=data.per_rms(campaign, made),
-        method=made,
+        drives=tuple(driven[run] for run in made.measured.runs),
+        per_rms=data.per_rms(campaign, made.method),
+        method=made.method,
+        remarks=made.remarks,
     )
 
 

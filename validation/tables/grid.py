@@ -167,7 +167,7 @@ def number(value: float, decimals: int) -> str:
 def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
     """`cells` padded so that their decimal points stand below each other."""
     parts = [at_point(cell) for cell in cells]
-    left, right = (max(len(part[side]) for part in parts) for side in (0, 1))
+    left, right = (max((len(part[side]) for part in parts), default=0) for side in (0, 1))
     return tuple(f"{a:>{left}}{b:<{right}}" for a, b in parts)
 
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from fem.base_excitation.rig import Rig
 from validation.virtual_test import drawn
 from validation.virtual_test.chain_truth import ChainTruth
+from validation.virtual_test.effects.reach import require_planted
 from validation.virtual_test.hooks import changed_chain, changed_rig
 from validation.virtual_test.layout import Layout, mavis
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.sensors import Sensors, sensors
-from validation.virtual_test.set_up import SetUp, middles_of_cells, set_up
+from validation.virtual_test.set_up import SetUp, middles_of_cells, require_stack, set_up
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,8 +40,10 @@ def laboratory(plan: Plan) -> Laboratory:
 
     Raises
     ------
-    BadInput : an article that does not stand on the FMD or cannot be built.
+    BadInput : an article that does not stand on the FMD or cannot be built; an effect at a place or part that it has not.
     """
+    require_stack(plan.article)
+    require_planted(plan)
     layout = mavis(middles_of_cells(plan), plan.noise_rms)
     chain = changed_chain(drawn.chain(plan, layout), plan.effects)
     made = set_up(plan, chain)

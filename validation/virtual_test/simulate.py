@@ -40,7 +40,8 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
 
     Raises
     ------
-    BadInput : an article that does not stand on the FMD or cannot be built, a band, rate or cross motion that cannot be.
+    BadInput : an article that does not stand on the FMD or cannot be built, a band, rate or cross motion that cannot be, an
+        effect of the catalogue that cannot act here.
     CheckFailed : something on the table swings freely.
     """
     driven = runs(plan)

@@ -128,7 +128,7 @@ def _effect(effect: Effect) -> Json:
 def _parts(made: SetUp) -> Iterator[tuple[str, float]]:
     for name, part in made.parts.items():
         yield f"modulus:{name}", part.modulus
-        yield f"loss-factor:{name}", part.loss
+        yield f"loss:{name}", part.loss
 
 
 def _relative(plan: Plan, rig: Rig) -> Json:

@@ -16,7 +16,7 @@ from validation.comparing.doubt import nothing_fitted
 from validation.comparing.maps import Map, Rig, mapped
 from validation.comparing.modes import NamedMode
 from validation.comparing.spots import worst
-from validation.comparing.verdicts import told, tolerances
+from validation.comparing.verdicts import Explained, told, tolerances
 from validation.engine.evaluation import Evaluation, Fit, Share
 from validation.engine.measured import Measured
 from validation.engine.parameter import DECLARED, IDENTIFIED, Parameter
@@ -84,7 +84,12 @@ class ByHandLaboratory:
 
     @staticmethod
     def test(
-        truth: Mapping[str, float] | None = None, *, own: float = MODE.frequency, seed: int | None = 0, name: str = "fmd+mast"
+        truth: Mapping[str, float] | None = None,
+        *,
+        own: float = MODE.frequency,
+        seed: int | None = 0,
+        name: str = "fmd+mast",
+        louder: float = 1.0,
     ) -> ByHand:
         """Six sweeps at the offsets `truth` of the chain, of a body whose mode lies at `own`; without a seed, without noise."""
         of, rng = chain(TABLE), np.random.default_rng(seed or 0)
@@ -95,7 +100,7 @@ class ByHandLaboratory:
         A0, A1 = of.rows(theta, FREQUENCY)
         values = ((A0 + A1 @ dynamic_mass(FREQUENCY, own)) @ u[..., None])[..., 0]
         judged = np.isin(np.arange(len(of)), of.forces.columns)
-        noise = np.where(judged, 0.02, 5e-4) * np.ones(values.shape)
+        noise = louder * np.where(judged, 0.02, 5e-4) * np.ones(values.shape)
         if seed is not None:
             values = values + noise * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)) / np.sqrt(2)
         measured = Measured(
@@ -189,8 +194,8 @@ def found() -> Comparison:
         title="mast on the FMD",
         source="mast.toml",
         evaluation=evaluation,
-        explained=0.9,
-        errors=told(evaluation, 0.9, spots[0].sigma),
+        explained=Explained(measurement=0.9, with_modes=0.9),
+        errors=told(evaluation, Explained(measurement=0.9, with_modes=0.9), spots[0].sigma),
         absurd=tolerances(evaluation.fitted),
         maps=(of,),
         modes=((MODE,),),

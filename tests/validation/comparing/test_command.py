@@ -79,6 +79,7 @@ def test_json_pictures_and_exit_code(files: tuple[str, str], run: Run_, tmp_path
         (["--band", "16", "4"], "--band"),
         (["nowhere"], "no such file or folder"),
         (["--effects-from", "nowhere"], "nowhere"),
+        (["--effects-from", "nowhere", "--effects-from", "elsewhere"], "nowhere"),  # each of them is read, in order
     ],
 )
 def test_bad_input_ends_with_2_and_says_what(files: tuple[str, str], run: Run_, more: list[str], said: str) -> None:

@@ -11,7 +11,7 @@ from validation.comparing import table, words
 from validation.comparing.as_json import as_json
 from validation.comparing.drawn import draw
 from validation.comparing.spots import Spot
-from validation.comparing.verdicts import FAILED, GOOD, absurd, expected_z2, told
+from validation.comparing.verdicts import FAILED, GOOD, Explained, absurd, expected_z2, told
 from validation.output import json_text
 from validation.tables.text import page
 
@@ -19,6 +19,8 @@ from validation.tables.text import page
 def _page(found, width: int = 132) -> str:
     return page(table.title(found), table.grids(found), table.notes(found), width)
 
+
+EXPECTED = Explained(measurement=1.0, with_modes=1.0)
 
 ERRORS = """\
 the four errors
@@ -28,8 +30,8 @@ the four errors
  ────────────────────────────────────────────────────────────────────────────────────────────────────────────
  nominal error             12.3 %   the model as it stands, nothing fitted
  plain error               1.23 %   sensors as calibrated; the FMD identified, modes within what the model
-                                    declares. FAILED: tolerances alone let expect 0.9 %, but not where it
-                                    fails, by up to 18 sigma
+                                    declares. FAILED: tolerances of the measurement let expect 0.9 %, but not
+                                    where it fails, by up to 18 sigma
  fitted error     χ² 0.88, z² 576   every tolerance fitted: χ² per degree of freedom, and its price, the sum
                                     of z² of 3 tolerances, about 3 where nothing is wrong. FAILED: a good χ²
                                     with absurd tolerances is a failed model: force-gain:fmd-z2 at +24.0 z
@@ -76,10 +78,17 @@ def test_every_picture_is_there_and_its_names_stay_in_the_folder(found, tmp_path
 
 
 def test_absurd_tolerances_fail_a_model_whose_chi2_is_good(evaluation) -> None:
-    sound, bought = (told(evaluation(z), 1.0, 2.0)[2] for z in (1.0, 24.0))
+    sound, bought = (told(evaluation(z), EXPECTED, 2.0)[2] for z in (1.0, 24.0))
     assert sound.verdict == GOOD
     assert bought.verdict == FAILED
     assert "force-gain:fmd-z2 at +24.0 z" in bought.text
+
+
+def test_what_modes_let_expect_of_the_plain_error_is_told_where_it_counts(evaluation) -> None:
+    of = evaluation()
+    said = told(of, Explained(measurement=0.97, with_modes=6.1), 2.0)[1].text
+    assert said.startswith("tolerances of the measurement let expect 0.97 %, with those of the modes up to 6.1 %")
+    assert "modes" not in told(of, EXPECTED, 2.0)[1].text
 
 
 def test_what_tolerances_are_expected_to_cost_is_how_many_the_data_tell(evaluation) -> None:
@@ -92,8 +101,8 @@ def test_what_tolerances_are_expected_to_cost_is_how_many_the_data_tell(evaluati
 def test_a_fit_that_does_not_hold_on_runs_that_it_has_not_seen_is_doubted(evaluation) -> None:
     of = evaluation()
     bad = replace(of, held_out=replace(of.held_out, percent=5.0))
-    assert "does not hold" in told(bad, 1.0, 2.0)[3].text
-    assert told(of, 1.0, 2.0)[3].verdict == GOOD
+    assert "does not hold" in told(bad, EXPECTED, 2.0)[3].text
+    assert told(of, EXPECTED, 2.0)[3].verdict == GOOD
 
 
 def test_a_spot_is_told_as_an_engineer_would() -> None:

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.rig import Rig
 from fem.base_excitation.rig_structure import dynamic_mass
+from fem.damping import Damping
 from geometry.articles.locations import location
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
@@ -20,8 +21,10 @@ from validation.effects.identifiers import parse_all
 from validation.virtual_test.drawn import Part
 from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.effects.reach import reaching, require_reaching
+from validation.virtual_test.hooks import Effect
 from validation.virtual_test.laboratory import Laboratory, laboratory
 from validation.virtual_test.plan import RIGID, Plan, exact
+from validation.virtual_test.simulate import simulate
 
 LINES = np.array([4.0, 9.0, 20.0, 32.0])
 OMEGA = (2 * np.pi * LINES)[:, None, None]
@@ -237,11 +240,31 @@ def test_an_effect_that_acts_nowhere_is_refused(effect: str, plan: dict[str, str
 
 
 def test_damping_of_parts_beside_damping_of_modes_is_refused() -> None:
-    from fem.damping import Damping
-
     plan = Plan(article="fmd+clumod-1", damping=Damping(ratio=0.01))
     with pytest.raises(BadInput, match="states the damping of every mode"):
         require_reaching(parse_all(["structural-damping:mast=0.01"]), [plan])
+
+
+@pytest.mark.parametrize(
+    ("effect", "says"),
+    [
+        ("structural-damping:mast=0.01", "states the damping of every mode"),
+        ("layer-damping:upper-short=0.01", "fmd+clumod-1 has no part 'upper-short'"),
+        ("point-mass:lower-2+=0.1", "fmd+clumod-1 has no place 'lower-2+'"),
+        ("modulus:lower-2=0.1", "fmd+clumod-1 has no part 'lower-2'. Did you mean lower-1?"),
+    ],
+)
+def test_what_cannot_act_is_refused_by_the_simulation_itself(effect: str, says: str) -> None:
+    """Without the command line before it: once nothing happened, or a bare KeyError."""
+    plan = Plan(article="fmd+clumod-1", damping=Damping(ratio=0.01), effects=planted(parse_all([effect])))
+    with pytest.raises(BadInput, match="virtual test: ") as refused:
+        simulate(plan)
+    assert says in str(refused.value)
+
+
+def test_an_effect_of_no_family_is_its_makers_own_affair() -> None:
+    plan = Plan(article="fmd+clumod-1", effects=(Effect(id="mine:nowhere"),))
+    assert laboratory(plan).made.modes is not None
 
 
 def test_an_effect_on_a_part_is_one_on_all_of_its_sheets_and_not_on_its_layer() -> None:

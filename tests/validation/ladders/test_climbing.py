@@ -1,5 +1,7 @@
 """Up, down and aside: nothing is ever lost, and wherever an interruption falls the model file and its ladder agree."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,7 +10,7 @@ import pytest
 from geometry.errors import BadInput
 from validation.ladders import climbing, file
 from validation.ladders.climbing import climbed, gone_to, kept, next_rung, standing, undone
-from validation.ladders.nouns import Ladder, Rung
+from validation.ladders.nouns import Conditions, Ladder, Rung
 
 MakeRung = Callable[..., Rung]
 
@@ -111,6 +113,51 @@ def test_rungs_made_meanwhile_stay_and_the_later_one_is_numbered_after_them(mode
     assert [one.model for one in found.ladder.rungs[1:]] == ["a = 2", "a = 3"]
     assert found.rung is not None
     assert found.rung.number == 2
+
+
+def test_two_that_begin_at_once_share_the_first_rung(model: Path, rung: MakeRung) -> None:
+    one = other = standing(model)
+    climbed(kept(one, rung(0, None, one.text)), rung(1, 0, "a = 2"))
+    at = kept(other, rung(0, None, other.text))
+    assert at.rung is not None
+    assert at.rung.number == 0
+    climbed(at, rung(1, 0, "a = 3"))
+    assert [(each.number, each.parent) for each in standing(model).ladder.rungs] == [(0, None), (1, 0), (2, 0)]
+
+
+def test_a_rung_on_other_data_is_another_rung(model: Path, rung: MakeRung) -> None:
+    at = standing(model)
+    kept(at, rung(0, None, at.text))
+    kept(at, rung(0, None, at.text, conditions=Conditions(band=(4.0, 20.0))))
+    assert len(standing(model).ladder.rungs) == 2
+
+
+def test_going_elsewhere_loses_no_rung_that_was_made_meanwhile(model: Path, rung: MakeRung) -> None:
+    grown(model, rung, "a = 2")
+    early = standing(model)
+    grown(model, rung, "a = 3")
+    gone_to(early, 0)
+    assert [one.model for one in standing(model).ladder.rungs[1:]] == ["a = 2", "a = 3"]
+
+
+AT_ONCE = """
+import sys
+from dataclasses import replace
+from pathlib import Path
+from validation.ladders.climbing import kept, standing
+path, name = Path(sys.argv[1]), sys.argv[2]
+for k in range(15):
+    at = standing(path)
+    kept(at, replace(at.ladder.rung(0), parent=0, model=f"{name} = {k}"))
+"""
+
+
+def test_processes_that_write_at_once_lose_no_rung(model: Path, rung: MakeRung) -> None:
+    grown(model, rung)
+    both = [subprocess.Popen([sys.executable, "-c", AT_ONCE, str(model), name]) for name in "bc"]
+    assert [one.wait(60) for one in both] == [0, 0]
+    found = {one.model for one in standing(model).ladder.rungs[1:]}
+    assert found == {f"{name} = {k}" for name in "bc" for k in range(15)}
 
 
 def test_a_model_that_was_edited_while_a_fit_ran_is_left_alone_and_the_rung_is_kept(model: Path, rung: MakeRung) -> None:

@@ -3,13 +3,22 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from validation.comparing.verdicts import absurd
+from validation.engine.evaluation import Evaluation, Fit, Share
+from validation.engine.parameter import SENSOR, Parameter
+from validation.ladders.judging import Judged, rung_with
 from validation.ladders.nouns import Errors, Rung, Size
 from validation.ladders.verdict import verdict, worth
+from validation.models.model import Model
 
 MakeRung = Callable[..., Rung]
 ID = "force-gain:fmd-z2"
+NO_EFFECT = Model(source="m.toml", title="", article="fmd+cuboid")
 
 
 def errors(plain: float, held_out: float | None, **more: object) -> Errors:
@@ -58,8 +67,41 @@ def test_a_size_within_its_tolerance_is_no_fault(value: float, deviation: float 
 
 
 def test_tolerances_that_pay_for_a_good_fit_are_said(rung: MakeRung) -> None:
-    said = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=2900.0))
-    assert "The tolerances still pay for it, sum z² 2.9e+03 of 160" in said
+    said = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=426.0, tolerances=118, expected_z2=112.0, largest_z=3.9))
+    assert "The tolerances still pay for it, sum z² 426, where about 112 is due: something else is wrong" in said
+    one = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=110.0, tolerances=118, expected_z2=112.0, largest_z=5.2))
+    assert "one of them at 5.2 z" in one
+    fair = errors(2.0, 2.0, tolerance_z2=130.0, tolerances=118, expected_z2=112.0, largest_z=3.1)
+    assert "pay for it" not in told(rung, errors(4.0, 4.2), fair)
+
+
+def test_what_is_due_counts_and_not_how_many_there_are(rung: MakeRung) -> None:
+    # of 270 tolerances the data tell 40: 120 is three times what is due
+    said = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=120.0, tolerances=270, expected_z2=40.0, largest_z=3.0))
+    assert "where about 40 is due" in said
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=50)
+@given(z=st.lists(st.floats(-6, 6), min_size=1, max_size=30), tolerance=st.floats(1e-3, 10), told_share=st.floats(0.05, 1))
+def test_the_ladder_and_compare_judge_a_fit_alike(z: list[float], tolerance: float, told_share: float, rung: MakeRung) -> None:
+    free = tuple(Parameter(name=f"p{k}", unit="1", tolerance=tolerance, kind=SENSOR) for k in range(len(z)))
+    of = Fit(
+        parameters=free,
+        offsets=tolerance * np.array(z),
+        covariance=(1 - told_share) * tolerance**2 * np.eye(len(z)),
+        cost=0.0,
+        chi2=900.0,
+        degrees_of_freedom=1000,
+        tolerance_z2=float(np.sum(np.square(z))),
+        tolerances=len(z),
+        log_evidence=0.0,
+        converged=True,
+    )
+    share = Share(percent=2.0)
+    found = Evaluation(nominal=share, plain=share, held_out=None, held_out_nominal=None, plain_fit=of, fitted=of)
+    new = rung_with(rung(1, 0), Judged(model=NO_EFFECT, evaluation=found, body=None)).errors
+    assert new is not None
+    assert ("pay for it" in told(rung, errors(4.0, 4.2), new)) == absurd(of)
 
 
 def test_what_leaves_no_data_that_have_the_effect_does_not_count(rung: MakeRung) -> None:

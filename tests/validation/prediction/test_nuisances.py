@@ -68,7 +68,9 @@ def test_nothing_moves_at_no_offset(one: Nuisances) -> None:
 
 
 def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one: Nuisances) -> None:
-    m, _ = one.at({name: 10 * offset for name, offset in away(one).items() if not name.startswith(("coupling", "participation"))})
+    m, _ = one.at(
+        {name: 10 * offset for name, offset in away(one).items() if not name.startswith(("coupling", "participation", "loss"))}
+    )
     for name in ("stiffness", "structural", "viscous"):
         matrix = getattr(m, name)[6:, 6:]
         np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * np.abs(matrix).max())
@@ -81,10 +83,12 @@ def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
     expected = {
         "modulus:mast": (of.modulus, DECLARED),
         f"frequency:{name}:1": (of.frequency, DECLARED),
-        f"damping:{name}:2": (of.damping, DECLARED),
+        f"damping:{name}:2": (of.mode_damping if one.losses else of.damping, DECLARED),
         f"participation:{name}:1:alpha": (of.participation, STRUCTURAL),
         f"coupling:{name}:1:2": (of.mode_coupling, STRUCTURAL),
     }
+    if one.losses:
+        expected["loss:mast"] = (of.damping, DECLARED)
     assert {key: (by_name[key].tolerance, by_name[key].kind) for key in expected} == expected
     assert all(each.within == 2.5 * each.tolerance for each in by_name.values() if each.kind == DECLARED)
 
@@ -109,6 +113,38 @@ def test_frequencies_and_damping_are_those_asked_for(one: Nuisances) -> None:
     np.testing.assert_allclose(loss[1], loss[0] * np.exp(0.2), rtol=1e-12)
 
 
+def test_a_part_that_loses_more_is_the_structure_with_that_loss_factor() -> None:
+    """The layer of a blade twice as lossy: structural damping of modes that know nothing of it, beside those that do."""
+    structure, more = beam.structure("clumod-4"), 1.0
+    one = made("clumod-4", None)
+    losses = {**structure.loss_factors, "upper-short-silicone": 2 * structure.loss_factors["upper-short-silicone"]}
+    lossier = made("clumod-4", Damping(loss_factors=losses)).nominal
+    assert np.abs(lossier.structural - one.nominal.structural).max() > 0.01 * np.abs(one.nominal.structural).max()
+    m, _ = one.at({"loss:upper-short-silicone": more})
+    scale = np.abs(lossier.structural).max()
+    np.testing.assert_allclose(m.structural, lossier.structural, rtol=0, atol=1e-9 * scale)
+    np.testing.assert_array_equal(m.stiffness, one.nominal.stiffness)
+
+
+def test_a_loss_factor_is_one_for_all_sheets_and_all_articles_that_have_the_part() -> None:
+    one, four = (made(article, None) for article in ("clumod-1", "clumod-4"))
+    assert set(one.lossy) == {"mast", "lower-1"} <= set(four.lossy)
+    assert "upper-short" in four.lossy
+    shared = [{parameter.name: parameter for parameter in each.parameters}["loss:mast"] for each in (one, four)]
+    assert shared[0] == shared[1]
+    assert shared[0].value(1.0) == pytest.approx(1.0)  # a relative change, as of a modulus
+
+
+def test_damping_given_by_mode_is_free_by_mode_alone() -> None:
+    parts, ratio = made("clumod-1", None), made("clumod-1", Damping(ratio=0.01))
+    both = nuisances.of("clumod-1", ratio.nominal, ratio.frequency, parts.losses)
+    of = StructureTolerances()
+    for one, tolerance in ((parts, of.mode_damping), (ratio, of.damping), (both, of.damping)):
+        found = {each.tolerance for each in one.parameters if each.name.startswith("damping:")}
+        assert found == {tolerance}
+    assert not any(each.name.startswith("loss:") for each in ratio.parameters)
+
+
 def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency() -> None:
     one = made("clumod-1", Damping(ratio=0.01))
     m, _ = one.at({"modulus:mast": 0.1, "frequency:clumod-1:2": 0.02})
@@ -118,7 +154,7 @@ def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency() -> No
 
 
 def test_a_tolerance_of_nothing_is_no_parameter(one: Nuisances) -> None:
-    exact = StructureTolerances(modulus=0, frequency=0, damping=0, participation=0, mode_coupling=0)
+    exact = StructureTolerances(modulus=0, frequency=0, damping=0, mode_damping=0, participation=0, mode_coupling=0)
     closed = nuisances.of(one.configuration, one.nominal, one.frequency, one.losses, exact)
     assert closed.parameters == ()
 

@@ -32,9 +32,10 @@ RATIO = 0.05
 LINES = [5.0, 9.0, 12.5, 20.0, 31.0]
 """[Hz]"""
 
-AGREED = {"rigid": 1e-4, "beam": 4e-4}
-"""Of a channel's rms. Rigid: products of two tolerances. Beams: a modulus that was drawn moves the frequency of a mode at its
-stated damping ratio there, and at its stated damping constant here."""
+AGREED = {"rigid": 5e-5, "beam": 2e-4}
+"""Of a channel's rms; half as much again as is found, 3.7e-5 and 1.3e-4. Rigid: products of two tolerances. Beams: a stated ratio
+damps the modes of the structure that was drawn there, those of the nominal one here; what a modulus turns one basis against the
+other is between two modes in the other's eyes. With half the ratio or half the scatter of moduli half of it is found."""
 
 
 @pytest.mark.parametrize(("article", "kind"), [(CUBOID, "rigid"), (CUBOID, "beam"), (BLADE, "beam")])
@@ -56,7 +57,7 @@ def test_the_dynamic_mass_at_the_truth_is_that_of_the_rig(ordinary: Any, predict
     lines = np.searchsorted(of.measured.frequency, np.array(truth["frequency_hz"]) - 1e-6)
     found = of.dynamic_mass(at_truth(of, test), lines)
     size = np.sqrt(np.abs(np.einsum("nii,njj->nij", known, known)))
-    assert np.abs((found - known) / size).max() < 2e-2  # at 12 Hz, on the slope of a resonance whose damping moved by its modulus
+    assert np.abs((found - known) / size).max() < 2.5e-3  # 1.7e-3 at 12 Hz, on the slope of a resonance: see `AGREED`
     assert np.median(np.abs((found - known) / size)) < 1e-4
 
 
