@@ -203,6 +203,17 @@ def test_with_damping_declared_tightly_damping_is_ahead_of_clamps_and_the_last_r
     assert plain[program["LADDER"][-1]] == pytest.approx(found[program["LADDER"][-1]].plain.percent, rel=0.02)
 
 
+def test_where_damping_stands_at_its_bounds_the_page_has_the_cheapest_fit(root: Path, program: dict[str, Any], test: Any) -> None:
+    """A way that leaves the bounds and is brought back to them ends at twice the error."""
+    tight = replace(test, structure=replace(test.structure, tolerances=replace(program["KNOWN"], damping=0.35)))
+    of = {name: Problem((tight.with_effects(program["effects"](program["MODELS"][name])),)) for name in program["MODELS"]}
+    found = evaluate(of["clamps by storey"], parent=evaluate(of["nominal"]))
+    page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
+    row = re.search(r"^\| 0\.35 \|(?: [\d.]+ % \|){4} ([\d.]+) % \|", page, re.MULTILINE)
+    assert row is not None
+    assert found.plain.percent == pytest.approx(float(row[1]), rel=0.03)
+
+
 def test_added_mass_is_wrong_where_mass_alone_is_read(program: dict[str, Any], rungs: dict[str, Any]) -> None:
     line = {name: program["where"](rungs[name].model, rungs[name].offsets)[-1] for name in ("added mass", "leg clamps")}
     assert line["added mass"] > 1.8 * line["leg clamps"]
@@ -290,7 +301,7 @@ def test_evidence_alone_would_prefer_clamps_at_the_feet_with_a_modulus_of_no_alu
     single = {name: one for name, one in rungs.items() if name not in program["LADDER"][2:]}
     assert max(single, key=lambda name: program["gain"](single, name)) == "boundary"
     assert program["modulus"](single["boundary"]) == "-9.0 sd"
-    assert program["modulus"](single["leg clamps"]) == "+0.0 sd"
+    assert abs(float(program["modulus"](single["leg clamps"]).split()[0])) < 0.5
     assert program["modulus"](single["modulus"]) == "free"
 
 
