@@ -203,6 +203,17 @@ def test_with_damping_declared_tightly_damping_is_ahead_of_clamps_and_the_last_r
     assert plain[program["LADDER"][-1]] == pytest.approx(found[program["LADDER"][-1]].plain.percent, rel=0.02)
 
 
+def test_where_damping_stands_at_its_bounds_the_page_has_the_cheapest_fit(root: Path, program: dict[str, Any], test: Any) -> None:
+    """A way that leaves the bounds and is brought back to them ends at twice the error."""
+    tight = replace(test, structure=replace(test.structure, tolerances=replace(program["KNOWN"], damping=0.35)))
+    of = {name: Problem((tight.with_effects(program["effects"](program["MODELS"][name])),)) for name in program["MODELS"]}
+    found = evaluate(of["clamps by storey"], parent=evaluate(of["nominal"]))
+    page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
+    row = re.search(r"^\| 0\.35 \|(?: [\d.]+ % \|){4} ([\d.]+) % \|", page, re.MULTILINE)
+    assert row is not None
+    assert found.plain.percent == pytest.approx(float(row[1]), rel=0.03)
+
+
 def test_added_mass_is_wrong_where_mass_alone_is_read(program: dict[str, Any], rungs: dict[str, Any]) -> None:
     line = {name: program["where"](rungs[name].model, rungs[name].offsets)[-1] for name in ("added mass", "leg clamps")}
     assert line["added mass"] > 1.8 * line["leg clamps"]
@@ -290,7 +301,7 @@ def test_evidence_alone_would_prefer_clamps_at_the_feet_with_a_modulus_of_no_alu
     single = {name: one for name, one in rungs.items() if name not in program["LADDER"][2:]}
     assert max(single, key=lambda name: program["gain"](single, name)) == "boundary"
     assert program["modulus"](single["boundary"]) == "-9.0 sd"
-    assert _sd(program["modulus"](single["leg clamps"])) == pytest.approx(0, abs=0.5)  # a flat valley
+    assert abs(float(program["modulus"](single["leg clamps"]).split()[0])) < 0.5
     assert program["modulus"](single["modulus"]) == "free"
 
 
@@ -331,16 +342,11 @@ def test_the_page_prints_the_figures_that_are_found_now(root: Path, program: dic
         )
         assert row is not None, name
         *shares, chi2, price, of = map(float, row.groups()[:-1])
-        here, there = row.group(7), program["modulus"](one)
-        assert (here == there) if "free" in here else _sd(here) == pytest.approx(_sd(there), abs=0.5), name
+        assert row.group(7) == program["modulus"](one), name
         line = program["where"](one.model, one.offsets)[-1]
         assert shares == pytest.approx([one.evaluation.plain.percent, one.held_out, line], rel=0.03), name
         assert chi2 == pytest.approx(one.misfit, abs=0.6), name
         assert [price, of] == pytest.approx([one.evaluation.fitted.tolerance_z2, one.evaluation.fitted.tolerances], abs=0.6), name
-
-
-def _sd(text: str) -> float:
-    return float(text.removesuffix(" sd"))
 
 
 def said(page: str, words: str) -> list[float]:
