@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
+from pathlib import Path
 
 from geometry.errors import BadInput
 from identification.campaign import METHODS
 from validation.comparing.gathered import Data, gathered
+from validation.ladders.own_effects import reminded
 from validation.models import reading
 from validation.models.model import Model
 
@@ -42,7 +44,8 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
     OSError : a file cannot be read.
     """
     require_band(asked.band)
-    model = reading.read(asked.model)
+    with reminded(Path(asked.model)):
+        model = reading.read(asked.model)
     return model, gathered(asked.data, model, progress)
 
 

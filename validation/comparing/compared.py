@@ -26,6 +26,9 @@ from validation.prediction import applied
 from validation.prediction.facts import ArticleFact, facts
 from validation.prediction.series import SeriesPrediction, predictions
 
+FEW = 10
+"""Lines of a data set below which what is said of it is next to nothing."""
+
 UNITS = ("kg", "m", "m", "m", *("kg m²",) * 6)
 """SI, of the quantities of `identification.classical`."""
 
@@ -152,12 +155,21 @@ def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: 
     tested = [one.tested for one in made]
     said = [text for one in tested for text in (*one.campaign.warnings, *one.remarks, *one.carried.standing.remarks)]
     said += [text for one in maps for text in one.remarks]
+    said += [text for one in tested if (text := few(one.measured.name, len(one.measured.frequency)))]
     said += [
         _unconverged(name, of)
         for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted))
         if not of.converged
     ]
     return tuple(dict.fromkeys(text.rstrip(".") for text in said))
+
+
+def few(name: str, lines: int) -> str:
+    """A sentence where a data set has so few `lines` that verdicts on it mean little; else nothing."""
+    if lines >= FEW:
+        return ""
+    have = "1 line lies" if lines == 1 else f"{lines} lines lie"
+    return f"only {have} in the band of {name}: no verdict of this page rests on less than {FEW}; widen --band"
 
 
 def _unconverged(name: str, of: Fit) -> str:

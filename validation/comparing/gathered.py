@@ -19,6 +19,9 @@ from validation.models.model import Model
 from validation.models.pairing import require_pair
 from validation.prediction.bodies import require_bodies
 
+TRUTH = ".truth.json"
+"""Ending of what `massline simulate` writes beside its campaigns."""
+
 Progress = Callable[[str, float], None]
 """Hears which folder is read, and the share of it."""
 
@@ -73,6 +76,9 @@ def _require_measurement(path: str) -> None:
     if Path(path).name == campaign_file.NAME:
         problem = "this is the description of a campaign"
         raise BadInput(source=path, problem=problem, remedy=f"Name its folder, {Path(path).parent}")
+    if path.endswith(TRUTH):
+        problem = "this is the truth beside a simulated campaign, which no comparison may know"
+        raise BadInput(source=path, problem=problem, remedy="Leave it out: name the folders alone")
     known = measurement_file.shipped()
     if not Path(path).exists() and path.removesuffix(".toml") not in known:
         beside = [str(one) for one in Path(path).parent.iterdir()] if Path(path).parent.is_dir() else []

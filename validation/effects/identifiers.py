@@ -123,7 +123,7 @@ def parse_all(texts: Sequence[str], words: Vocabulary | None = None, *, source: 
 
 def _family(name: str, source: str) -> Family:
     if name not in FAMILIES:
-        remedy = f"{nearest(name, FAMILIES)}Your own come with --effects-from DIR; known are {', '.join(FAMILIES)}"
+        remedy = f"{nearest(name, FAMILIES)}`massline effects` lists all of them; your own come with --effects-from DIR"
         raise BadInput(source=source, field=name, problem=f"no effect is called {name!r}", remedy=remedy)
     return FAMILIES[name]
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from geometry.atomic import probe
 from geometry.errors import BadInput
 from validation.comparing.asked import require_band
 from validation.comparing.compared import meant
@@ -25,6 +26,7 @@ from validation.ladders.candidate import Candidate
 from validation.ladders.climbing import Standing, climbed, kept, next_rung, standing
 from validation.ladders.judging import Bench, Judged, judged, rewritten, rung_with
 from validation.ladders.nouns import ADDED, OTHER_DATA, Conditions, Rung
+from validation.ladders.own_effects import reminded
 from validation.ladders.verdict import sentence, verdict
 from validation.models import reading
 from validation.models.model import Model
@@ -79,10 +81,13 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     """
     tell = progress or (lambda what, share: None)
     require_band(asked.band)
+    if asked.model.exists():
+        probe(asked.model)  # what cannot be written at the end is said before minutes are spent
     for folder in asked.effects_from:
         catalogue.load(folder)
     at = standing(asked.model)
-    model = reading.of_text(at.text, str(at.path))
+    with reminded(at.path):
+        model = reading.of_text(at.text, str(at.path))
     paths = _paths(asked, at)
     data = gathered(paths, model, tell)
     conditions, said = _conditions(asked, at, paths)

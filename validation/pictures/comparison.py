@@ -242,7 +242,7 @@ def draw_errors(
     require_format(path)
     figure = new_figure(12.0, 6.4)
     grid = figure.add_gridspec(
-        2, 1, height_ratios=(len(bars), len(prices)), hspace=0.55, left=0.19, right=0.975, top=0.86, bottom=0.14
+        2, 1, height_ratios=(len(bars), len(prices)), hspace=0.55, left=0.19, right=0.975, top=0.85, bottom=0.14
     )
     upper, lower = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
     _bars(upper, bars, "per cent of the measured forces", "{:.3g} %")
@@ -274,4 +274,4 @@ def _legend(figure: Any) -> None:
 
     handles: list[Any] = [Patch(color=VERDICTS[word], label=word or "not judged") for word in VERDICTS]
     handles.append(Line2D([], [], color=INK, linewidth=1.6, linestyle=(0, (5, 3)), label="expected, nothing wrong"))
-    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.985, 0.932), ncols=5, fontsize=9.5, frameon=False)
+    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.985, 0.914), ncols=5, fontsize=9.5, frameon=False)

@@ -155,7 +155,7 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[Curve]]], 
     require_format(path)
     figure = new_figure(15.0, 10.2 if len(panels) > 3 else 6.0)
     ratios = (3, 1.15, 0.55, 3, 1.15) if len(panels) > 3 else (3, 1.15)
-    grid = figure.add_gridspec(len(ratios), 3, height_ratios=ratios, hspace=0.09, wspace=0.22, **_ROOM)
+    grid = figure.add_gridspec(len(ratios), 3, height_ratios=ratios, hspace=0.09, wspace=0.3, **_ROOM | {"left": 0.07})
     for k, (words, i, j, curves) in enumerate(panels):
         top = 3 * (k // 3)
         upper = figure.add_subplot(grid[top, k % 3])

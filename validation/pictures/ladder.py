@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,7 +106,7 @@ def _labels(axes: Axes, rungs: Sequence[DrawnRung], shown: Mapping[str, str]) ->
     """Figures of the way beside their points, names of branches to the right of theirs, none upon another."""
     for depth in sorted({one.depth for one in rungs}):
         there = [one for one in rungs if one.depth == depth]
-        found = [label for name, colour in shown.items() for label in _of_one(axes, there, name, colour)]
+        found = [label for name, colour in shown.items() for label in _of_one(axes, there, name, colour, shown)]
         for align, beside in (("left", 7.0), ("right", -6.0)):
             _write(axes, depth, [one for one in found if one.align == align], beside)
 
@@ -123,15 +123,25 @@ class _Label:
     colour: str
 
 
-def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> Iterator[_Label]:
-    """Labels of one error at one depth; a branch upon the way is named below it, where the way does not run through its name."""
+def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str, shown: Iterable[str]) -> Iterator[_Label]:
+    """Labels of one error at one depth, where no line of the way runs through them.
+
+    A figure stands below its point where another's is close above, a branch upon the way is named below it.
+    """
+
+    def height_of(one: DrawnRung, error: str) -> float:
+        return float(axes.transData.transform((one.depth, one.errors[error]))[1]) * 72 / DPI
+
     told = [one for one in rungs if np.isfinite(one.errors[name])]
-    heights = [float(axes.transData.transform((one.depth, one.errors[name]))[1]) * 72 / DPI for one in told]
+    heights = [height_of(one, name) for one in told]
+    beside = [(one, each) for one in rungs if one.here for each in shown if each != name]
+    others = [height_of(one, each) for one, each in beside if np.isfinite(one.errors[each])]
     on_way = [height for one, height in zip(told, heights, strict=True) if one.here]
     for one, height in zip(told, heights, strict=True):
         value = one.errors[name]
         if one.here:
-            place: dict[str, Any] = {"align": "right", "apart": -LINE} if name in BELOW else {"align": "left", "apart": LINE}
+            below = name in BELOW or any(0 <= other - height < 2 * LINE for other in others)
+            place: dict[str, Any] = {"align": "right", "apart": -LINE} if below else {"align": "left", "apart": LINE}
             yield _Label(text=f"{value:.3g}", value=value, height=height, colour=colour, **place)
             continue
         upon = any(abs(height - way) < LINE / 1.5 for way in on_way)

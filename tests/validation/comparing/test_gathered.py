@@ -14,7 +14,7 @@ from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign, Run
 from identification.recording import Recording
-from validation.comparing.compared import meant
+from validation.comparing.compared import few, meant
 from validation.comparing.gathered import Data, gathered
 from validation.models.model import Model
 from validation.models.reading import of_text
@@ -73,6 +73,19 @@ def test_folders_are_campaigns_and_files_are_measurements(folder, model: Model, 
     found = gathered([folder("one"), str(tmp_path / "scale.toml")], model)
     assert [one.article for one in found.campaigns] == ["fmd+clumod-1"]
     assert found.classical == (str(tmp_path / "scale.toml"),)
+
+
+def test_the_truth_beside_a_simulated_campaign_is_no_data(folder, model: Model, tmp_path: Path) -> None:
+    truth = tmp_path / "one.truth.json"
+    truth.write_text('{"kind": "virtual test"}', encoding="utf-8")
+    with pytest.raises(BadInput, match=r"this is the truth beside a simulated campaign.*Leave it out"):
+        gathered([folder("one"), str(truth)], model)
+
+
+def test_a_few_lines_are_said_to_be_few() -> None:
+    assert few("one", 100) == ""
+    assert few("one", 1).startswith("only 1 line lies in the band of one")
+    assert few("one", 9).startswith("only 9 lines lie in the band of one")
 
 
 def test_the_same_folder_twice_is_refused_however_it_is_written(folder, model: Model) -> None:

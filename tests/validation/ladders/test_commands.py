@@ -240,3 +240,32 @@ def test_identified_inertia_lies_within_its_interval_of_the_truth(made: Path, ru
     (body,) = ladder(run)["rungs"][1]["inertia"]
     assert body["article"] == "cuboid"
     assert_allclose(body["reference"]["mass_kg"], body["identified"]["mass_kg"], atol=1.5 * body["half_width95"]["mass_kg"])
+
+
+def test_an_own_effect_is_looked_for_where_the_ladder_had_it(made: Path, run: Run) -> None:
+    beside = Path("model.ladder.json")
+    beside.write_text(beside.read_text(encoding="utf-8").replace('"effects_from": []', '"effects_from": ["mine/effects"]'))
+    made.write_text(f'{made.read_text(encoding="utf-8")}\n[[effect]]\nid = "force-sag:fmd-z1"\nvalue = 0.1\n', encoding="utf-8")
+    for arguments in (("compare", "model.toml", "cuboid"), ("add", "model.toml", "force-gain:fmd-z1")):
+        code, _, err = run(*arguments)
+        assert code == cli.BAD_INPUT
+        assert "no effect is called 'force-sag'" in err
+        assert "--effects-from mine/effects" in err
+
+
+def test_an_unknown_effect_has_the_nearest_and_no_list_of_all(made: Path, run: Run) -> None:
+    _, _, err = run("add", "model.toml", "force-gian:fmd-z2")
+    assert "Did you mean force-gain" in err
+    assert "`massline effects` lists all" in err
+    assert "slosh" not in err
+
+
+def test_a_folder_that_cannot_be_written_is_said_before_the_fit(made: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path) -> None:
+        raise OSError(30, "Read-only file system", str(path))
+
+    monkeypatch.setattr(adding, "probe", full)
+    monkeypatch.setattr(adding, "judged", None)
+    code, _, err = run("add", "model.toml", "force-gain:fmd-z1")
+    assert code == cli.BAD_INPUT
+    assert "Read-only file system" in err
