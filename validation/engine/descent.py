@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import CLOSE, MOST, Solution, excess, minimise
+from identification.self_calibration.solve import CLOSE, MOST, Solution, minimise
 from validation.engine.cost import Cost
 from validation.engine.parameter import SENSOR, STRUCTURAL
 from validation.engine.prediction import Offsets
@@ -110,7 +110,7 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
         if converged:
             break
         before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
-        converged = solution.converged or _idle(before, solution, cost, most)
+        converged = solution.converged or _idle(before, solution, most)
         if before.normal.cost - solution.normal.cost < WORTH:
             break
     progress(0.95)
@@ -132,10 +132,13 @@ def standing(cost: Cost, offsets: Offsets, *, converged: bool) -> End:
     return ended(cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held}), offsets, converged=converged)
 
 
-def _idle(before: Solution, after: Solution, cost: Cost, most: int) -> bool:
-    """Whether all evaluations of a whole beginning gained next to nothing near a minimum: the rest creeps along a valley."""
-    far = ROUGHLY * excess(after.data, cost.size(after.seen))
-    return after.evaluations >= most and before.normal.cost - after.normal.cost < WORTH and after.decrement < far
+def _idle(before: Solution, after: Solution, most: int) -> bool:
+    """Whether all evaluations of a whole beginning gained next to nothing: the rest creeps along a valley.
+
+    How far the quadratic model would like to go is not asked: where the data do not fit, at a bound of what a model declares, its
+    second derivatives lack what the misfit adds, and it points along the valley for ever.
+    """
+    return after.evaluations >= most and before.normal.cost - after.normal.cost < WORTH
 
 
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
