@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from frame_story.settling import settled
 from frame_story.structure import FLOORS
 from validation.effects import catalogue
 from validation.effects.identifiers import parse
 from validation.effects.targets import Vocabulary
 from validation.engine import errors
+from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation
 from validation.engine.prediction import Offsets
 from validation.engine.problem import Problem
@@ -88,7 +88,7 @@ def climbed(
     for name in counted(models, "Fitting", quiet=quiet):
         model, parent = test.with_effects(effects(models[name])), grown.get(name, NOMINAL)
         before = found[parent].evaluation if parent in found else None
-        found[name] = Rung(model=model, parent=parent, evaluation=settled(Problem((model,)), before))
+        found[name] = Rung(model=model, parent=parent, evaluation=evaluate(Problem((model,)), parent=before))
     return found
 
 

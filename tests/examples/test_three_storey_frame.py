@@ -27,7 +27,7 @@ from validation.engine.evaluation import Evaluation
 from validation.engine.problem import Problem
 from validation.pictures import said_about
 
-STORY = ("aliases", "climbing", "data", "pictures", "readings", "settling", "tables")
+STORY = ("aliases", "climbing", "data", "pictures", "readings", "tables")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -160,12 +160,14 @@ def test_the_mass_line_finds_the_mass_of_a_model_without_error(program: dict[str
     assert np.all(line["alone"] < 0.97 * program["MASS"])
 
 
-def test_no_fit_that_is_compared_would_gain_a_nat_by_beginning_again(program: dict[str, Any], rungs: dict[str, Any]) -> None:
+def test_every_fit_that_is_compared_ends_by_itself_and_would_not_gain_a_nat_by_beginning_again(rungs: dict[str, Any]) -> None:
     for name, one in rungs.items():
         found = one.evaluation
-        if not (found.plain_fit.converged and found.fitted.converged):
-            assert program["gained"](found, evaluate(Problem((one.model,)), parent=found)) < 1.0, name
-    assert rungs["leg clamps"].evaluation.fitted.converged
+        assert found.plain_fit.converged, name
+        assert found.fitted.converged, name
+        again = evaluate(Problem((one.model,)), parent=found)
+        assert found.plain_fit.cost - again.plain_fit.cost < 1.0, name
+        assert found.fitted.cost - again.fitted.cost < 1.0, name
 
 
 def test_leg_clamps_win_over_mass_damping_and_boundary_and_tie_with_the_modulus(found: dict[str, Evaluation]) -> None:
@@ -199,6 +201,17 @@ def test_with_damping_declared_tightly_damping_is_ahead_of_clamps_and_the_last_r
     assert [clamps, damping, last] == pytest.approx(list(plain.values()), rel=0.03)
     assert plain["damping"] < plain["leg clamps"]
     assert plain[program["LADDER"][-1]] == pytest.approx(found[program["LADDER"][-1]].plain.percent, rel=0.02)
+
+
+def test_where_damping_stands_at_its_bounds_the_page_has_the_cheapest_fit(root: Path, program: dict[str, Any], test: Any) -> None:
+    """A way that leaves the bounds and is brought back to them ends at twice the error."""
+    tight = replace(test, structure=replace(test.structure, tolerances=replace(program["KNOWN"], damping=0.35)))
+    of = {name: Problem((tight.with_effects(program["effects"](program["MODELS"][name])),)) for name in program["MODELS"]}
+    found = evaluate(of["clamps by storey"], parent=evaluate(of["nominal"]))
+    page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
+    row = re.search(r"^\| 0\.35 \|(?: [\d.]+ % \|){4} ([\d.]+) % \|", page, re.MULTILINE)
+    assert row is not None
+    assert found.plain.percent == pytest.approx(float(row[1]), rel=0.03)
 
 
 def test_added_mass_is_wrong_where_mass_alone_is_read(program: dict[str, Any], rungs: dict[str, Any]) -> None:
@@ -288,7 +301,7 @@ def test_evidence_alone_would_prefer_clamps_at_the_feet_with_a_modulus_of_no_alu
     single = {name: one for name, one in rungs.items() if name not in program["LADDER"][2:]}
     assert max(single, key=lambda name: program["gain"](single, name)) == "boundary"
     assert program["modulus"](single["boundary"]) == "-9.0 sd"
-    assert program["modulus"](single["leg clamps"]) == "+0.0 sd"
+    assert abs(float(program["modulus"](single["leg clamps"]).split()[0])) < 0.5
     assert program["modulus"](single["modulus"]) == "free"
 
 

@@ -19,10 +19,9 @@ METHODS = ("full-record", "peak-reference-hold")
     "--hold-out",
     multiple=True,
     metavar="NAME",
-    help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run and configuration "
-    "in turn]",
+    help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run in turn]",
 )
-@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaigns']")
+@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]")
 @click.option("--method", type=click.Choice(METHODS), help=f"How spectra are made.  [default: {METHODS[0]}]")
 @click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
 @click.option("--fixed", is_flag=True, help="Keep the effect at VALUE instead of fitting it.")

@@ -18,9 +18,9 @@ METHODS = ("full-record", "peak-reference-hold")
     "--hold-out",
     multiple=True,
     metavar="NAME",
-    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run and configuration in turn]",
+    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
 )
-@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaigns']")
+@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]")
 @click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
 @options.effects_from
 @options.JSON

@@ -26,7 +26,8 @@ MISFIT = 1.5
 """Chi² per degree of freedom from which data and model contradict each other, whatever the tolerances."""
 
 MORE = 1.5
-"""Factor on what tolerances explain, or on the error on fitted data, from which an error is too large."""
+"""Factor on the larger of what tolerances of the measurement explain and the error on fitted data, from which an error on data
+that were held out is too large."""
 
 NOTICED = 1.05
 """Factor on what tolerances of the measurement explain, from which those of the modes are worth a word."""
@@ -136,7 +137,7 @@ def told(of: Evaluation, explained: Explained, peak: float) -> tuple[Told, ...]:
     explained : what the plain error would be by tolerances alone
     peak : the worst spot of the maps [sigma]
     """
-    return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of))
+    return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of, explained))
 
 
 def _nominal(of: Evaluation) -> Told:
@@ -189,18 +190,30 @@ def _judged(ratio: float, of: Fit) -> tuple[str, str]:
     return GOOD, "data and tolerances are content"
 
 
-def _held_out(of: Evaluation) -> Told:
+def _held_out(of: Evaluation, explained: Explained) -> Told:
     meaning = "plain error on data that were predicted, not fitted"
+    beside = _configurations(of)
     if of.held_out is None:
-        return Told(name="held-out error", figure="–", meaning=meaning, text="nothing was held out: one run of one campaign")
-    high = of.held_out.percent > MORE * of.plain.percent
+        none = "nothing was held out: one run of one campaign"
+        return Told(name="held-out error", figure="–", meaning=meaning, text=beside or none)
+    high = of.held_out.percent > MORE * max(of.plain.percent, explained.measurement)
     said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
-    others, before = of.held_out_configurations, of.held_out_configurations_nominal
-    if others is not None and before is not None:
-        said += f"; a configuration never seen, its modes unfitted: {percent(others.percent)}, nominal {percent(before.percent)}"
     return Told(
-        name="held-out error", figure=percent(of.held_out.percent), meaning=meaning, verdict=DOUBTFUL if high else GOOD, text=said
+        name="held-out error",
+        figure=percent(of.held_out.percent),
+        meaning=meaning,
+        verdict=DOUBTFUL if high else GOOD,
+        text=f"{said}; beside it, {beside}" if beside else said,
     )
+
+
+def _configurations(of: Evaluation) -> str:
+    """What is left where all of a configuration was held out: without a verdict, since no fit knows what it alone has."""
+    others, before = of.held_out_configurations, of.held_out_configurations_nominal
+    if others is None or before is None:
+        return ""
+    told = f"{percent(others.percent)}, nominal {percent(before.percent)}"
+    return f"a configuration never seen, its modes and what acts there alone unfitted: {told}"
 
 
 def named(some: Sequence[Tolerance]) -> str:

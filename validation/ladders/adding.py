@@ -162,7 +162,7 @@ def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Aske
     old, new = before.errors, rung.errors
     gain = new.log_evidence - old.log_evidence if old is not None and new is not None else None
     rung = replace(rung, gain=gain)
-    told = verdict(before, rung, chosen.tolerances, chosen.nulls, chosen.blind)
+    told = verdict(before, rung, chosen.tolerances, chosen.nulls)
     return replace(rung, verdict=(*told, *(sentence(one) for one in chosen.said)))
 
 

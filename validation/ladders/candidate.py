@@ -12,7 +12,6 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.family import Size as Described
 from validation.effects.identifiers import Named, parse
 from validation.effects.targets import Vocabulary
-from validation.engine.hold_out import Fold, folds
 from validation.engine.problem import Problem
 from validation.ladders import aliases
 from validation.ladders.aliases import Alias, names_of
@@ -35,7 +34,6 @@ class Candidate:
     alias : what does the same to these data; None where nothing does
     tolerances : by key of its sizes what a laboratory or the model admits, one standard deviation
     nulls : by key the size at which there is no effect
-    blind : what default hold-out takes away and leaves no data that have it
     said : sentences about how it is taken
     """
 
@@ -44,7 +42,6 @@ class Candidate:
     alias: Alias | None
     tolerances: Mapping[str, float]
     nulls: Mapping[str, float]
-    blind: tuple[str, ...] = ()
     said: tuple[str, ...] = ()
 
 
@@ -97,7 +94,6 @@ def candidate(
         alias=found,
         tolerances=_tolerances(added.named, before),
         nulls={size.key: size.null for size in added.named.sizes},
-        blind=_blind(free, added.named),
         said=said,
     )
 
@@ -134,23 +130,6 @@ def _require_seen(before: Problem, after: Problem, added: Added) -> None:
             problem="it acts nowhere on these data: no channel would read anything else",
             remedy="Name data of an article that has it, or of a run that drives it",
         )
-
-
-def _blind(problem: Problem, named: Named) -> tuple[str, ...]:
-    """The fold of the only configuration in which `named` acts, where there are others."""
-    every = {one.measured.configuration for one in problem.predictions}
-    own = {one.measured.configuration for one in problem.predictions if names_of(Problem((one,)), named)}
-    if len(own) != 1 or len(every) == 1:
-        return ()
-    return tuple(fold.name for fold in folds(problem) if own == {_whole(problem, fold)})
-
-
-def _whole(problem: Problem, fold: Fold) -> str:
-    """The configuration of which `fold` holds out everything; empty where it is none."""
-    runs = {one.measured.name: one.measured for one in problem.predictions}
-    held = {runs[name].configuration for name in fold.runs if len(fold.runs[name]) == len(runs[name].runs)}
-    of = [one for one in runs.values() if one.configuration in held]
-    return held.pop() if len(held) == 1 and {one.name for one in of} == set(fold.runs) else ""
 
 
 def _differ(before: Problem, after: Problem) -> bool:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from math import isfinite, sqrt
-from statistics import fmean
+from collections.abc import Iterator, Mapping
+from math import isfinite
 
 from identification.quality import NORMAL_95
 from validation.comparing.verdicts import ABSURD, costly
@@ -23,23 +21,18 @@ def worth(rung: Rung) -> bool:
     return rung.gain is not None and rung.gain > WORTH
 
 
-def verdict(
-    before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float], blind: Sequence[str] = ()
-) -> tuple[str, ...]:
+def verdict(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> tuple[str, ...]:
     """Sentences about the effect that leads from `before` to `after`.
 
     Parameters
     ----------
     tolerances : by key of its sizes, what a careful laboratory or the model admits of it, one standard deviation; 0 for nothing
     nulls : by key, the size at which there is no effect
-    blind : what was held out and leaves no data that have the effect, so that nothing can tell its size
     """
-    return tuple(_sentences(before, after, tolerances, nulls, blind))
+    return tuple(_sentences(before, after, tolerances, nulls))
 
 
-def _sentences(
-    before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float], blind: Sequence[str]
-) -> Iterator[str]:
+def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> Iterator[str]:
     old, new = before.errors, after.errors
     if old is None or new is None:
         return
@@ -50,10 +43,7 @@ def _sentences(
     yield _evidence(after.gain)
     yield _fall(old, new)
     yield from _most(old, new)
-    yield from _held_out(_seen(old, blind), _seen(new, blind))
-    yield from (
-        f"That is without {name}: held out, it leaves no data that have the effect." for name in blind if name in new.by_fold
-    )
+    yield from _held_out(old, new)
     for size in after.effects.get(after.effect, ()):
         yield from _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
     yield from _price(new)
@@ -80,14 +70,6 @@ def _most(old: Errors, new: Errors) -> Iterator[str]:
     if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
         was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
         yield f"Of its channels {best} gains most: {was} before and {now} after."
-
-
-def _seen(errors: Errors, blind: Sequence[str]) -> Errors:
-    """`errors` whose held-out ones leave out what is `blind`; each of the others counts alike."""
-    left = {name: value for name, value in errors.by_fold.items() if name not in blind}
-    if len(left) in (0, len(errors.by_fold)):
-        return errors
-    return replace(errors, by_fold=left, held_out=sqrt(fmean(value**2 for value in left.values())))
 
 
 def _held_out(old: Errors, new: Errors) -> Iterator[str]:

@@ -24,7 +24,7 @@ class StructureTolerances:
     ----------
     modulus : of every part's moduli
     frequency : of every mode's frequency, beside the moduli
-    damping : of the logarithm of every part's loss factor, or of every mode's damping where that is given by mode
+    damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
     mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
     participation : of every mode's participation, along each axis, as a share of its largest
     mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs

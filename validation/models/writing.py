@@ -40,7 +40,7 @@ TOLERANCE_NOTES = {
 STRUCTURE_NOTES = {
     "modulus": "of every part's moduli",
     "frequency": "of every mode's frequency, beside the moduli",
-    "damping": "of the logarithm of every part's loss factor; of every mode's damping where damping_ratio gives it",
+    "damping": "of every part's loss factor; of the logarithm of every mode's damping where damping_ratio gives it",
     "mode_damping": "of the logarithm of every mode's damping, beside the loss factors of the parts",
     "participation": "of every mode's participation, as a share of its largest",
     "mode_coupling": "of the damping between two modes, as a share of the geometric mean of theirs",

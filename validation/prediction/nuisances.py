@@ -8,7 +8,9 @@ matrices are smooth in every parameter, stay symmetric, K and C positive, and a 
 
 Where parts have loss factors, these are what is not known of damping: one number moves all modes in which the part bends, in all
 configurations, and what it cannot do is left to the modes within the small tolerance `mode_damping`. A third of freedom on each
-mode would swallow any loss of a part. Where damping is given by mode there is nothing else to move, and the modes have it all.
+mode would swallow any loss of a part. The offset of a loss factor is a relative change of it and no logarithm: effects add to
+the same matrix, and only in a straight valley between the two does a fit find the lowest point. Where damping is given by mode
+there is nothing else to move, and the modes have it all.
 """
 
 from __future__ import annotations
@@ -63,7 +65,7 @@ class Nuisances:
         of, modes = self.tolerances, range(1, len(self.frequency) + 1)
         parts = self.nominal.parts if len(self.frequency) else ()
         made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
-        made += [replace(_declared(f"loss:{part}", of.damping), nominal=1.0, logarithmic=True, above=-1.0) for part in self.lossy]
+        made += [_declared(f"loss:{part}", of.damping) for part in self.lossy]
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
@@ -150,7 +152,7 @@ def _now(of: Nuisances, offsets: Offsets) -> _Now:
         if stiffer:
             K, parts[part] = K + np.expm1(stiffer) * share, np.exp(stiffer) * share
         if stiffer or lossier:
-            S = S + np.expm1(stiffer + lossier) * of.losses.get(part, 0.0) * share
+            S = S + (np.exp(stiffer) * (1 + lossier) - 1) * of.losses.get(part, 0.0) * share
     stiffness = E[:, None] * K * E
     GD = D * _grown(m.stiffness, stiffness)
     C = GD[:, None] * m.viscous * GD
@@ -162,7 +164,7 @@ def _now(of: Nuisances, offsets: Offsets) -> _Now:
         viscous=C + _coupled(of, offsets),
         parts=parts,
     )
-    losses = {part: eta * float(np.exp(offsets.get(f"loss:{part}", 0.0))) for part, eta in of.losses.items()}
+    losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in of.losses.items()}
     return _Now(matrices=made, E=E, D=D, uncoupled=C, losses=losses)
 
 
@@ -224,7 +226,7 @@ def _of_modulus(of: Nuisances, now: _Now, part: str) -> Tangent:
 
 def _of_loss(of: Nuisances, now: _Now, part: str) -> Tangent:
     DE = now.D * now.E
-    return of_arrays(len(DE), structural=now.losses[part] * DE[:, None] * now.matrices.parts[part] * DE)
+    return of_arrays(len(DE), structural=of.losses[part] * DE[:, None] * now.matrices.parts[part] * DE)
 
 
 def _of_frequency(of: Nuisances, now: _Now, configuration: str, mode: str) -> Tangent:

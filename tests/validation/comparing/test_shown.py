@@ -11,7 +11,8 @@ from validation.comparing import table, words
 from validation.comparing.as_json import as_json
 from validation.comparing.drawn import draw
 from validation.comparing.spots import Spot
-from validation.comparing.verdicts import FAILED, GOOD, Explained, absurd, expected_z2, told
+from validation.comparing.verdicts import DOUBTFUL, FAILED, GOOD, Explained, absurd, expected_z2, told
+from validation.engine.evaluation import Share
 from validation.output import json_text
 from validation.tables.text import page
 
@@ -103,6 +104,26 @@ def test_a_fit_that_does_not_hold_on_runs_that_it_has_not_seen_is_doubted(evalua
     bad = replace(of, held_out=replace(of.held_out, percent=5.0))
     assert "does not hold" in told(bad, EXPECTED, 2.0)[3].text
     assert told(of, EXPECTED, 2.0)[3].verdict == GOOD
+
+
+def test_an_error_that_tolerances_explain_is_not_doubted_however_small_the_one_on_fitted_data(evaluation) -> None:
+    """What the plain fit frees swallows some of a tolerance on the data it is fitted to, and none on others."""
+    of = evaluation()
+    null = replace(of, plain=replace(of.plain, percent=0.26), held_out=replace(of.held_out, percent=0.5))
+    expected = Explained(measurement=0.4, with_modes=0.4)
+    assert told(null, expected, 2.0)[3].verdict == GOOD
+    assert told(null, replace(expected, measurement=0.3), 2.0)[3].verdict == DOUBTFUL
+
+
+def test_a_configuration_never_seen_is_told_beside_the_verdict_and_does_not_change_it(evaluation) -> None:
+    of = evaluation()
+    series = replace(of, held_out_configurations=Share(percent=79.0), held_out_configurations_nominal=Share(percent=18.0))
+    here, there = told(of, EXPECTED, 2.0)[3], told(series, EXPECTED, 2.0)[3]
+    assert (there.figure, there.verdict) == (here.figure, here.verdict)
+    assert there.text.endswith("its modes and what acts there alone unfitted: 79 %, nominal 18 %")
+    alone = told(replace(series, held_out=None), EXPECTED, 2.0)[3]
+    assert (alone.figure, alone.verdict) == ("–", "")
+    assert "79 %" in alone.text
 
 
 def test_a_spot_is_told_as_an_engineer_would() -> None:

@@ -100,6 +100,16 @@ def test_the_right_effect_is_found_and_its_error_falls(made: Path, run: Run) -> 
     assert any("fmd-z2 gains most" in sentence for sentence in after["verdict"])
 
 
+def test_a_comparison_does_not_doubt_the_model_that_has_the_right_effect(made: Path, run: Run) -> None:
+    """Nothing but tolerances is left: what a fit leaves on runs that it has not seen is what they explain."""
+    code, out, err = run("compare", str(made), "cuboid", "--json")
+    assert code == cli.DONE, err
+    found = json.loads(out)
+    verdicts = {one["name"]: one["verdict"] for one in found["errors"]}
+    assert set(verdicts.values()) == {None, "good"}, verdicts
+    assert any("400 of the 561 lines" in said for said in found["warnings"])
+
+
 def test_the_model_file_holds_the_effect_and_every_other_line(made: Path) -> None:
     before, after = (Path(name).read_text(encoding="utf-8") for name in ("before.toml", "model.toml"))
     assert after.startswith(before.rstrip())
