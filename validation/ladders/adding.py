@@ -81,7 +81,7 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     """
     tell = progress or (lambda what, share: None)
     require_band(asked.band)
-    if asked.model.exists():
+    if asked.model.is_file():
         probe(asked.model)  # what cannot be written at the end is said before minutes are spent
     for folder in asked.effects_from:
         catalogue.load(folder)

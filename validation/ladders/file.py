@@ -269,7 +269,15 @@ def _errors(table: Mapping[str, Any]) -> Errors:
             found[one.name] = float("nan") if value is None else _number(value)
         else:
             found[one.name] = _number_or_none(value)
-    return Errors(**found)
+    return _positive(Errors(**found))
+
+
+def _positive(errors: Errors) -> Errors:
+    """Refuse what is negative of the errors, which are roots of squares and sums of them."""
+    for name in ("nominal", "plain", "held_out_nominal", "held_out", "chi2", "tolerance_z2"):
+        if (getattr(errors, name) or 0.0) < 0:
+            raise ValueError(f"{_ERRORS[name]} is negative, {getattr(errors, name):g}")
+    return errors
 
 
 def _body(table: Mapping[str, Any]) -> Body:

@@ -78,6 +78,17 @@ def changed(change: Callable[[dict[str, Any]], object]) -> Callable[[str], str]:
     return apply
 
 
+def test_a_ladder_from_before_the_price_was_kept_is_read(ladder: Ladder, tmp_path: Path) -> None:
+    path = tmp_path / "model.ladder.json"
+    table = json.loads(file.text(ladder, "model.toml"))
+    for one in (one["errors"] for one in table["rungs"] if one["errors"]):
+        del one["tolerance_z2_expected"], one["largest_z"]
+    path.write_text(json.dumps(table), encoding="utf-8")
+    found = file.read(path).rungs[1].errors
+    assert found is not None
+    assert found.due_z2 == found.tolerances  # the most that it can be
+
+
 @pytest.mark.parametrize(
     ("damage", "words"),
     [
@@ -94,6 +105,7 @@ def changed(change: Callable[[dict[str, Any]], object]) -> Callable[[str], str]:
         (changed(lambda table: table["rungs"][1].update(model="a = 2")), "a list of texts"),
         (changed(lambda table: table["rungs"][1]["errors"].update(plain_percent="4")), "a number is expected"),
         (changed(lambda table: table["rungs"][1]["errors"].pop("tolerances")), "'tolerances' is missing"),
+        (changed(lambda table: table["rungs"][1]["errors"].update(plain_percent=-4.0)), "plain_percent is negative, -4"),
         (changed(lambda table: table["rungs"][1]["inertia"][0]["sd"].update(cog_mm=[1, 2])), "must have shape"),
         (changed(lambda table: table["rungs"][1].update(effects=[1])), "damaged"),
     ],
