@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -57,14 +57,14 @@ def measured(
     """
     if band is not None or lines is not None:
         found = spectra(campaign, method=method, band=band, frequency=lines, progress=progress)
-        return Made(measured=_measured(campaign, found, of, name), method=found.method)
+        return Made(measured=_measured(campaign, found, of, name), method=found.method, remarks=found.warnings)
     stated = driven.stated(campaign)
     found = spectra(campaign, method=method, band=stated, progress=progress)
     kept, left = driven.by_level(campaign, found, _groups(of))
     return Made(
-        measured=_measured(campaign, _at(found, kept), of, name),
+        measured=_measured(campaign, found.at(kept), of, name),
         method=found.method,
-        remarks=(*driven.outside(campaign, stated), *left),
+        remarks=(*found.warnings, *driven.outside(campaign, stated), *left),
     )
 
 
@@ -104,14 +104,6 @@ def _groups(of: Chain) -> tuple[list[int], list[int]]:
     """Columns of what is judged, and of what the inputs are estimated from."""
     forces = [of.columns[k] for k in of.forces.columns]
     return forces, [column for column in of.columns if column not in forces]
-
-
-def _at(found: Spectra, kept: npt.NDArray[np.bool_]) -> Spectra:
-    """Of the lines `kept` (n,) alone."""
-    if np.all(kept):
-        return found
-    values, deviation, quality = found.values[:, kept], found.noise[:, kept], found.quality[:, kept]
-    return replace(found, frequency=found.frequency[kept], values=values, noise=deviation, quality=quality)
 
 
 def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:
