@@ -109,6 +109,51 @@ def three_storey_frame(folder: Path, data: Path) -> None:
     draw_ladder(found, LADDER, folder)
 
 
+PLANTED = ("modulus:mast=0.06", "point-mass:mast-top=0.2")
+UNSEEN = ("fmd+clumod-1/x", "fmd+clumod-1/beta")
+
+
+def cross_check(folder: Path) -> None:
+    """Draw the ladder of docs/ladder.md, the map of docs/compare.md and what they quote in words into `folder`."""
+    from tempfile import TemporaryDirectory
+
+    from validation.cli import run
+
+    with TemporaryDirectory() as place:
+        model, tests = f"{place}/model.toml", [f"{place}/test/fmd+cuboid", f"{place}/test/fmd+clumod-1"]
+        planted = [word for effect in PLANTED for word in ("--effect", effect)]
+        held = [word for name in UNSEEN for word in ("--hold-out", name)]
+        for command in (
+            [
+                "simulate",
+                "fmd+cuboid",
+                "fmd+clumod-1",
+                "--seed",
+                "4",
+                "--octaves-per-minute",
+                "6",
+                *planted,
+                "--out",
+                f"{place}/test",
+            ],
+            ["model", "fmd+clumod-1", "--out", model],
+            ["compare", model, *tests, *held, "--out", place],
+            ["add", model, "force-gain:fmd-z2", *tests, *held],
+            ["undo", model],
+            ["add", model, "point-mass:mast-top", *tests, *held],
+            ["ladder", model, "--out", place],
+        ):
+            if run(command):
+                raise SystemExit(f"`massline {' '.join(command)}` failed")
+        drawn = {
+            "model-ladder": "ladder-fall",
+            "model-ladder-clumod-1": "ladder-inertia",
+            "compare-fmd+clumod-1-channels": "compare-channels",
+        }
+        for name, shown in drawn.items():
+            (folder / f"{shown}.png").write_bytes(Path(place, f"{name}.png").read_bytes())
+
+
 def swing_setup() -> Setup:
     """The pendulum of the picture."""
     texts = {
@@ -154,4 +199,5 @@ if __name__ == "__main__":
     flexible_bodies(sheet.parent)
     base_excitation(sheet.parent)
     pendulum(sheet.parent)
+    cross_check(sheet.parent)
     three_storey_frame(sheet.parent, Path(os.environ.get("MASSLINE_DATA", "../shared/data")) / "three_storey_frame")
