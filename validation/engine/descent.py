@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import CLOSE, MOST, Solution, minimise
+from identification.self_calibration.solve import CLOSE, MOST, Solution, excess, minimise
 from validation.engine.cost import Cost
 from validation.engine.parameter import SENSOR, STRUCTURAL
 from validation.engine.prediction import Offsets
@@ -30,8 +30,9 @@ STEPS = 6
 SPARSE = 3
 """Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
 
-AGAIN, WORTH = 2, 1.0
-"""How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
+AGAIN, WORTH = 3, 1.0
+"""How often a way down that did not end by itself begins again where it stopped, and what that must gain to go on: nats where the
+data fit, so many times more where they do not as the misfit exceeds what it should be."""
 
 ROUNDING = 1e-9
 """Standard deviations from a bound that are none."""
@@ -95,6 +96,10 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress) -> End:
 def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
     """From `offsets` straight down, and once more from where that ended while it does not end by itself but still gains.
 
+    A whole beginning that gains next to nothing ends it, too. How far the quadratic model would still like to go is not asked:
+    where the data do not fit, its second derivatives lack what the misfit adds, it points along a valley for ever, or past a
+    bound of what a model declares.
+
     Parameters
     ----------
     most : evaluations before it begins again
@@ -110,8 +115,10 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
         if converged:
             break
         before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
-        converged = solution.converged or _idle(before, solution, most)
-        if before.normal.cost - solution.normal.cost < WORTH:
+        gained = before.normal.cost - solution.normal.cost
+        idle = gained < WORTH * excess(solution.data, cost.size(solution.seen)) ** 2
+        converged = solution.converged or (idle and solution.evaluations >= most)
+        if idle:
             break
     progress(0.95)
     seen = standing(cost, cost.offsets(solution.seen), converged=converged)
@@ -130,15 +137,6 @@ def standing(cost: Cost, offsets: Offsets, *, converged: bool) -> End:
     at = np.where(x <= low + near, low, np.where(x >= high - near, high, np.nan))
     held = {name: float(bound) for name, bound in zip(cost.names, at, strict=True) if np.isfinite(bound)}
     return ended(cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held}), offsets, converged=converged)
-
-
-def _idle(before: Solution, after: Solution, most: int) -> bool:
-    """Whether all evaluations of a whole beginning gained next to nothing: the rest creeps along a valley.
-
-    How far the quadratic model would like to go is not asked: where the data do not fit, at a bound of what a model declares, its
-    second derivatives lack what the misfit adds, and it points along the valley for ever.
-    """
-    return after.evaluations >= most and before.normal.cost - after.normal.cost < WORTH
 
 
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:

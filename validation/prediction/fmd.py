@@ -6,6 +6,8 @@ goes with a centre of gravity known to 5 % of the radius of gyration.
 
 The moving part is nearly a plate: its second moment across the plane is a small difference of moments that are known to 5 % of
 their own. So a fit may pass through what no density has (P not definite); only a mass matrix that does not resist is refused.
+No fit goes `FARTHEST` beyond what is known beforehand: where a grave fault would have the FMD swallow it, the FMD would end as no
+body at all, and a fit on the brink of that finds no way down.
 """
 
 from __future__ import annotations
@@ -19,6 +21,9 @@ from validation.engine.prediction import Offsets
 
 FMD = "fmd"
 
+FARTHEST = 5.0
+"""Standard deviations."""
+
 
 def names() -> tuple[str, ...]:
     """Of the ten parameters."""
@@ -31,7 +36,7 @@ def parameters(nominal: Inertia, tolerance: float) -> tuple[Parameter, ...]:
         return ()
     ten = zip(names(), UNITS, nominal.parameters.tolist(), (tolerance * scales(nominal)).tolist(), strict=True)
     return tuple(
-        Parameter(name=name, unit=unit, tolerance=float(sd), kind=IDENTIFIED, nominal=float(value))
+        Parameter(name=name, unit=unit, tolerance=sd, kind=IDENTIFIED, nominal=value, low=-FARTHEST * sd, high=FARTHEST * sd)
         for name, unit, value, sd in ten
     )
 
