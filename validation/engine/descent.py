@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.errors import CheckFailed
 from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import CLOSE, MOST, Solution, excess, minimise
+from identification.self_calibration.solve import CLOSE, MOST, Solution, minimise
 from validation.engine.cost import Cost
 from validation.engine.parameter import SENSOR, STRUCTURAL
 from validation.engine.prediction import Offsets
@@ -31,8 +31,7 @@ SPARSE = 3
 """Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
 
 AGAIN, WORTH = 3, 1.0
-"""How often a way down that did not end by itself begins again where it stopped, and what that must gain to go on: nats where the
-data fit, so many times more where they do not as the misfit exceeds what it should be."""
+"""How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
 
 ROUNDING = 1e-9
 """Standard deviations from a bound that are none."""
@@ -116,7 +115,7 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
             break
         before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
         gained = before.normal.cost - solution.normal.cost
-        idle = gained < WORTH * excess(solution.data, cost.size(solution.seen)) ** 2
+        idle = gained < WORTH
         converged = solution.converged or (idle and solution.evaluations >= most)
         if idle:
             break
