@@ -22,6 +22,10 @@ TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 """Those whose offsets have a price."""
 
 
+WITHIN = 2.5
+"""Tolerances by which a plain fit may move what is declared."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """One parameter. Fits move its offset; `value` says what an offset means.

@@ -33,9 +33,6 @@ THRESHOLD = 4.0
 UNCHECKED = "#9aa0a6"
 """Of a row that nothing checks."""
 
-MARKS = 6
-"""Modes that are named above a map."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DrawnMap:

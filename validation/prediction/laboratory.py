@@ -10,7 +10,7 @@ from identification.chain.parameter import Parameter as OfChain
 from identification.measurement_chain import Chain, chain
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import OPENED
-from validation.engine.parameter import DECLARED, IDENTIFIED, SENSOR, Parameter
+from validation.engine.parameter import DECLARED, IDENTIFIED, SENSOR, WITHIN, Parameter
 from validation.models.model import Added, Model
 
 HELD = 1.0
@@ -20,9 +20,6 @@ HELD = 1.0
 KINDS = {"fmd-compliance": IDENTIFIED, "cell-stiffness": DECLARED}
 """What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
 load and how far they give; the former within what is declared of the cells."""
-
-WITHIN = 2.5
-"""Tolerances by which a plain fit may move what is declared."""
 
 
 def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Chain:

@@ -23,14 +23,11 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS
 from validation.effects.stages import Matrices
-from validation.engine.parameter import DECLARED, STRUCTURAL, Parameter
+from validation.engine.parameter import DECLARED, STRUCTURAL, WITHIN, Parameter
 from validation.engine.prediction import Offsets
 from validation.models.model import StructureTolerances
 from validation.prediction.matrices import sheet
 from validation.prediction.tangent import FIELDS, Tangent, of_arrays
-
-WITHIN = 2.5
-"""Tolerances by which a plain fit may move what the model declares."""
 
 NEIGHBOURS = 0.1
 """Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
