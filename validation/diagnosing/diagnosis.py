@@ -1,0 +1,233 @@
+"""`Diagnosis`: the answer to "what is my model missing", with everything that it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from validation.effects.catalogue import FAMILIES
+from validation.effects.identifiers import Named
+from validation.engine.evaluation import Evaluation
+
+NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
+    "nothing",
+    "missing",
+    "ambiguous",
+    "several",
+    "unknown",
+    "nonlinear",
+    "mistake",
+)
+
+NORMAL_90 = 1.6448536269514722
+"""Standard deviations of half a 90 % interval."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Size:
+    """One number of a cause.
+
+    Attributes
+    ----------
+    key : as in ``key:number``; empty for the one that stands alone
+    value : SI
+    unit : of it
+    low, high : 90 % interval; both the value of one that was not fitted
+    """
+
+    key: str
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cause:
+    """An effect that would explain the data, as a fit of all parameters left it.
+
+    Attributes
+    ----------
+    named : what it is and where, at the size that was found
+    sizes : with their intervals, the first one first; none of a mistake that has no size
+    evidence : [nats] against the model without it
+    misfit : chi² per degree of freedom with it
+    price : sum of z² of the tolerances with it, over what is due where nothing is wrong
+    null : whether misfit and price are then those of a model that misses nothing
+    """
+
+    named: Named
+    sizes: tuple[Size, ...]
+    evidence: float
+    misfit: float = 0.0
+    price: float = 0.0
+    null: bool = True
+
+    @property
+    def id(self) -> str:
+        """``family:target``."""
+        return self.named.id
+
+    @property
+    def text(self) -> str:
+        """What it means, for somebody who never heard of it."""
+        family, targets = FAMILIES[self.named.family], self.named.targets
+        return family.sentence.format(target=self.named.target, targets=" and ".join(targets))
+
+    @property
+    def mistaken_for(self) -> tuple[str, ...]:
+        """Ids or families that look like it."""
+        return FAMILIES[self.named.family].mistaken_for
+
+    @property
+    def confirmed_by(self) -> str:
+        """What would confirm it in the laboratory."""
+        return FAMILIES[self.named.family].confirmed_by
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detectable:
+    """The smallest size at which these data would name an effect.
+
+    Attributes
+    ----------
+    id : of the effect; a resonator's at its most favourable frequency
+    size : of its first number, SI, positive
+    unit : of it
+    at : what it belongs to, such as "21 Hz"; empty where it is one size
+    """
+
+    id: str
+    size: float
+    unit: str
+    at: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Advice:
+    """A measurement that would tell explanations apart.
+
+    Attributes
+    ----------
+    test : what to do, in words: "run the Cuboid turned by 90 degrees about z"
+    gain : expected evidence for the right explanation against the others [nats]; 0 where it tells nothing
+    separates : ids that it tells apart
+    """
+
+    test: str
+    gain: float
+    separates: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Leftover:
+    """What no effect explains, described.
+
+    Attributes
+    ----------
+    text : where it is and what it looks like, in words
+    looks_like : "stiffness", "mass", "damping", "resonance", "delay", "gain", "tilt", "noise" or "irregular"
+    load, motion : of the leading pair, by `geometry.observability.LOADS` and `geometry.dynamic_mass.MOTIONS`; empty where
+        channels fit better than a pair
+    channels : that show it, the worst first
+    frequency : [Hz] of a resonance; None for none
+    share : of the leftover that the description covers, 0 to 1
+    size : coefficient of the description in SI with `unit`: kg, N/m, s, 1 ...; None where there is none
+    unit : of it
+    """
+
+    text: str
+    looks_like: str
+    load: str = ""
+    motion: str = ""
+    channels: tuple[str, ...] = ()
+    frequency: float | None = None
+    share: float = 0.0
+    size: float | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Level:
+    """One axis driven at two levels that do not give the same.
+
+    Attributes
+    ----------
+    data_set : campaign
+    runs : the two, the lower level first
+    axis : driven
+    channels : that answer differently, the worst first
+    frequency : [Hz] where most
+    sigma : how surprising, in standard deviations of noise
+    """
+
+    data_set: str
+    runs: tuple[str, str]
+    axis: str
+    channels: tuple[str, ...]
+    frequency: float
+    sigma: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Step:
+    """One round of the search.
+
+    Attributes
+    ----------
+    added : id of what was accepted; empty where nothing was
+    ranking : what was tried, the best evidence first
+    misfit, price : before
+    text : why it was or was not accepted
+    """
+
+    added: str
+    ranking: tuple[Cause, ...]
+    misfit: float
+    price: float
+    text: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Diagnosis:
+    """The answer.
+
+    Attributes
+    ----------
+    verdict : of `VERDICTS`
+    text : the answer in words
+    accepted : what is missing, in the order of acceptance
+    ranking : all that was tried against the model without the effect that was found last, the best first
+    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt
+    advice : measurements that would tell them apart, or confirm, the best first
+    leftover : of an unknown effect
+    detectable : the smallest size at which each effect would have been named
+    levels : axes that answer differently at two levels
+    before, after : the four errors without and with what was accepted; the same where nothing was
+    steps : how it was found
+    hold_out : what was held out, in words
+    remarks : warnings, about data that were left out and the like
+    settings : method, band, thresholds, lines, versions
+    """
+
+    verdict: str
+    text: str
+    accepted: tuple[Cause, ...] = ()
+    ranking: tuple[Cause, ...] = ()
+    equivalence_class: tuple[str, ...] = ()
+    advice: tuple[Advice, ...] = ()
+    leftover: Leftover | None = None
+    detectable: tuple[Detectable, ...] = ()
+    levels: tuple[Level, ...] = ()
+    before: Evaluation
+    after: Evaluation
+    steps: tuple[Step, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def next_measurement(self) -> str:
+        """The best advice in words; empty where there is none."""
+        return self.advice[0].test if self.advice else ""
