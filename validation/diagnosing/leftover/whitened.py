@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
@@ -51,10 +52,13 @@ class Whitened:
             return np.full(self.values.shape, 2.0)
         return np.asarray(2 * (1 - np.sum(np.abs(self.basis) ** 2, axis=-1)))
 
-    def rejected(self, white: ComplexArray) -> ComplexArray:
-        """What inputs do not explain of whitened readings (r, m, c, q)."""
-        Q = self.basis
-        return white if Q is None else np.asarray(white - Q @ (Q.conj().swapaxes(-1, -2) @ white))
+    def kept(self, white: ComplexArray, channels: npt.NDArray[np.int64]) -> ComplexArray:
+        """(r, m, c, q) what inputs do not explain of whitened changes (r, m, c', q) of the `channels` (c',)."""
+        whole = np.zeros((*self.values.shape, white.shape[-1]), dtype=np.complex128)
+        whole[:, :, channels] = white
+        if self.basis is not None:
+            whole -= self.basis @ (self.basis[:, :, channels].conj().swapaxes(-1, -2) @ white)
+        return whole
 
 
 def whitened(of: Hypothesis, *, derivatives: Wanted = False) -> Iterator[Whitened]:
