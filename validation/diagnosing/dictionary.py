@@ -36,6 +36,10 @@ OCCAM = 4.0
 """[nats] that three sizes which are known to a factor cost at least, where the data tell them well."""
 
 
+ALIKE = 0.02
+"""Share of what a resonator does that the model's modes must leave to it: where they do as it does, a straight line lies."""
+
+
 def looked_up(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screened]:
     """Each resonator of `menu` at its best frequency and damping."""
     problem = bench.problem((*at.effects, *menu))
@@ -60,7 +64,8 @@ def _best(
     if not any(name in one.names for one in of.products):
         return None
     told = of.shapes(name, shapes)
-    gains = np.array([0.5 * one.estimate**2 * one.information if one.estimate > 0 else 0.0 for one in told])
+    sound = [one.estimate > 0 and one.share > ALIKE for one in told]
+    gains = np.array([0.5 * one.estimate**2 * one.information if good else 0.0 for one, good in zip(told, sound, strict=True)])
     best = int(np.argmax(gains))
     f, zeta = places[best]
     mass = max(TINY * told[best].estimate, TINY)  # the offset is that of ln m, at the mass TINY

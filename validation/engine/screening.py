@@ -50,12 +50,14 @@ class Told:
     estimate : its offset
     information : one over the square of its standard deviation; 0 where the data say nothing
     tolerance : that it has in the fit; 0 for one that is not in it
+    share : of the square of its column that the others cannot imitate
     """
 
     name: str
     estimate: float
     information: float
     tolerance: float = 0.0
+    share: float = 1.0
 
     @property
     def deviation(self) -> float:
@@ -139,7 +141,9 @@ class Screen:
         information = np.where(left > KNOWN * square, left, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             estimate = np.where(information > 0, gradient / information, 0.0)
-        return [Told(name=name, estimate=float(c), information=float(q)) for c, q in zip(estimate, information, strict=True)]
+        share = left / np.maximum(square, np.finfo(np.float64).tiny)
+        each = zip(estimate, information, share, strict=True)
+        return [Told(name=name, estimate=float(c), information=float(q), share=float(s)) for c, q, s in each]
 
 
 def in_the_fit(fit: Fit) -> dict[str, Told]:
