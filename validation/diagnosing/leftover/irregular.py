@@ -1,4 +1,4 @@
-"""A leftover that goes with frequency in no plain way: the channel that holds it, whatever it does there, or where it is worst."""
+"""A leftover that goes with frequency in no plain way: the channel that holds it, or where it is worst."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def irregular(data: Sequence[Whitened], excess: float, best: Explanation, share:
 
 
 def held(data: Sequence[Whitened]) -> list[Held]:
-    """What every channel holds: whitened residuals r_c with the share 1 - h_c that inputs leave free, sum of |r_c|² / (1 - h_c)."""
+    """What every channel holds: the sum of |r_c|² / (1 - h_c), whitened residuals of which inputs leave 1 - h_c free."""
     found: dict[str, tuple[float, complex, float]] = {}
     for one in data:
         free = np.maximum(one.free / 2, ALONE)
@@ -70,5 +70,6 @@ def held(data: Sequence[Whitened]) -> list[Held]:
             own = float(np.sum(np.abs(e[..., k]) ** 2))
             found[channel] = (chi2 + own - 2 * e[..., k].size, together + beside[k], power + own)
     return [
-        Held(channel=channel, chi2=chi2, smooth=float((together / power).real)) for channel, (chi2, together, power) in found.items()
+        Held(channel=channel, chi2=chi2, smooth=float((together / power).real))
+        for channel, (chi2, together, power) in found.items()
     ]
