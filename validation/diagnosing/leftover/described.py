@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from geometry.arrays import Array
 from validation.diagnosing.bench import Hypothesis
 from validation.diagnosing.diagnosis import Leftover
 from validation.diagnosing.leftover import words
@@ -16,6 +17,7 @@ from validation.diagnosing.leftover.courses import RESONANCE
 from validation.diagnosing.leftover.irregular import irregular
 from validation.diagnosing.leftover.places import AXIS, KINDS, SPAN
 from validation.diagnosing.leftover.ranking import Explanation, ranked, refined
+from validation.diagnosing.leftover.tangents import swallowing
 from validation.diagnosing.leftover.whitened import whitened
 from validation.prediction.series import SeriesPrediction
 
@@ -38,19 +40,18 @@ HARDLY = 0.02
 
 def described(hypothesis: Hypothesis) -> Leftover:
     """What `hypothesis` does not explain, and what its tolerances swallowed of it."""
-    data = list(whitened(hypothesis, derivatives=True))
-    excess = leftover_of(hypothesis)
-    found = ranked(hypothesis, data)
-    best = refined(plainest(found))
+    data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
+    best = refined(plainest(ranked(hypothesis, data)))
+    excess = _excess(hypothesis, data[0].slope)
     share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * hypothesis.fit.degrees_of_freedom)
     if share >= SURE:
         return words.leftover(best, share, _resonance(best, hypothesis))
-    return irregular(data, excess, best, share)
+    return irregular([one.of for one in data], excess, best, share)
 
 
-def leftover_of(hypothesis: Hypothesis) -> float:
-    """How much chi² and price of all parameters lie above those of a model that misses nothing."""
-    return 2 * hypothesis.fit.cost - NULL * hypothesis.fit.degrees_of_freedom
+def _excess(hypothesis: Hypothesis, slope: Array) -> float:
+    """Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted."""
+    return 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
 
 
 def plainest(found: Sequence[Explanation]) -> Explanation:

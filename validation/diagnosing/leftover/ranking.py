@@ -15,8 +15,7 @@ from validation.diagnosing.leftover.courses import Course, resonance
 from validation.diagnosing.leftover.families import families, loaded
 from validation.diagnosing.leftover.places import HEARD, Family, Place
 from validation.diagnosing.leftover.spanning import Spanned, spanned, spans
-from validation.diagnosing.leftover.tangents import Answers, Gains, Swallowing, following, gains, swallowing
-from validation.diagnosing.leftover.whitened import Whitened, whitened
+from validation.diagnosing.leftover.tangents import Answers, Gains, Swallowing, following, gains
 from validation.engine.prediction import Offsets
 from validation.engine.screening import Products
 
@@ -69,19 +68,17 @@ class Told:
     family: Family | None = None
 
 
-def ranked(hypothesis: Hypothesis, data: Sequence[Whitened] | None = None) -> list[Explanation]:
-    """All explanations of what `hypothesis` leaves, the best first; `data` as `whitened` gives them with derivatives."""
+def ranked(hypothesis: Hypothesis, data: Sequence[Swallowing]) -> list[Explanation]:
+    """All explanations of what `hypothesis` leaves in its `data`, the best first."""
     offsets = {**hypothesis.problem.start, **hypothesis.fit.by_name}
-    seen = whitened(hypothesis, derivatives=True) if data is None else data
     told: dict[str, list[Told]] = {}
     matrices: list[Spanned] = []
-    every = swallowing(list(seen), hypothesis)
-    for one in every:
+    for one in data:
         loads = loaded(one, offsets)
         matrices += [] if loads is None else [spanned(loads)]
         for each in _told(one, offsets, loads):
             told.setdefault(each.key, []).append(each)
-    slope = every[0].slope
+    slope = data[0].slope
     found = [one for alike in told.values() for one in _explanations(alike, slope)]
     return sorted([*found, *_spanning(matrices, slope)], key=lambda one: -one.gain)
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from geometry.frames import rigid_transformation_6
 from validation.diagnosing.leftover.described import described
+from validation.prediction import fmd
 
 
 def entry(of, i: int, j: int, course) -> np.ndarray:
@@ -122,9 +124,6 @@ def test_a_board_whose_delay_grows_along_the_sweep_is_told_as_a_group(left) -> N
 
 
 def test_a_joint_that_gives_is_told_with_its_compliance(left, state) -> None:
-    from geometry.frames import rigid_transformation_6
-    from validation.prediction import fmd
-
     carried = state.of.tested.carried
     T = rigid_transformation_6(carried.standing.pose.position)
     H = np.linalg.inv(T).T @ (state.H - fmd.at(carried.moving, {}).mass_matrix) @ np.linalg.inv(T)
