@@ -7,7 +7,8 @@ it, whatever it does there, is named as irregular or as noise; else only where i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 from geometry.arrays import Array
 from validation.diagnosing.bench import Hypothesis
@@ -27,12 +28,14 @@ NULL = 0.89
 SURE = 0.4
 """Share of a leftover that an explanation must cover to be what the leftover looks like."""
 
-NEARLY = 0.9
+NEARLY = 0.95
 """Share of the best gain at which a plainer explanation is as good."""
 
-VAGUE, ALONE = 0.75, 0.8
-"""What the gain counts of a whole matrix or axis, which can be many things, and of what acts in one of several data sets alone,
-where tolerances that all of them share give back what they took elsewhere."""
+MANY, VAGUE, ALONE = 0.95, 0.75, 0.8
+"""What the gain counts of a whole matrix, which has many numbers; of a whole axis, which can be many things; and of what acts in one
+of several data sets alone, where tolerances that all of them share give back what they took elsewhere."""
+
+WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MANY, AXIS: VAGUE})
 
 HARDLY = 0.02
 """Share of the degrees of freedom that a leftover must at least be: below, models that miss nothing differ by as much."""
@@ -61,7 +64,7 @@ def plainest(found: Sequence[Explanation]) -> Explanation:
 
 
 def _plausibly(one: Explanation) -> float:
-    return one.gain * (VAGUE if one.place.kind in (SPAN, AXIS) else 1.0) * (ALONE if one.data_set else 1.0)
+    return one.gain * WEIGHED.get(one.place.kind, 1.0) * (ALONE if one.data_set else 1.0)
 
 
 def _plainness(one: Explanation) -> tuple[bool, int, float]:

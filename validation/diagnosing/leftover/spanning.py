@@ -19,6 +19,9 @@ from validation.engine.screening import Products
 PLACES = tuple((i, j) for i in range(6) for j in range(i, 6))
 """Entries of a symmetric matrix."""
 
+PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
+"""What symmetric matrices are of: mass, stiffness, damping."""
+
 NAMED = 0.25
 """Share of the leading pair, at the nominal level of the motions, from which another one is named with it."""
 
@@ -70,8 +73,8 @@ def spanned(of: Loaded) -> Spanned:
 
 
 def spans(alike: Sequence[Spanned], slope: Array) -> Iterator[Span]:
-    """Of all plain courses, with one matrix for the data sets `alike`; `slope` as `Swallowing` has it."""
-    for course in OF_PAIRS:
+    """Of the courses of matrices, with one matrix for the data sets `alike`; `slope` as `Swallowing` has it."""
+    for course in PHYSICAL:
         score, told = np.zeros(len(PLACES)), np.zeros((len(PLACES), len(PLACES)))
         swallowed = 0.0
         for one in alike:

@@ -103,13 +103,13 @@ def test_a_load_cell_that_loses_energy_looks_like_damping(left) -> None:
 
 def test_a_spring_off_the_reference_point_is_told_by_its_leading_pair_and_those_beside_it(left) -> None:
     def spring(s):
-        d = np.array([1.0, 0.0, 0.0, 0.0, 0.03, 0.2])
+        d = np.array([0.0, 1.0, 0.0, -0.25, 0.0, 0.1])
         return s.added(-5e2 / s.omega[:, None, None] ** 2 * np.outer(d, d))
 
     found = described(left(spring))
-    assert (found.looks_like, found.load, found.motion, found.unit) == ("stiffness", "f_x", "x", "N/m")
+    assert (found.looks_like, found.load, found.motion, found.unit) == ("stiffness", "f_y", "y", "N/m")
     assert found.size == pytest.approx(5e2, rel=0.1)
-    assert "x and gamma" in found.text
+    assert "y and alpha" in found.text
 
 
 def test_a_board_whose_delay_grows_along_the_sweep_is_told_as_a_group(left) -> None:
