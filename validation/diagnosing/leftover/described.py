@@ -32,8 +32,8 @@ NEARLY = 0.95
 """Share of the best gain at which a plainer explanation is as good."""
 
 MANY, VAGUE, ALONE = 0.95, 0.75, 0.8
-"""What the gain counts of a whole matrix, which has many numbers; of a whole axis, which can be many things; and of what acts in one
-of several data sets alone, where tolerances that all of them share give back what they took elsewhere."""
+"""What the gain counts of a whole matrix, which has many numbers; of a whole axis, which can be many things; and of what acts in
+one of several data sets alone, where tolerances that all of them share give back what they took elsewhere."""
 
 WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MANY, AXIS: VAGUE})
 
