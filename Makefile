@@ -24,7 +24,7 @@ demo: $(READY) ## everything massline shows, tables on the screen and pictures u
 
 # The editable install says in a second that it imports from here; then the whole suite runs once, against the built wheel, because
 # that is what a user installs. The wheel is these very files (test_wheel.py), so running everything twice would prove nothing more.
-test: $(READY) ## where the editable install imports from, then the whole suite on the built wheel; ARGS="-k cuboid" picks tests
+test: $(READY) ## where the editable install imports from, then the whole suite on the built wheel, by two processes; ARGS="-k cuboid" picks tests
 	$(PYTHON) -P -m pytest --quiet tests/architecture/test_origin.py
 	sh tools/suite_on_wheel.sh $(ARGS)
 
