@@ -71,4 +71,4 @@ def command(
         candidates=candidates,
         effects_from=effects_from,
     )
-    answer(asked, as_json=as_json, folder=out)
+    answer(asked, auto=auto, as_json=as_json, folder=out)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from geometry.atomic import write_text
+from geometry.atomic import probe, write_text
 from validation.diagnosing import as_json as written
-from validation.diagnosing import table
+from validation.diagnosing import automatic, table
 from validation.diagnosing.asked import Asked, ready
+from validation.diagnosing.bench import Bench
+from validation.ladders import run as ladders
+from validation.ladders.nouns import Rung
 from validation.output import json_text
 from validation.progress import shown, stages
 from validation.tables.text import page
@@ -18,53 +22,107 @@ from validation.tables.text import page
 if TYPE_CHECKING:
     from validation.diagnosing.diagnosis import Diagnosis
 
+Progress = Callable[[str, float], None]
+
 RESULT = "diagnose.json"
 """The file of a diagnosis in its folder."""
 
 
-def answer(asked: Asked, *, as_json: bool, folder: Path | None) -> None:
-    """Diagnose what is `asked`, print it, and write JSON and pictures into `folder` (None: nowhere).
+def answer(asked: Asked, *, auto: bool, as_json: bool, folder: Path | None) -> None:
+    """Diagnose what is `asked`, print it, and write JSON and pictures into `folder` (None: nowhere); where `auto`, climb.
 
     Raises
     ------
     BadInput : something that was asked cannot be used.
     CheckFailed : a baseline that does not converge.
+    OSError : with `auto`, the model file cannot be written.
     """
-    found, data_sets = diagnosis(asked, quiet=as_json)
-    whole = {**of_asked(asked, data_sets), **written.as_json(found)}
-    click.echo(json_text(whole) if as_json else text(asked, data_sets, found), nl=as_json)
+    if auto and asked.model.is_file():
+        probe(asked.model)  # what cannot be written at the end is said before minutes are spent
+    bench = prepared(asked, quiet=as_json)
+    found, more = (_climbed if auto else _diagnosed)(asked, bench, as_json=as_json)
+    whole = {**of_asked(asked, bench), **written.as_json(found), **more}
+    if as_json:
+        click.echo(json_text(whole))
     if folder is not None:
         write(found, whole, folder, quiet=as_json)
 
 
-def diagnosis(asked: Asked, *, quiet: bool = True) -> tuple[Diagnosis, tuple[str, ...]]:
-    """The diagnosis that `asked` leads to, and the names of its data sets.
+def prepared(asked: Asked, *, quiet: bool = True) -> Bench:
+    """The bench that `asked` leads to.
 
     Raises
     ------
-    BadInput, CheckFailed : see `answer`.
+    BadInput : something that was asked cannot be used.
     """
-    from validation.diagnosing.diagnosed import bench, diagnosed
-
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
-    with stages("diagnosing", quiet=quiet) as told:
-        ready_made = bench(model, data, hold_out=asked.hold_out, band=asked.band, method=asked.method, progress=told)
-        found = diagnosed(ready_made, only=asked.candidates, progress=told)
-    return found, tuple(one.measured.name for one in ready_made.made)
+        from validation.diagnosing.diagnosed import bench
+
+        return bench(model, data, hold_out=asked.hold_out, band=asked.band, method=asked.method, progress=told)
 
 
-def text(asked: Asked, data_sets: tuple[str, ...], found: Diagnosis) -> str:
+def diagnosis(asked: Asked, bench: Bench, progress: Progress | None = None) -> Diagnosis:
+    """What is missing on `bench`.
+
+    Raises
+    ------
+    CheckFailed : a baseline that does not converge.
+    """
+    from validation.diagnosing.diagnosed import diagnosed
+
+    return diagnosed(bench, only=asked.candidates, progress=progress)
+
+
+def _diagnosed(asked: Asked, bench: Bench, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+    """The diagnosis, printed; there is nothing more to say in JSON."""
+    with stages("diagnosing", quiet=as_json) as told:
+        found = diagnosis(asked, bench, told)
+    if not as_json:
+        click.echo(text(asked, bench, found), nl=False)
+    return found, {}
+
+
+def _climbed(asked: Asked, bench: Bench, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+    """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
+    pages = 0
+
+    def diagnosed(found: Diagnosis) -> None:
+        nonlocal pages
+        if not pages and not as_json:
+            click.echo(text(asked, bench, found))
+        pages += 1
+
+    def added(rung: Rung) -> None:
+        if not as_json:
+            click.echo(f"Rung {rung.number}: {rung.effect} added. {' '.join(rung.verdict)}\n")
+
+    with stages("climbing", quiet=as_json) as told:
+        heard = automatic.Heard(diagnosed=diagnosed, added=added, progress=told)
+        found = automatic.climb(asked, bench, lambda at: diagnosis(asked, at, told), heard)
+    if not as_json:
+        click.echo(f"The climb ends: {found.ended}.\n")
+        click.echo(ladders.text(found.at) if found.at.ladder.rungs else "", nl=False)
+    return found.rounds[0], automatic.as_json(found)
+
+
+def text(asked: Asked, bench: Bench, found: Diagnosis) -> str:
     """The page of a diagnosis."""
-    return page(table.title(asked.model.name, data_sets), table.grids(found), table.notes(found), opening=table.opening(found))
+    named = table.title(asked.model.name, data_sets(bench))
+    return page(named, table.grids(found), table.notes(found), opening=table.opening(found))
 
 
-def of_asked(asked: Asked, data_sets: tuple[str, ...]) -> dict[str, Any]:
+def data_sets(bench: Bench) -> tuple[str, ...]:
+    """Names of the campaigns."""
+    return tuple(one.measured.name for one in bench.made)
+
+
+def of_asked(asked: Asked, bench: Bench) -> dict[str, Any]:
     """What was asked, as JSON."""
     return {
         "model": str(asked.model),
         "data": list(asked.data),
-        "campaigns": list(data_sets),
+        "campaigns": list(data_sets(bench)),
         "hold_out": list(asked.hold_out),
         "band_hz": None if asked.band is None else list(asked.band),
         "method": asked.method,

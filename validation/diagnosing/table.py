@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from validation.comparing.verdicts import expected_z2, figure, misfit, percent
-from validation.diagnosing import practical, words
+from validation.diagnosing import figures, words
 from validation.diagnosing.diagnosis import NONLINEAR, NOTHING, Cause, Diagnosis, Size
 from validation.engine.evaluation import Evaluation, Share
 from validation.rows import NONE
@@ -183,8 +183,8 @@ def figure_of(one: Cause) -> str:
     """The first size of a cause with its unit."""
     if not one.sizes:
         return NONE
-    value, _, _, unit = words.figures(one, one.sizes[0])
-    return practical.with_unit(value, unit)
+    value, _, _, unit = words.interval(one, one.sizes[0])
+    return figures.with_unit(value, unit)
 
 
 def _sizes(one: Cause) -> list[tuple[str, ...]]:
@@ -195,7 +195,7 @@ def _sizes(one: Cause) -> list[tuple[str, ...]]:
 
 
 def _told(one: Cause, size: Size) -> tuple[str, str, str]:
-    value, low, high, unit = words.figures(one, size)
+    value, low, high, unit = words.interval(one, size)
     return value, NONE if size.low == size.high else f"{low} to {high}", unit or NONE
 
 
@@ -224,7 +224,7 @@ def _judged(found: Diagnosis, one: Cause) -> str:
 
 
 def _smallest(id: str, size: float, unit: str, at: str) -> tuple[str, str]:
-    told = practical.one(id.partition(":")[0], "", unit, size).lstrip("+")
+    told = figures.one(id.partition(":")[0], "", unit, size).lstrip("+")
     return told, f"{words.what(id)}{f', at {at}' if at else ''}"
 
 

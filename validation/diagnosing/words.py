@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
-from validation.diagnosing import practical
+from validation.diagnosing import figures
 from validation.diagnosing.diagnosis import (
     AMBIGUOUS,
     MISSING,
@@ -38,16 +38,16 @@ def cause(of: Cause) -> str:
 
 def sized(of: Cause, size: Size) -> str:
     """One size with its interval, and its key where it has one."""
-    value, low, high, unit = figures(of, size)
+    value, low, high, unit = interval(of, size)
     key = f"{size.key} " if size.key else ""
     if size.low == size.high:
-        return key + practical.with_unit(value, unit)
-    return f"{key}{practical.with_unit(value, unit)} ({low} to {high})"
+        return key + figures.with_unit(value, unit)
+    return f"{key}{figures.with_unit(value, unit)} ({low} to {high})"
 
 
-def figures(of: Cause, size: Size) -> tuple[str, str, str, str]:
+def interval(of: Cause, size: Size) -> tuple[str, str, str, str]:
     """Value, both ends of the interval, and the unit in which they stand."""
-    (value, low, high), unit = practical.written(of.named.family, size.key, size.unit, (size.value, size.low, size.high))
+    (value, low, high), unit = figures.written(of.named.family, size.key, size.unit, (size.value, size.low, size.high))
     return value, low, high, unit
 
 

@@ -5,7 +5,7 @@ The rung of the model before is kept as soon as it is evaluated, so that an inte
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -49,6 +49,7 @@ class Asked:
     effects_from : folders of the user's own effects
     fixed : whether the effect stays at its size
     alias_ok : whether an exact alias of what the model has may be added
+    remarks : sentences that the rung's verdict ends with, of whoever asks for it
     """
 
     model: Path
@@ -60,6 +61,7 @@ class Asked:
     effects_from: tuple[str, ...] = ()
     fixed: bool = False
     alias_ok: bool = False
+    remarks: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -163,7 +165,7 @@ def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Aske
     gain = new.log_evidence - old.log_evidence if old is not None and new is not None else None
     rung = replace(rung, gain=gain)
     told = verdict(before, rung, chosen.tolerances, chosen.nulls)
-    return replace(rung, verdict=(*told, *(sentence(one) for one in chosen.said)))
+    return replace(rung, verdict=(*told, *(sentence(one) for one in (*chosen.said, *asked.remarks))))
 
 
 def _settings(model: Model) -> dict[str, object]:
