@@ -16,7 +16,7 @@ from validation.diagnosing.bench import Bench
 from validation.ladders import run as ladders
 from validation.ladders.nouns import Rung
 from validation.output import json_text
-from validation.progress import shown, stages
+from validation.progress import percent, stages
 from validation.tables.text import page
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def answer(asked: Asked, *, auto: bool, as_json: bool, folder: Path | None) -> N
     if as_json:
         click.echo(json_text(whole))
     if folder is not None:
-        write(found, whole, folder, quiet=as_json)
+        write(found, bench, whole, folder, quiet=as_json)
 
 
 def prepared(asked: Asked, *, quiet: bool = True) -> Bench:
@@ -130,13 +130,16 @@ def of_asked(asked: Asked, bench: Bench) -> dict[str, Any]:
     }
 
 
-def write(found: Diagnosis, whole: dict[str, Any], folder: Path, *, quiet: bool) -> None:
-    """`diagnose.json` and the pictures, into `folder`."""
+def write(found: Diagnosis, bench: Bench, whole: dict[str, Any], folder: Path, *, quiet: bool) -> None:
+    """`diagnose.json` and the pictures, into `folder`; of what is left over a map of each campaign, too."""
     from validation.diagnosing.drawn import draw
+    from validation.diagnosing.left import draw_left
 
     write_text(folder / RESULT, json_text(whole) + "\n")
     click.echo(f"massline: wrote {folder / RESULT}.", err=True)
-    with shown("pictures", quiet=quiet):
+    with percent("pictures", quiet=quiet) as told:
         paths = draw(found, folder)
+        if found.leftover is not None:
+            paths += draw_left(found, bench, folder, told)
     for path in paths:
         click.echo(f"massline: wrote {path}.", err=True)
