@@ -34,8 +34,8 @@ def advised(bench: Bench, rivals: Sequence[Hypothesis], progress: Progress | Non
 
     Returns
     -------
-    those from which `WITHIN` nats or more are expected between the first and at least one other: first those that tell most of
-    them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain 0 that says so.
+    those from which `WITHIN` nats or more are expected between the first and at least one other. First come those that tell most
+    of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain 0 says so.
     """
     first, *others = (knowledge(one) for one in rivals)
     if not others:

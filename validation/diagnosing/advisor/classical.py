@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 
@@ -16,9 +15,10 @@ from validation.diagnosing.advisor.offer import Offer
 from validation.diagnosing.advisor.planned import Template
 from validation.engine.prediction import Fact
 from validation.identifying.known import above_fmd
-from validation.models.model import Added
+from validation.models.model import Added, Model
 from validation.prediction.facts import KEYS, ArticleFact, article_of, weights_of
 from validation.stated_inertia import NORMAL_95
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Method:

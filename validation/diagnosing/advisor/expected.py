@@ -1,7 +1,7 @@
 """How many nats a test is expected to give for the right one of two explanations, in closed form.
 
 By explanation a the test reads A_a u + n, the tolerances within what the present data left of them: whitened and with the latent
-inputs taken out, a Gaussian with mean m_a and covariance S_a = 1 + J C_a J^T. If a is true, its evidence grows against that of b by
+inputs taken out, a Gaussian with mean m_a and covariance S_a = 1 + J C_a J^T. If a is true, it gains on b
 
     KL(a | b) = 1/2 d^T S_b^-1 d + 1/2 [tr S_b^-1 (S_a - S_b) + ln det S_b - ln det S_a] ,     d = m_a - m_b ,
 
@@ -42,7 +42,7 @@ class Side:
 
 def side(matrix: Array, spread: Array) -> Side:
     """From N (p, p) and L (p, s)."""
-    factor = np.linalg.cholesky(np.eye(spread.shape[1]) + spread.T @ matrix @ spread)
+    factor = np.asarray(np.linalg.cholesky(np.eye(spread.shape[1]) + spread.T @ matrix @ spread), dtype=np.float64)
     return Side(spread=spread, factor=factor, logdet=2 * float(np.sum(np.log(np.diag(factor)))))
 
 

@@ -1,8 +1,8 @@
 """What the present data say of the parameters by one explanation, carried over to a test that is not done yet.
 
-A test shares tolerances with the data that are there: sensors, the FMD, parts. What the fit has learnt of them holds; what is new,
-such as the modes of an article that never stood there, is known as beforehand. A test may also move a parameter - two pick-ups
-exchanged take their gains along - or draw it anew.
+A test shares tolerances with the data that are there: sensors, the FMD, parts. What the fit has learnt of them holds; what is
+new, such as the modes of an article that never stood there, is known as beforehand. A test may also move a parameter - two
+pick-ups exchanged take their gains along - or draw it anew.
 """
 
 from __future__ import annotations

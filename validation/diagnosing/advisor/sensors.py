@@ -87,7 +87,9 @@ def _accelerometers(of: Template, asked: Sequence[str]) -> list[Channel]:
 
 def _alike(of: Template, one: Channel) -> list[Channel]:
     """Others of its group along the same direction."""
-    return [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ one.places[0].direction > 0.99]
+    return [
+        two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ one.places[0].direction > 0.99
+    ]
 
 
 def _inwards(of: Template, one: Channel) -> tuple[Place, ...]:
