@@ -35,7 +35,8 @@ def advised(bench: Bench, rivals: Sequence[Hypothesis], progress: Progress | Non
     Returns
     -------
     those from which `WITHIN` nats or more are expected between the first and at least one other. First come those that tell most
-    of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain 0 says so.
+    of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain 0 says
+    so.
     """
     first, *others = (knowledge(one) for one in rivals)
     if not others:
@@ -70,7 +71,7 @@ def _all(own: Sequence[Sequence[Added]]) -> tuple[Added, ...]:
 def _advice(offer: Offer, first: Knowledge, others: Sequence[Knowledge], names: Sequence[str]) -> Advice | None:
     """What is expected of one test; None where it tells too little, or a model breaks down in it."""
     try:
-        gains = [one.mean for one in told(offer, first, others)]
+        gains = told(offer, first, others)
     except BREAKDOWNS:
         return None
     apart = [k for k, gain in enumerate(gains) if gain >= WITHIN]

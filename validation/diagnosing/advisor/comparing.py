@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from identification.self_calibration.elimination import Normal
-from validation.diagnosing.advisor.expected import nats, side
+from validation.diagnosing.advisor.expected import nats
 from validation.diagnosing.advisor.knowledge import Knowledge
 from validation.diagnosing.advisor.offer import Offer
 from validation.diagnosing.advisor.planned import Planned, lines_of, reading
@@ -24,45 +24,35 @@ from validation.engine.prediction import Change, Fact, Lines
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Told:
-    """What a test tells of two explanations [nats]: of the first where it is right, and of the other where that is."""
-
-    first: float
-    other: float
-
-    @property
-    def mean(self) -> float:
-        """Where nobody knows which is right."""
-        return 0.5 * (self.first + self.other)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class _Differences:
-    """In the parameters (p,): the Fisher matrix of a test, and how every other explanation differs from the first."""
+    """In the parameters (p,), how every other explanation differs from the first in a test."""
 
     parameters: tuple[Parameter, ...]
-    matrix: Array
     others: tuple[Normal, ...]
 
 
-def told(offer: Offer, first: Knowledge, others: Sequence[Knowledge]) -> tuple[Told, ...]:
-    """What `offer` tells of `first` against each of `others`.
+def told(offer: Offer, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
+    """Nats that `offer` is expected to tell of `first` against each of `others`: on average over which of the two is right.
 
     Raises
     ------
     numpy.linalg.LinAlgError, ValueError, FloatingPointError : a model breaks down in this test.
     """
     here, there = offer.by(first), tuple(offer.by(one) for one in others)
-    found = _of_facts(offer, here, there) if offer.test is None else _of_lines(offer.test, offer, here, there)
-    own = side(found.matrix, first.spread(found.parameters, offer.moved))
-    each = [side(found.matrix, one.spread(found.parameters, offer.moved)) for one in others]
+    found = _of_facts(offer, here, there) if offer.test is None else _of_lines(offer.test, here, there)
+    own = first.spread(found.parameters, offer.moved)
     return tuple(
-        Told(first=nats(difference, found.matrix, own, one), other=nats(difference, found.matrix, one, own))
-        for difference, one in zip(found.others, each, strict=True)
+        _either(first.odds(one), nats(difference, one.spread(found.parameters, offer.moved)), nats(difference, own))
+        for difference, one in zip(found.others, others, strict=True)
     )
 
 
-def _of_lines(test: Planned, offer: Offer, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
+def _either(probability: float, first: float, other: float) -> float:
+    """What is expected where the first is right with `probability`."""
+    return probability * first + (1 - probability) * other
+
+
+def _of_lines(test: Planned, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
     lines, worth = lines_of(reading(test, first, first.offsets))
     mine = test.prediction.with_effects(first.effects)
     predicted = mine.at(first.offsets, lines)
@@ -80,7 +70,6 @@ def _of_lines(test: Planned, offer: Offer, first: Knowledge, others: Sequence[Kn
         found.append(likelihood.total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
     return _Differences(
         parameters=tuple(parameters[name] for name in names),
-        matrix=worth * found[0].matrix,
         others=tuple(_scaled(one, worth) for one in found),
     )
 
@@ -108,7 +97,7 @@ def _of_facts(offer: Offer, first: Knowledge, others: Sequence[Knowledge]) -> _D
         J = np.where(np.any(J != 0, axis=0), J, slopes)
         found.append(says - left)
     differences = (Normal(cost=0.5 * float(away @ away), gradient=J.T @ away, matrix=J.T @ J) for away in found)
-    return _Differences(parameters=tuple(known.values()), matrix=J.T @ J, others=tuple(differences))
+    return _Differences(parameters=tuple(known.values()), others=tuple(differences))
 
 
 def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[Array, Array]:

@@ -32,6 +32,9 @@ class Origin:
     factor: float = 1.0
 
 
+SURE = 100.0
+"""Nats beyond which one of two is right."""
+
 Moved = Mapping[str, Origin]
 """By name of a parameter in the test; one that is not in it stays what it was."""
 
@@ -46,12 +49,18 @@ class Knowledge:
     offsets : where its fit ended, of all parameters
     names : (p,) of the free parameters
     root : (p, p), covariance of their offsets = root @ root.T
+    log_evidence : [nats] of the present data
     """
 
     effects: tuple[Added, ...]
     offsets: Mapping[str, float]
     names: tuple[str, ...]
     root: Array
+    log_evidence: float
+
+    def odds(self, other: Knowledge) -> float:
+        """Probability of this one, if it or `other` is right."""
+        return float(1 / (1 + np.exp(np.clip(other.log_evidence - self.log_evidence, -SURE, SURE))))
 
     def at(self, moved: Moved) -> dict[str, float]:
         """Offsets of the test."""
@@ -82,6 +91,7 @@ def knowledge(of: Hypothesis) -> Knowledge:
         offsets={**of.problem.start, **of.fit.by_name},
         names=tuple(one.name for one in of.fit.parameters),
         root=root(of.fit.covariance),
+        log_evidence=of.fit.log_evidence,
     )
 
 

@@ -23,6 +23,9 @@ WHERE = ("accelerometer-position", "accelerometer-misalignment")
 INWARDS = 0.6
 """Of its distance from the middle of its group, to which an accelerometer is moved."""
 
+PARALLEL = 0.99
+"""Cosine between two directions that are the same to a hand."""
+
 COVER = "cover"
 
 MOUNTED = (COVER, "table")
@@ -87,9 +90,8 @@ def _accelerometers(of: Template, asked: Sequence[str]) -> list[Channel]:
 
 def _alike(of: Template, one: Channel) -> list[Channel]:
     """Others of its group along the same direction."""
-    return [
-        two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ one.places[0].direction > 0.99
-    ]
+    along = one.places[0].direction
+    return [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ along > PARALLEL]
 
 
 def _inwards(of: Template, one: Channel) -> tuple[Place, ...]:
