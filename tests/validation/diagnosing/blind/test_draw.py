@@ -5,9 +5,10 @@ from itertools import islice
 import pytest
 
 from benchmarks.blind.drawing import foreign, limits
-from benchmarks.blind.drawing.case import FOREIGN, KINDS, LEFT_OUT, NULL, PAIR, SINGLE, Case
+from benchmarks.blind.drawing.case import FOREIGN, KINDS, LEFT_OUT, NULL, PAIR, SERIES, SINGLE, WHOLE_SERIES, Case
 from benchmarks.blind.drawing.choices import CHOICES, without
 from benchmarks.blind.drawing.draw import COUNTS, draw
+from benchmarks.blind.limits import of_nulls
 from benchmarks.cross_check_proof import words
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import AMPLITUDE, PENDULUM, PROCESSING, STRUCTURE
@@ -122,3 +123,17 @@ def test_one_sweep_of_each_campaign_is_held_out_each_of_another_axis(cases: tupl
         articles, axes = zip(*(name.split("/") for name in one.hold_out), strict=True)
         assert articles == one.articles
         assert len(set(axes)) == len(axes)
+
+
+def test_limits_are_medians_over_the_nulls_in_which_an_effect_can_act() -> None:
+    def null(*articles: str, **detectable: float) -> tuple[dict[str, object], dict[str, object]]:
+        return {"articles": list(articles)}, {"detectable": detectable}
+
+    three = [
+        null(*SERIES, **{"force-gain:fmd-z1": size, "appendage:z 21 Hz": size, "appendage:z 12 Hz": 0.1})
+        for size in (1.0, 2.0, 4.0)
+    ]
+    whole = null(*WHOLE_SERIES, **{"force-gain:fmd-z1": 9.0, "modulus:upper-long": 0.3})
+    refused = ({"articles": list(SERIES)}, {"refused": "no"})
+    found = of_nulls([*three, whole, refused])
+    assert found == {"force-gain:fmd-z1": 2.0, "appendage:z": 0.1, "modulus:upper-long": 0.3}
