@@ -58,7 +58,7 @@ def pendulum_candidates(facts: Sequence[ArticleFact]) -> tuple[Added, ...]:
 def candidates(facts: Sequence[ArticleFact], own: Sequence[Added] = ()) -> tuple[Candidate, ...]:
     """All that might explain `facts`, but for what the model has among its `own`: the pendulum's first, then the article's."""
     there = {one.named.id for one in own}
-    least = min((float(fact.of.at({})[0][0]) for fact in facts), default=0.0)
+    least = min((float(fact.of.ten({})[0]) for fact in facts), default=0.0)
     every = (*pendulum_candidates(facts), *(Added(named=plausible(name)) for name in _of_body(facts)))
     return tuple(_candidate(one, least) for one in every if one.named.id not in there)
 

@@ -73,7 +73,10 @@ def readings(found: SwingAnswer) -> Grid:
 
 def advice(found: SwingAnswer) -> Grid:
     """What to measure next, the best first."""
-    lines = tuple((f"{k}", significant(one.gain, 2), _sentence(one.test)) for k, one in enumerate(found.advice[:MOST], start=1))
+    lines = tuple(
+        (f"{k}", significant(one.gain, 2) if one.gain else NONE, _sentence(one.test))
+        for k, one in enumerate(found.advice[:MOST], start=1)
+    )
     return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
 
 
