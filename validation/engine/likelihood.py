@@ -87,6 +87,15 @@ def normals(seen: Observed, predicted: Predicted, free: Sequence[str], floor: fl
     return found
 
 
+def whitened(
+    seen: Observed, predicted: Predicted, names: Sequence[str], floor: float, run: int
+) -> tuple[ComplexArray, ComplexArray]:
+    """Residual (m, c) of one run, and minus its derivatives (m, c, p) by the offsets of `names`, inputs eliminated from both."""
+    weight = seen.weight(floor, predicted.noise)
+    r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
+    return r, _beside_inputs(Q, _moved(predicted, names, run, u, weight[run]))
+
+
 def residual(seen: Observed, predicted: Predicted, floor: float) -> ComplexArray:
     """(r, m, c) whitened residuals."""
     weight = seen.weight(floor, predicted.noise)
@@ -117,10 +126,13 @@ def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray
     return V
 
 
+def _beside_inputs(Q: ComplexArray | None, V: ComplexArray) -> ComplexArray:
+    return V if Q is None else V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
+
+
 def _normal(r: ComplexArray, Q: ComplexArray | None, V: ComplexArray) -> Normal:
     """Of one run, from its residual (m, c) and V (m, c, p)."""
-    if Q is not None:
-        V = V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
+    V = _beside_inputs(Q, V)
     flat = V.reshape(V.shape[0] * V.shape[1], V.shape[2])
     J = np.concatenate([flat.real, flat.imag])
     stacked = np.concatenate([r.real.ravel(), r.imag.ravel()])

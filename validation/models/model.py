@@ -18,7 +18,7 @@ BEAM, RIGID, USER = KINDS = ("beam", "rigid", "own")
 
 @dataclass(frozen=True, kw_only=True)
 class StructureTolerances:
-    """How well the structure is known beforehand; standard deviations, relative but for `mode_coupling`.
+    """How well the structure is known beforehand; standard deviations, relative but for `damping_law` and `mode_coupling`.
 
     Attributes
     ----------
@@ -26,6 +26,7 @@ class StructureTolerances:
     frequency : of every mode's frequency, beside the moduli
     damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
     mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
+    damping_law : share of what parts lose that follows the velocity instead of the displacement
     participation : of every mode's participation, along each axis, as a share of its largest
     mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs
     """
@@ -34,6 +35,7 @@ class StructureTolerances:
     frequency: float = 0.0015
     damping: float = 0.35
     mode_damping: float = 0.1
+    damping_law: float = 0.5
     participation: float = 0.02
     mode_coupling: float = 0.5
 

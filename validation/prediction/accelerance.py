@@ -28,7 +28,7 @@ from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
 from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
 from validation.models.model import Added
-from validation.prediction import applied, condensation, scatter
+from validation.prediction import applied, condensation, damping_law, scatter
 from validation.prediction.nuisances import Nuisances
 
 GAIN = 0.02
@@ -121,6 +121,8 @@ class AcceleranceTest:
         """(r, n, c, 1) and its derivatives by parameter."""
         matrices, tangents = self.structure.at(offsets, derivatives=derivatives)
         matrices, tangents = applied.structure(matrices, tangents, effects)
+        if self.structure.has_law:
+            matrices, tangents = damping_law.applied(matrices, tangents, self.structure.nominal, offsets, derivatives=derivatives)
         rows, forces = (_rows(matrices, points) for points in (self.responses, self.drives))
         answered = condensation.accelerance(matrices, f, rows, forces)
         moved = condensation.tangents(answered, tangents)

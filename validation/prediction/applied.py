@@ -84,7 +84,8 @@ def structure(
         if not acts(added.named, There(article="article", parts=tuple(stage.parts), places=tuple(stage.places))):
             continue
         after = _changed(added.named, stage)
-        found = {key: _through(added.named, stage, after, tangent) for key, tangent in found.items()}
+        if not _is_nothing(added.named):
+            found = {key: _through(added.named, stage, after, tangent) for key, tangent in found.items()}
         for size in _free(added) if derivatives else ():
             found[name(added.named, size.key)] = _by_size(added.named, size, stage)
         stage = after
@@ -98,7 +99,9 @@ def body(
     found = dict(tangents)
     for added in _of(effects, BODY_STAGE):
         own = {name(added.named, size.key): _of_matrix(added.named, size, stage) for size in _free(added) if derivatives}
-        found = {key: _directional(added.named, stage, tangent) for key, tangent in found.items()} | own
+        if not _is_nothing(added.named):
+            found = {key: _directional(added.named, stage, tangent) for key, tangent in found.items()}
+        found |= own
         stage = _changed(added.named, stage)
     return stage, found
 
@@ -110,13 +113,21 @@ def channels(
     found = dict(tangents)
     for added in _of(effects, CHANNEL_STAGE):
         own = {name(added.named, size.key): _of_rows(added.named, size, stage) for size in _free(added) if derivatives}
-        found = {key: _changed(added.named, replace(stage, rows=rows)).rows for key, rows in found.items()} | own
+        if not _is_nothing(added.named):
+            found = {key: _changed(added.named, replace(stage, rows=rows)).rows for key, rows in found.items()}
+        found |= own
         stage = _changed(added.named, stage)
     return stage, found
 
 
 def _family(named: Named) -> Family:
     return FAMILIES[named.family]
+
+
+def _is_nothing(named: Named) -> bool:
+    """Whether it stands at the size at which its equation changes nothing, so that derivatives pass as they are."""
+    sizes = [size for size in named.sizes if size.plausible > 0]
+    return bool(sizes) and all(named.values[size.key] == size.null and not size.logarithmic for size in sizes)
 
 
 def _of(effects: Sequence[Added], stage: str) -> Iterator[Added]:

@@ -15,7 +15,7 @@ from identification.self_calibration.structure import ten_matrices
 from validation.effects.stages import Mounted
 from validation.engine.prediction import Offsets
 from validation.models.model import Added
-from validation.prediction import applied, condensation, fmd
+from validation.prediction import applied, condensation, damping_law, fmd
 from validation.prediction.amplitude import Drive
 from validation.prediction.nuisances import Nuisances
 from validation.prediction.set_up import Standing
@@ -66,6 +66,8 @@ class Carried:
     ) -> tuple[Mounted, Tangents]:
         matrices, tangents = of.at(offsets, derivatives=derivatives)
         matrices, tangents = applied.structure(matrices, tangents, effects, derivatives=derivatives)
+        if of.has_law:
+            matrices, tangents = damping_law.applied(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
         answered = condensation.dynamic_mass(matrices, frequency)
         changes = condensation.tangents(answered, tangents) if derivatives else {}
         R = _turned(self.standing.pose)

@@ -151,11 +151,11 @@ def _shared(found: Sequence[ArticleFact]) -> list[ArticleFact]:
 def _of_file(model: Model, name: str) -> list[ArticleFact]:
     file = read(name, (*REDUCED, "pendulum"))
     if file.text("kind") == "pendulum":
-        of = partial(_fact, name, _article(model, name, file.inner("article").text("name")))
+        of = partial(_fact, name, article_of(model, name, file.inner("article").text("name")))
         return [_of_swing(of, number, one) for number, one in enumerate(pendulum_file.swings(file), start=1)]
     reduction = REDUCED[file.text("kind")](file)
-    of = partial(_fact, name, _article(model, name, reduction.article))
-    return [of(QUANTITIES[key][0], _unit(key), value) for key, value in reduction.results.items() if key in KEYS]
+    of = partial(_fact, name, article_of(model, name, reduction.article))
+    return [of(QUANTITIES[key][0], weights_of(key), value) for key, value in reduction.results.items() if key in KEYS]
 
 
 def _of_swing(of: Callable[..., ArticleFact], number: int, swing: Swing) -> ArticleFact:
@@ -172,11 +172,12 @@ def _fact(source: str, of: OfArticle, words: str, weights: Array, value: UFloat)
     return ArticleFact(name=f"{source}: {words}", of=of, weights=weights, value=size, deviation=sd, spread=spread(value))
 
 
-def _unit(key: str) -> Array:
+def weights_of(key: str) -> Array:
+    """(10,) of the number that is one of `KEYS` by itself."""
     return np.array([float(one == key) for one in KEYS])
 
 
-def _article(model: Model, source: str, stated: str) -> OfArticle:
+def article_of(model: Model, source: str, stated: str) -> OfArticle:
     """The article that a file is about; what the model was written for where it names none."""
     name = stated or above_fmd(model.article)
     if not name or name.split("+")[0] == FMD:

@@ -26,6 +26,7 @@ from validation.effects.stages import Matrices
 from validation.engine.parameter import DECLARED, STRUCTURAL, WITHIN, Parameter
 from validation.engine.prediction import Offsets
 from validation.models.model import StructureTolerances
+from validation.prediction import damping_law
 from validation.prediction.matrices import sheet
 from validation.prediction.tangent import FIELDS, Tangent, of_arrays
 
@@ -63,6 +64,7 @@ class Nuisances:
         parts = self.nominal.parts if len(self.frequency) else ()
         made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
         made += [_declared(f"loss:{part}", of.damping) for part in self.lossy]
+        made += [damping_law.parameter(of.damping_law)] if self.has_law else []
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
@@ -80,6 +82,11 @@ class Nuisances:
         return tuple(part for part in parts if self.losses.get(part, 0.0) > 0)
 
     @property
+    def has_law(self) -> bool:
+        """Whether it is open which law the losses of its parts follow, see `damping_law`."""
+        return bool(self.lossy) and self.tolerances.damping_law > 0
+
+    @property
     def by_parts(self) -> tuple[bool, ...]:
         """(m,) whether the damping of a mode is that of its parts alone, and none of it was given for the mode."""
         own = np.diag(self.nominal.viscous)[self.nominal.base :]
@@ -93,11 +100,12 @@ class Nuisances:
         return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
 
     def at(self, offsets: Offsets, *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
-        """The matrices at `offsets` and their derivative by every parameter."""
+        """The matrices at `offsets`, before effects and the damping law, and their derivative by every parameter but that law."""
         now = _now(self, offsets)
         if not derivatives:
             return now.matrices, {}
-        return now.matrices, {one.name: _tangent(self, now, one.name) for one in self.parameters}
+        own = (one.name for one in self.parameters if one.name != damping_law.NAME)
+        return now.matrices, {name: _tangent(self, now, name) for name in own}
 
 
 def of(

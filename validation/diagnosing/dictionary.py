@@ -1,0 +1,90 @@
+"""Resonators of every frequency: a dictionary over frequency and damping, by products that one derivative gives.
+
+While its mass m is small, a resonator on a coordinate adds to the dynamic mass, times what a mass held there would add,
+
+    m s(omega) ,        s = (omega_a² + 2 i zeta omega_a omega) / (omega_a² - omega² + 2 i zeta omega_a omega) :
+
+one column does for all frequencies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.menu import TINY
+from validation.engine.screening import Screen, Told, screened
+from validation.models.model import Added
+
+if TYPE_CHECKING:
+    from validation.diagnosing.screening import Screened
+
+DAMPING = (0.005, 0.02, 0.08)
+
+BEYOND = 1.15
+"""Factor by which the dictionary goes beyond the band at either end."""
+
+PER_OCTAVE = 24
+
+OCCAM = 4.0
+"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well."""
+
+
+ALIKE = 0.02
+"""Share of what a resonator does that the model's modes must leave to it: where they do as it does, a straight line lies."""
+
+
+def looked_up(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screened]:
+    """Each resonator of `menu` at its best frequency and damping."""
+    problem = bench.problem((*at.effects, *menu))
+    names = {f"{one.named.id}[m]": one for one in menu}
+    of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
+    frequency = _frequencies(of)
+    own = next(iter(menu)).named.values
+    shapes = {(f, zeta): None for zeta in DAMPING for f in frequency}
+    places = list(shapes)
+    by_set = {
+        k: np.stack([_answer(one.frequency, f, zeta) / _answer(one.frequency, own["f"], own["zeta"]) for f, zeta in places])
+        for k, one in enumerate(of.products)
+    }
+    return [found for name, one in names.items() if (found := _best(of, name, one, places, by_set)) is not None]
+
+
+def smallest_mass(told: Told, evidence: float) -> float:
+    """[kg] whose expected evidence is `evidence` [nats], by what the data tell of next to none; infinite for nothing."""
+    return TINY * sqrt(2 * (evidence + OCCAM)) * told.deviation
+
+
+def _best(
+    of: Screen, name: str, added: Added, places: Sequence[tuple[float, float]], shapes: dict[int, ComplexArray]
+) -> Screened | None:
+    from validation.diagnosing.screening import Screened
+
+    if not any(name in one.names for one in of.products):
+        return None
+    told = of.shapes(name, shapes)
+    sound = [one.estimate > 0 and one.share > ALIKE for one in told]
+    gains = np.array([0.5 * one.estimate**2 * one.information if good else 0.0 for one, good in zip(told, sound, strict=True)])
+    best = int(np.argmax(gains))
+    f, zeta = places[best]
+    mass = max(TINY * told[best].estimate, TINY)  # the offset is that of ln m, at the mass TINY
+    named = replace(added.named, values={"m": mass, "f": f, "zeta": zeta})
+    return Screened(added=replace(added, named=named), evidence=float(gains[best]) - OCCAM, told=told[best], plausible=np.inf)
+
+
+def _frequencies(of: Screen) -> Array:
+    low = min(float(one.frequency[0]) for one in of.products) / BEYOND
+    high = max(float(one.frequency[-1]) for one in of.products) * BEYOND
+    return np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
+
+
+def _answer(frequency: Array, own: float, zeta: float) -> ComplexArray:
+    spring = own**2 + 2j * zeta * own * frequency
+    return np.asarray(spring / (spring - frequency**2))

@@ -1,0 +1,91 @@
+"""All candidates at once, in closed form: what evidence each would bring and of what size, as far as a straight line goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from validation.diagnosing import dictionary
+from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.menu import is_resonator
+from validation.effects.family import Size
+from validation.engine.parameter import Parameter
+from validation.engine.screening import Told, in_the_fit, screened
+from validation.models.model import Added
+from validation.prediction import applied
+
+SWITCHED = 1.0
+"""Offset of a switch: from on to off."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screened:
+    """What a straight line says of a candidate.
+
+    Attributes
+    ----------
+    added : at the size that it says
+    evidence : [nats]
+    told : its parameter; of a resonator the mass at the best frequency
+    plausible : standard deviation of a plausible fault, in the offset of the parameter
+    """
+
+    added: Added
+    evidence: float
+    told: Told
+    plausible: float
+
+    @property
+    def id(self) -> str:
+        """Of the effect."""
+        return self.added.named.id
+
+
+def screen(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> tuple[Screened, ...]:
+    """The candidates of `menu` on top of the hypothesis `at`, the most promising first."""
+    known = {one.named.id for one in at.effects}
+    left = [one for one in menu if one.named.id not in known]
+    tolerances = in_the_fit(at.fit)
+    inside = [one for one in left if one.named.id in tolerances]
+    swinging = [one for one in left if is_resonator(one.named)]
+    new = [one for one in left if one not in inside and one not in swinging]
+    found = [_of_tolerance(one, tolerances[one.named.id], at) for one in inside]
+    found += _of_new(bench, at, new) if new else []
+    found += dictionary.looked_up(bench, at, swinging) if swinging else []
+    return tuple(sorted(found, key=lambda one: -one.evidence))
+
+
+def _of_tolerance(added: Added, told: Told, at: Hypothesis) -> Screened:
+    (size,) = added.named.sizes
+    one = next(one for one in at.fit.parameters if one.name == told.name)
+    return _sized(added, size, one, told)
+
+
+def _of_new(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screened]:
+    free = [replace(one, fixed=False) for one in menu]
+    problem = bench.problem((*at.effects, *free))
+    names = [one.named.id for one in free if one.named.id in problem.by_name]
+    of = screened(problem, at.fit, names)
+    told = of.told()
+    there = [(one, told[one.named.id]) for one in menu if one.named.id in told]
+    return [_sized(one, one.named.sizes[0], problem.by_name[one.named.id], what) for one, what in there]
+
+
+def _sized(added: Added, size: Size, one: Parameter, told: Told) -> Screened:
+    """`added` at the size that `told` says, within what its family allows."""
+    low, high = applied.bounds(one, size)
+    if size.whole:
+        offset = SWITCHED if one.nominal == 0 else -SWITCHED
+        gain = told.information * (told.estimate * offset - 0.5 * offset**2)
+        return Screened(added=_at(added, size, one.value(offset)), evidence=gain, told=told, plausible=SWITCHED)
+    offset = float(np.clip(told.estimate, low, high))
+    evidence = told.evidence(size.plausible) if low < told.estimate < high else -inf
+    return Screened(added=_at(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible)
+
+
+def _at(added: Added, size: Size, value: float) -> Added:
+    values = {**added.named.values, size.key: min(max(value, size.low), size.high)}
+    return replace(added, named=replace(added.named, values=values))

@@ -1,0 +1,201 @@
+"""What the data say of parameters that are not in a fit yet, each by itself and in closed form.
+
+At a fit with the whitened derivatives J of its free parameters, and knowledge beforehand on top, N = J^T J + diag(tolerance^-2),
+one more parameter with the column e is told by
+
+    q = e^T e - e^T J N^-1 J^T e ,        c = e^T r / q          (r is the residual; at the minimum the others' gradient is nil)
+
+its information when all others make up for it, and its size. Its evidence, were its plausible size a normal deviate of standard
+deviation s, is
+
+    ln(Z_s / Z_0) = 1/2 c^2 / (1/q) - 1/2 c^2 / (s^2 + 1/q) - 1/2 ln(1 + q s^2)
+
+and that of a parameter which is in the fit with a tolerance t, and leaves it, the difference of two of these (the Savage-Dickey
+ratio of its posterior; J. M. Dickey, Ann. Math. Stat. 42 (1971), 204). The likelihood is taken for normal: a fault that bends it
+is found, its size is not.
+
+A column that is a function of frequency times another, such as a resonator of any frequency, needs no derivative of its own:
+products of the other with the residual and with J are kept by line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import log, sqrt
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.dynamic_mass import ComplexArray
+from validation.engine.cost import cost_of
+from validation.engine.evaluation import Fit
+from validation.engine.fit import FLOOR
+from validation.engine.likelihood import Observed, whitened
+from validation.engine.parameter import Parameter
+from validation.engine.prediction import Predicted
+from validation.engine.problem import Problem
+
+KNOWN = 1e-12
+"""Share of its own square that must be left of a column beside the others for the data to tell it at all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """What the data say of one parameter, all others making up for it.
+
+    Attributes
+    ----------
+    name : of the parameter
+    estimate : its offset
+    information : one over the square of its standard deviation; 0 where the data say nothing
+    tolerance : that it has in the fit; 0 for one that is not in it
+    share : of the square of its column that the others cannot imitate
+    """
+
+    name: str
+    estimate: float
+    information: float
+    tolerance: float = 0.0
+    share: float = 1.0
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the estimate; infinite where the data say nothing."""
+        return 1 / sqrt(self.information) if self.information > 0 else np.inf
+
+    def evidence(self, plausible: float) -> float:
+        """[nats] for a fault whose size is plausibly +- `plausible`, against what the tolerance alone allows."""
+        return self._against_nothing(plausible) - self._against_nothing(self.tolerance)
+
+    def detectable(self, plausible: float, evidence: float) -> float:
+        """The offset whose expected evidence comes to `evidence` [nats]; infinite where no size does."""
+        if self.information <= 0 or plausible <= self.tolerance:
+            return np.inf
+        narrow, wide = self.tolerance**2 + 1 / self.information, plausible**2 + 1 / self.information
+        return sqrt(2 * (evidence + 0.5 * log(wide / narrow)) / (1 / narrow - 1 / wide))
+
+    def _against_nothing(self, spread: float) -> float:
+        q, c = self.information, self.estimate
+        return 0.5 * c**2 * q * (q * spread**2) / (1 + q * spread**2) - 0.5 * log(1 + q * spread**2) if q > 0 else 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Products:
+    """Of one data set, summed over runs and channels, by line.
+
+    Attributes
+    ----------
+    frequency : (m,) [Hz]
+    names : (e,) of the columns
+    residual : (m, e) complex, column times residual
+    others : (m, e, p) complex, column times the derivatives of the fit
+    square : (m, e)
+    """
+
+    frequency: Array
+    names: tuple[str, ...]
+    residual: ComplexArray
+    others: ComplexArray
+    square: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screen:
+    """The products of a fit with columns that are not in it.
+
+    Attributes
+    ----------
+    free : (p,) parameters of the fit that stand at no bound
+    covariance : (p, p)
+    products : by data set
+    """
+
+    free: tuple[Parameter, ...]
+    covariance: Array
+    products: tuple[Products, ...]
+
+    def told(self) -> dict[str, Told]:
+        """What the data say of every column as it is."""
+        names = dict.fromkeys(name for one in self.products for name in one.names)
+        return {name: self.shaped(name) for name in names}
+
+    def shaped(self, name: str, shape: Mapping[int, ComplexArray] | None = None) -> Told:
+        """What they say of the column `name` times a function of frequency, by data set its values (m,); 1 by default."""
+        (told,) = self.shapes(name, None if shape is None else {k: one[None] for k, one in shape.items()})
+        return told
+
+    def shapes(self, name: str, shape: Mapping[int, ComplexArray] | None) -> list[Told]:
+        """The same of several functions of frequency (n, m)."""
+        count = 1 if shape is None else len(next(iter(shape.values())))
+        gradient, cross, square = np.zeros(count), np.zeros((count, len(self.free))), np.zeros(count)
+        for k, one in enumerate(self.products):
+            if name not in one.names:
+                continue
+            at = one.names.index(name)
+            s = np.ones((1, len(one.frequency)), dtype=np.complex128) if shape is None else shape[k]
+            gradient += (s.conj() @ one.residual[:, at]).real
+            cross += (s.conj() @ one.others[:, at]).real
+            square += np.abs(s) ** 2 @ one.square[:, at]
+        left = square - np.einsum("np,pq,nq->n", cross, self.covariance, cross, optimize=True)
+        information = np.where(left > KNOWN * square, left, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            estimate = np.where(information > 0, gradient / information, 0.0)
+        share = left / np.maximum(square, np.finfo(np.float64).tiny)
+        each = zip(estimate, information, share, strict=True)
+        return [Told(name=name, estimate=float(c), information=float(q), share=float(s)) for c, q, s in each]
+
+
+def in_the_fit(fit: Fit) -> dict[str, Told]:
+    """What the data say of every parameter of `fit` that has a tolerance."""
+    found = {}
+    for one, x, variance in zip(fit.parameters, fit.offsets, np.diag(fit.covariance), strict=True):
+        if 0 < one.tolerance < np.inf and variance > 0:
+            information = max(1 / variance - one.tolerance**-2, 0.0)
+            known = information * variance > KNOWN
+            estimate = float(x) / (variance * information) if known else 0.0
+            told = Told(name=one.name, estimate=estimate, information=information if known else 0.0, tolerance=one.tolerance)
+            found[one.name] = told
+    return found
+
+
+def screened(problem: Problem, fit: Fit, names: Sequence[str], *, floor: float = FLOOR) -> Screen:
+    """The columns `names`, parameters of `problem`, beside a `fit` of others of its parameters.
+
+    Parameters
+    ----------
+    problem : in which what is screened stands where it has no effect, or next to none
+    fit : of the same data without them
+    """
+    at_bound = {one.name for one, v in zip(fit.parameters, np.diag(fit.covariance), strict=True) if v <= 0}
+    free = tuple(one for one in fit.parameters if one.name not in at_bound)
+    keep = [k for k, one in enumerate(fit.parameters) if one.name not in at_bound]
+    new = tuple(problem.by_name[name] for name in names)
+    cost = cost_of(problem, (*free, *new), floor, fit.by_name)
+    offsets = cost.offsets(cost.at({**{one.name: 0.0 for one in new if not one.logarithmic}, **fit.by_name}))
+    wanted = frozenset(cost.names)
+    products = []
+    for prediction, lines, seen in cost.observed:
+        predicted = prediction.at(offsets, lines, derivatives=wanted)
+        here = tuple(one.name for one in new if one.name in predicted.changes)
+        frequency = prediction.measured.frequency[lines]
+        products.append(_products(seen, predicted, frequency, [one.name for one in free], here, floor))
+    return Screen(free=free, covariance=fit.covariance[np.ix_(keep, keep)], products=tuple(products))
+
+
+def _products(
+    seen: Observed, predicted: Predicted, frequency: Array, free: Sequence[str], new: tuple[str, ...], floor: float
+) -> Products:
+    own = [k for k, name in enumerate(free) if name in predicted.changes]
+    columns = [*(free[k] for k in own), *new]
+    lines = seen.values.shape[1]
+    residual = np.zeros((lines, len(new)), dtype=np.complex128)
+    others = np.zeros((lines, len(new), len(free)), dtype=np.complex128)
+    square = np.zeros((lines, len(new)))
+    for run in range(len(seen.runs)):
+        r, V = whitened(seen, predicted, columns, floor, run)
+        E = V[..., len(own) :].conj().transpose(0, 2, 1)
+        residual += (E @ r[..., None])[..., 0]
+        others[..., own] += E @ V[..., : len(own)]
+        square += np.sum(np.abs(E) ** 2, axis=2)
+    return Products(frequency=frequency, names=new, residual=residual, others=others, square=square)
