@@ -47,12 +47,15 @@ STANDS_OUT = 3.0
 """Standard deviations from which a measurement is named."""
 
 
-def only_classical(model: Model, files: Sequence[str], progress: Progress | None = None) -> SwingAnswer:
+def only_classical(
+    model: Model, files: Sequence[str], progress: Progress | None = None, *, only: Sequence[str] = ()
+) -> SwingAnswer:
     """What `model` is missing, by the measurement `files` alone.
 
     Parameters
     ----------
     progress : told the share of the work that is done, 0 to 1
+    only : families or ids that are looked for; all where nothing is said
 
     Raises
     ------
@@ -64,7 +67,7 @@ def only_classical(model: Model, files: Sequence[str], progress: Progress | None
         raise BadInput(source=", ".join(files), problem=problem, remedy="Name a weighing, cog or pendulum file")
     tell = progress or (lambda share: None)
     of = observed(found, model.effects)
-    answers = answering(of, candidates(found, model.effects), lambda share: tell(TRYING * share))
+    answers = answering(of, candidates(found, model.effects, only), lambda share: tell(TRYING * share))
     verdict = judged(answers, of.left, of.precision, of.of_period)
     shown = tuple(_beside(fact, left) for fact, left in zip(of.facts, of.left, strict=True))
     against = contradictions(of, shown)
