@@ -21,7 +21,7 @@ from validation.diagnosing.classical.contradictions import contradictions
 from validation.diagnosing.classical.detectable import detectable
 from validation.diagnosing.classical.judged import ALIKE, UNLIKELY, Judged, Tried, chance, explains, judged
 from validation.diagnosing.classical.menu import period_per_inertia
-from validation.diagnosing.classical.nouns import Beside, Needed, SwingAnswer
+from validation.diagnosing.classical.nouns import UNITS, Beside, Needed, SwingAnswer
 from validation.diagnosing.classical.observed import Observed, observed
 from validation.diagnosing.classical.readings import readings
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Leftover, Size
@@ -32,9 +32,6 @@ from validation.prediction.facts import ArticleFact, facts
 __all__ = ["only_classical", "pendulum_candidates"]
 
 Progress = Callable[[float], None]
-
-UNITS = ("kg", "m", "m", "m", *("kg m^2",) * 6)
-"""SI, of the quantities of `identification.classical`."""
 
 TRYING = 0.5
 """Share of the work that is done when every effect has been tried."""
