@@ -10,6 +10,7 @@ import numpy as np
 from validation.diagnosing import accepting
 from validation.diagnosing.accepting import standing
 from validation.diagnosing.advisor.advised import advised
+from validation.diagnosing.against_facts import contradictions
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.detecting import detectable
 from validation.diagnosing.diagnosis import (
@@ -60,6 +61,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
         after=after,
         steps=tuple(_step(one) for one in rounds),
         hold_out=before.held_out_names,
+        remarks=contradictions(bench, base, found),
         settings=_settings(bench, rounds),
     )
 

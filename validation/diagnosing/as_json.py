@@ -23,11 +23,11 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
         "ranking": [effect(one) for one in found.ranking],
         "equivalence_class": list(found.equivalence_class),
         "next_measurement": found.next_measurement,
-        "advice": [_advice(one) for one in found.advice],
+        "advice": [advice(one) for one in found.advice],
         "leftover": None if found.leftover is None else found.leftover.text,
-        "leftover_described": None if found.leftover is None else _leftover(found.leftover),
+        "leftover_described": None if found.leftover is None else leftover(found.leftover),
         "errors": _errors(found.before, found.after),
-        "detectable": [_detectable(one) for one in found.detectable],
+        "detectable": [detectable(one) for one in found.detectable],
         "levels": [_level(one) for one in found.levels],
         "steps": [_step(one) for one in found.steps],
         "held_out": list(found.hold_out),
@@ -81,11 +81,13 @@ def _size(one: Size) -> dict[str, Any]:
     return {"key": one.key, "value": one.value, "unit": one.unit, "interval90": [one.low, one.high]}
 
 
-def _advice(one: Advice) -> dict[str, Any]:
+def advice(one: Advice) -> dict[str, Any]:
+    """A measurement that would decide."""
     return {"test": one.test, "expected_evidence_nats": finite(one.gain), "separates": list(one.separates)}
 
 
-def _leftover(one: Leftover) -> dict[str, Any]:
+def leftover(one: Leftover) -> dict[str, Any]:
+    """What no effect explains."""
     return {
         "text": one.text,
         "looks_like": one.looks_like,
@@ -99,7 +101,8 @@ def _leftover(one: Leftover) -> dict[str, Any]:
     }
 
 
-def _detectable(one: Detectable) -> dict[str, Any]:
+def detectable(one: Detectable) -> dict[str, Any]:
+    """The smallest size that would have been named."""
     return {"id": one.id, "size": finite(one.size), "unit": one.unit, "at": one.at or None}
 
 

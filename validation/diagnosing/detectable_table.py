@@ -46,14 +46,17 @@ def rows(of: Sequence[Detectable]) -> tuple[Row, ...]:
 
 
 def grid(of: Sequence[Detectable]) -> Grid:
-    """`rows` as a table, the side of the catalogue where it changes."""
-    lines, side = [], ""
+    """`rows` as a table, each side of the catalogue under its heading."""
+    lines: list[tuple[str, str, str]] = []
+    side = ""
     for one in rows(of):
-        lines.append(("" if one.side == side else one.side, one.family, one.text, _where(one)))
+        lines += [(one.side, "", "")] if one.side != side else []
+        lines.append((f"  {one.family}", one.text, _where(one)))
         side = one.side
-    first, second, size, where = zip(*lines, strict=True)
-    header = ("smallest that would be named", "", "size", "where")
-    return Grid(header=header, lines=tuple(zip(first, second, aligned(size), where, strict=True)), words=True)
+    first, size, where = zip(*lines, strict=True)
+    return Grid(
+        header=("would have been named", "from", "at"), lines=tuple(zip(first, aligned(size), where, strict=True)), words=True
+    )
 
 
 def _rows(of: Sequence[Detectable]) -> Iterator[Row]:

@@ -49,8 +49,10 @@ def bench(
         replace(model, effects=()), data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share)
     )
 
+    said = facts(replace(model, effects=()), data.classical)  # read once: records are fitted on the way
+
     def of_effects(effects: Sequence[Added]) -> tuple[Fact, ...]:
-        return facts(replace(model, effects=tuple(effects)), data.classical)
+        return tuple(fact.with_effects(effects) for fact in said)
 
     ready = Bench(model=model, campaigns=data.campaigns, made=made, facts=of_effects)
     return replace(ready, hold_out=meant(ready.whole(), data, tuple(hold_out)))

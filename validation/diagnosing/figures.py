@@ -29,8 +29,10 @@ SMALLER: dict[str, tuple[tuple[float, Scale], ...]] = {
     "m": ((1.0, Scale(unit="m")), (0.0, Scale(unit="mm", per_si=1e3))),
     "s": ((1.0, Scale(unit="s")), (1e-3, Scale(unit="ms", per_si=1e3)), (0.0, Scale(unit="µs", per_si=1e6))),
     "rad": ((0.0, Scale(unit="°", per_si=180 / pi)),),
-    "m/N": ((0.0, Scale(unit="nm/N", per_si=1e9)),),
+    "m/N": ((1e-6, Scale(unit="µm/N", per_si=1e6)), (0.0, Scale(unit="nm/N", per_si=1e9))),
     "rad/(N m)": ((0.0, Scale(unit="µrad/(N m)", per_si=1e6)),),
+    "kg m": ((1.0, Scale(unit="kg m")), (0.0, Scale(unit="g m", per_si=1e3))),
+    "kg m^2": ((1.0, Scale(unit="kg m²")), (0.0, Scale(unit="g m²", per_si=1e3))),
 }
 """By SI unit, from which size on which scale is used, the largest first."""
 

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geometry.atomic import probe, write_text
+from validation.comparing.gathered import only_files
 from validation.diagnosing import as_json as written
 from validation.diagnosing import automatic, table
 from validation.diagnosing.asked import Asked, ready
 from validation.diagnosing.bench import Bench
+from validation.diagnosing.classical import run as alone
 from validation.ladders import run as ladders
 from validation.ladders.nouns import Rung
 from validation.output import json_text
@@ -37,6 +39,9 @@ def answer(asked: Asked, *, auto: bool, as_json: bool, folder: Path | None) -> N
     CheckFailed : a baseline that does not converge.
     OSError : with `auto`, the model file cannot be written.
     """
+    if files := only_files(asked.data):
+        alone.answer(asked, files, auto=auto, as_json=as_json, folder=folder)
+        return
     if auto and asked.model.is_file():
         probe(asked.model)  # what cannot be written at the end is said before minutes are spent
     bench = prepared(asked, quiet=as_json)

@@ -15,15 +15,16 @@ import numpy as np
 from geometry.errors import BadInput
 from validation.diagnosing.classical import words
 from validation.diagnosing.classical.advised import advised
+from validation.diagnosing.classical.answering import answering
 from validation.diagnosing.classical.candidates import candidates, pendulum_candidates
 from validation.diagnosing.classical.contradictions import contradictions
 from validation.diagnosing.classical.detectable import detectable
 from validation.diagnosing.classical.judged import ALIKE, UNLIKELY, Judged, Tried, chance, explains, judged
 from validation.diagnosing.classical.menu import period_per_inertia
-from validation.diagnosing.classical.nouns import Beside, Needed, SwingAnswer
+from validation.diagnosing.classical.nouns import UNITS, Beside, Needed, SwingAnswer
 from validation.diagnosing.classical.observed import Observed, observed
 from validation.diagnosing.classical.readings import readings
-from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Cause, Leftover, Size
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Leftover, Size
 from validation.ladders.verdict import WORTH
 from validation.models.model import Model
 from validation.prediction.facts import ArticleFact, facts
@@ -31,9 +32,6 @@ from validation.prediction.facts import ArticleFact, facts
 __all__ = ["only_classical", "pendulum_candidates"]
 
 Progress = Callable[[float], None]
-
-UNITS = ("kg", "m", "m", "m", *("kg m^2",) * 6)
-"""SI, of the quantities of `identification.classical`."""
 
 TRYING = 0.5
 """Share of the work that is done when every effect has been tried."""
@@ -46,12 +44,15 @@ STANDS_OUT = 3.0
 """Standard deviations from which a measurement is named."""
 
 
-def only_classical(model: Model, files: Sequence[str], progress: Progress | None = None) -> SwingAnswer:
+def only_classical(
+    model: Model, files: Sequence[str], progress: Progress | None = None, *, only: Sequence[str] = ()
+) -> SwingAnswer:
     """What `model` is missing, by the measurement `files` alone.
 
     Parameters
     ----------
     progress : told the share of the work that is done, 0 to 1
+    only : families or ids that are looked for; all where nothing is said
 
     Raises
     ------
@@ -63,7 +64,8 @@ def only_classical(model: Model, files: Sequence[str], progress: Progress | None
         raise BadInput(source=", ".join(files), problem=problem, remedy="Name a weighing, cog or pendulum file")
     tell = progress or (lambda share: None)
     of = observed(found, model.effects)
-    verdict = judged(of, candidates(found, model.effects), lambda share: tell(TRYING * share))
+    answers = answering(of, candidates(found, model.effects, only), lambda share: tell(TRYING * share))
+    verdict = judged(answers, of.left, of.precision, of.of_period)
     shown = tuple(_beside(fact, left) for fact, left in zip(of.facts, of.left, strict=True))
     against = contradictions(of, shown)
     return SwingAnswer(
@@ -74,7 +76,7 @@ def only_classical(model: Model, files: Sequence[str], progress: Progress | None
         accepted=_accepted(verdict),
         ranking=tuple(_cause(one, verdict) for one in verdict.tried),
         equivalence_class=tuple(one.id for one in verdict.alike),
-        advice=advised(of, _rivals(verdict), lambda share: tell(TRYING + (1 - TRYING) * share)),
+        advice=(*advised(of, _rivals(verdict), lambda share: tell(TRYING + (1 - TRYING) * share)), *_otherwise(verdict, shown)),
         leftover=_leftover(of, verdict, against),
         detectable=detectable(verdict.tried, of.covariance),
         facts=shown,
@@ -131,6 +133,16 @@ def _rivals(of: Judged) -> tuple[Tried, ...]:
         return of.alike
     best = of.tried[0].found.evidence if of.tried else 0.0
     return tuple(one for one in of.tried if explains(one, of.measurements) and one.found.evidence > best - OTHERS)
+
+
+def _otherwise(of: Judged, beside: Sequence[Beside]) -> tuple[Advice, ...]:
+    """What can be done without a figure for it: what the catalogue says would confirm it, or once more what is odd."""
+    if of.verdict in (MISSING, SEVERAL):
+        return tuple(Advice(test=f"to confirm {one.id}: {one.confirmed_by}", gain=0.0) for one in _accepted(of))
+    if of.verdict == UNKNOWN:
+        worst = max(beside, key=lambda one: abs(one.sigma))
+        return (Advice(test=f"measure the {worst.quantity} again, and note what differs from the others", gain=0.0),)
+    return ()
 
 
 def _needed(one: Tried, of: Judged) -> Needed:

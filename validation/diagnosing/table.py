@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from validation.comparing.verdicts import expected_z2, figure, misfit, percent
-from validation.diagnosing import figures, words
+from validation.diagnosing import detectable_table, figures, words
 from validation.diagnosing.diagnosis import NONLINEAR, NOTHING, Cause, Diagnosis, Size
 from validation.engine.evaluation import Evaluation, Share
 from validation.rows import NONE
@@ -154,11 +154,8 @@ def steps(found: Diagnosis) -> Grid:
 
 
 def detectable(found: Diagnosis) -> Grid:
-    """The smallest size at which each effect would have been named."""
-    lines = [(one.id, *_smallest(one.id, one.size, one.unit, one.at)) for one in found.detectable]
-    first, size, what = zip(*lines, strict=True)
-    header = ("would have been named", "from", "what it is")
-    return Grid(header=header, lines=tuple(zip(first, aligned(size), what, strict=True)), words=True)
+    """The smallest size at which effects would have been named, by family."""
+    return detectable_table.grid(found.detectable)
 
 
 def notes(found: Diagnosis) -> Iterator[str]:
@@ -221,11 +218,6 @@ def _judged(found: Diagnosis, one: Cause) -> str:
     if one.id in found.equivalence_class:
         return "cannot be told from it"
     return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
-
-
-def _smallest(id: str, size: float, unit: str, at: str) -> tuple[str, str]:
-    told = figures.one(id.partition(":")[0], "", unit, size).lstrip("+")
-    return told, f"{words.what(id)}{f', at {at}' if at else ''}"
 
 
 def _price(of: Evaluation) -> str:

@@ -97,20 +97,29 @@ class ArticleFact:
         """
         ten, changes = self.of.at(offsets)
         slope = self.weights @ classical.jacobian(ten)
-        left = float(self.weights @ classical.quantities(ten)) - self._measured(offsets)
+        left = self._predicted(ten) - self._measured(offsets)
         found = {name: float(slope @ change) / self.deviation for name, change in changes.items()}
         for one in applied.parameters(self.effects):
             found[one.name] = -self._slope(one, offsets) / self.deviation
         return left / self.deviation, found
 
+    def left(self, offsets: Offsets) -> float:
+        """Predicted - measured, SI.
+
+        Raises
+        ------
+        BadInput : an effect of a size that the pendulum cannot have.
+        """
+        return self._predicted(self.of.ten(offsets)) - self._measured(offsets)
+
+    def _predicted(self, ten: Array) -> float:
+        return float(self.weights @ classical.quantities(ten))
+
     def _measured(self, offsets: Offsets) -> float:
         """What the measurement stands for once the effects on the period are taken off."""
         if self.swing is None or not self.effects:
             return self.value
-        before = after = swung.stage(self.swing)
-        for one in applied.at(self.effects, offsets):
-            after = swung.changed(one.named, after, self.shares)
-        return self.swing.moment_at(before.period * before.period / after.period)
+        return swung.moment(self.swing, [one.named for one in applied.at(self.effects, offsets)], self.shares)
 
     def _slope(self, one: Parameter, offsets: Offsets) -> float:
         at, step = offsets.get(one.name, 0.0), STEP * one.tolerance

@@ -17,9 +17,9 @@ from geometry.arrays import Array
 from geometry.errors import BadInput
 from validation.diagnosing.classical.curve import DEGREE, Curve
 from validation.diagnosing.classical.judged import ALIKE, Tried
-from validation.diagnosing.classical.menu import Test, menu, period_per_inertia
+from validation.diagnosing.classical.menu import Trial, menu, period_per_inertia
 from validation.diagnosing.classical.observed import Observed, inverse, observed, shifted
-from validation.diagnosing.classical.weighed import weighed
+from validation.diagnosing.classical.weighed import evidence
 from validation.diagnosing.diagnosis import Advice
 from validation.diagnosing.practical import said
 from validation.prediction.inputs import covariance
@@ -44,12 +44,12 @@ class _Thought:
 
     Attributes
     ----------
-    test : of the menu
+    trial : of the menu
     curves : by explanation what measurements and test say of every size
     covariance : (n, n) of measurements and test
     """
 
-    test: Test
+    trial: Trial
     curves: tuple[Curve, ...]
     covariance: Array
 
@@ -59,14 +59,14 @@ def advised(of: Observed, rivals: Sequence[Tried], progress: Callable[[float], N
     if not rivals:
         return ()
     chosen = _various(rivals)[:MOST]
-    now = _Thought(test=Test(text=""), curves=tuple(one.curve for one in chosen), covariance=np.array(of.covariance))
-    before = _gains(chosen, now)
-    advice, tests = [], menu(of)
-    for k, test in enumerate(tests, start=1):
-        if (one := _thought(of, chosen, test)) is not None:
+    now = _Thought(trial=Trial(text=""), curves=tuple(one.curve for one in chosen), covariance=np.array(of.covariance))
+    before = _gains(_evidence(chosen, now))
+    advice, trials = [], menu(of)
+    for k, trial in enumerate(trials, start=1):
+        if (one := _thought(of, chosen, trial)) is not None:
             advice.append(_advice(of, chosen, one, before))
         if progress is not None:
-            progress(k / len(tests))
+            progress(k / len(trials))
     return tuple(sorted((one for one in advice if one.gain > WORTH_WHILE), key=lambda one: -one.gain))
 
 
@@ -77,68 +77,59 @@ def _various(rivals: Sequence[Tried]) -> list[Tried]:
     return [*first, *(one for one in rivals if one not in first)]
 
 
-def _thought(of: Observed, rivals: Sequence[Tried], test: Test) -> _Thought | None:
-    """`test` by every one of `rivals`; None where one of them has no answer to it."""
-    more = observed(test.facts, of.own)
+def _thought(of: Observed, rivals: Sequence[Tried], trial: Trial) -> _Thought | None:
+    """`trial` by every one of `rivals`; None where one of them has no answer to it."""
+    more = observed(trial.facts, of.own)
     try:
-        curves = tuple(_longer(one, more, test) for one in rivals)
+        curves = tuple(_longer(one, more, trial) for one in rivals)
     except (BadInput, ValueError):
         return None
-    every = covariance([fact.spread for fact in (*of.facts, *test.facts)])
-    n, m = len(every), len(test.told)
+    every = covariance([fact.spread for fact in (*of.facts, *trial.facts)])
+    n, m = len(every), len(trial.told)
     C = np.zeros((n + m, n + m))
-    C[:n, :n], C[n:, n:] = every, np.diag(np.square(list(test.told.values())))
-    return _Thought(test=test, curves=curves, covariance=C)
+    C[:n, :n], C[n:, n:] = every, np.diag(np.square(list(trial.told.values())))
+    return _Thought(trial=trial, curves=curves, covariance=C)
 
 
-def _longer(one: Tried, more: Observed, test: Test) -> Curve:
+def _longer(one: Tried, more: Observed, trial: Trial) -> Curve:
     """The curve of an explanation with what it says of the test behind it."""
     points = chebyshev.chebpts1(DEGREE + 1)
     sizes = 0.5 * (one.curve.low + one.curve.high) + 0.5 * (one.curve.high - one.curve.low) * points
     family = one.candidate.added.named.family
-    told = np.array([[size * (name == family) for name in test.told] for size in sizes]).reshape(len(sizes), len(test.told))
+    told = np.array([[size * (name == family) for name in trial.told] for size in sizes]).reshape(len(sizes), len(trial.told))
     values = np.concatenate([shifted(more, one.candidate.added, sizes), told], axis=1)
     coefficients = np.concatenate([one.curve.coefficients, chebyshev.chebfit(points, values, DEGREE)], axis=1)
     return Curve(low=one.curve.low, high=one.curve.high, coefficients=coefficients)
 
 
 def _advice(of: Observed, rivals: Sequence[Tried], one: _Thought, before: Array) -> Advice:
-    gains = _gains(rivals, one)
+    told = _evidence(rivals, one)
     now = np.array([rival.found.evidence for rival in rivals])
     share = np.exp(now - now.max())
-    apart = [rival.id for rival, least in zip(rivals, _least(rivals, one), strict=True) if least > ALIKE]
+    least = [row[k] - np.delete(row, k).max(initial=-np.inf) for k, row in enumerate(told)]
     return Advice(
-        test=f"{one.test.text}{_figures(of, rivals, one)}",
-        gain=float(share @ (gains - before) / share.sum()),
-        separates=tuple(apart) if len(rivals) > 1 else (),
+        test=f"{one.trial.text}{_figures(of, rivals, one)}",
+        gain=float(share @ (_gains(told) - before) / share.sum()),
+        separates=tuple(rival.id for rival, apart in zip(rivals, least, strict=True) if apart > ALIKE and len(rivals) > 1),
     )
 
 
-def _gains(rivals: Sequence[Tried], of: _Thought) -> Array:
+def _gains(told: Array) -> Array:
     """(k,) of every explanation, were it true: evidence against the mean of the others, `SURE` at most; alone against none."""
-    evidence = _evidence(rivals, of)
-    if len(rivals) == 1:
-        return np.asarray(evidence[0])
-    others = [np.logaddexp.reduce(np.delete(row, k)) - np.log(len(row) - 1) for k, row in enumerate(evidence)]
-    return np.asarray(np.clip(np.diag(evidence) - np.array(others), -SURE, SURE))
-
-
-def _least(rivals: Sequence[Tried], of: _Thought) -> Array:
-    """(k,) of every explanation, were it true, against the best of the others."""
-    evidence = _evidence(rivals, of)
-    return np.array([row[k] - np.delete(row, k).max(initial=-np.inf) for k, row in enumerate(evidence)])
+    if len(told) == 1:
+        return np.asarray(told[0])
+    others = [np.logaddexp.reduce(np.delete(row, k)) - np.log(len(row) - 1) for k, row in enumerate(told)]
+    return np.asarray(np.clip(np.diag(told) - np.array(others), -SURE, SURE))
 
 
 def _evidence(rivals: Sequence[Tried], of: _Thought) -> Array:
     """(k, k) were the first true, of the second, without noise."""
     precision = inverse(of.covariance)
     pairs = list(zip(rivals, of.curves, strict=True))
-    return np.array(
-        [
-            [weighed(curve, rival.candidate.size.plausible, left, precision).evidence for rival, curve in pairs]
-            for left in _truths(rivals, of)
-        ]
-    )
+    told = [
+        [evidence(curve, rival.answering.plausible, left, precision) for rival, curve in pairs] for left in _truths(rivals, of)
+    ]
+    return np.array(told)
 
 
 def _truths(rivals: Sequence[Tried], of: _Thought) -> list[Array]:
@@ -148,10 +139,10 @@ def _truths(rivals: Sequence[Tried], of: _Thought) -> list[Array]:
 
 def _figures(of: Observed, rivals: Sequence[Tried], one: _Thought) -> str:
     """By how much the new period would differ from the model's, by each of the explanations, and what tolerances see."""
-    if not one.test.facts or one.test.facts[0].swing is None:
+    if not one.trial.facts or one.trial.facts[0].swing is None:
         return ""
     n, C = len(of.facts), one.covariance
-    per = period_per_inertia(one.test.facts[0])
+    per = period_per_inertia(one.trial.facts[0])
     told = [f"{-per * left[n]:+.2%} if it is {rival.id}" for rival, left in zip(rivals, _truths(rivals, one), strict=True)]
     more = f" and {len(told) - NAMED} more" if len(told) > NAMED else ""
     own = float(np.sqrt(max(C[n, n] - C[n, :n] @ np.linalg.solve(C[:n, :n], C[:n, n]), 0.0)))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from validation.diagnosing.as_json import advice, detectable, effect, leftover
 from validation.diagnosing.classical.nouns import Beside, Needed, Reading, SwingAnswer
-from validation.diagnosing.diagnosis import Cause
 
 
 def as_json(found: SwingAnswer) -> dict[str, Any]:
@@ -13,41 +13,22 @@ def as_json(found: SwingAnswer) -> dict[str, Any]:
     return {
         "verdict": found.verdict,
         "text": found.text,
-        "accepted": [_effect(one) for one in found.accepted],
-        "ranking": [_effect(one) for one in found.ranking],
+        "accepted": [effect(one) for one in found.accepted],
+        "ranking": [effect(one) for one in found.ranking],
         "equivalence_class": list(found.equivalence_class),
         "next_measurement": found.next_measurement,
+        "advice": [advice(one) for one in found.advice],
         "leftover": None if found.leftover is None else found.leftover.text,
+        "leftover_described": None if found.leftover is None else leftover(found.leftover),
         "errors": None,
-        "model": found.source,
+        "detectable": [detectable(one) for one in found.detectable],
         "chi2": found.chi2,
         "measurements": found.measurements,
         "classical": [_beside(one) for one in found.facts],
         "needed": [_needed(one) for one in found.needed],
         "readings": [_reading(one) for one in found.readings],
-        "advice": [
-            {"test": one.test, "expected_evidence_nats": one.gain, "separates": list(one.separates)} for one in found.advice
-        ],
-        "detectable": [{"id": one.id, "size": one.size, "unit": one.unit, "at": one.at or None} for one in found.detectable],
         "warnings": list(found.remarks),
         "settings": dict(found.settings),
-    }
-
-
-def _effect(one: Cause) -> dict[str, Any]:
-    """EFFECT of the output contract."""
-    (size,) = one.sizes
-    return {
-        "id": one.id,
-        "value": size.value,
-        "unit": size.unit,
-        "interval90": [size.low, size.high],
-        "evidence_nats": one.evidence,
-        "text": one.text,
-        "chi2_per_dof": one.misfit,
-        "as_where_nothing_is_missing": one.null,
-        "mistaken_for": list(one.mistaken_for),
-        "confirmed_by": one.confirmed_by,
     }
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from geometry.errors import BadInput
 from geometry.inertia import PARAMETERS
+from geometry.keys import nearest
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import PENDULUM, PERIOD_STAGE, Size
 from validation.effects.identifiers import Named
@@ -55,12 +57,28 @@ def pendulum_candidates(facts: Sequence[ArticleFact]) -> tuple[Added, ...]:
     return tuple(Added(named=one) for one in named if any(swung.acts(one, swing) for swing in swings))
 
 
-def candidates(facts: Sequence[ArticleFact], own: Sequence[Added] = ()) -> tuple[Candidate, ...]:
-    """All that might explain `facts`, but for what the model has among its `own`: the pendulum's first, then the article's."""
+def candidates(facts: Sequence[ArticleFact], own: Sequence[Added] = (), only: Sequence[str] = ()) -> tuple[Candidate, ...]:
+    """All that might explain `facts`, but for what the model has among its `own`: the pendulum's first, then the article's.
+
+    Raises
+    ------
+    BadInput : one of `only`, families or ids that are looked for, is none of them.
+    """
     there = {one.named.id for one in own}
-    least = min((float(fact.of.at({})[0][0]) for fact in facts), default=0.0)
+    least = min((float(fact.of.ten({})[0]) for fact in facts), default=0.0)
     every = (*pendulum_candidates(facts), *(Added(named=plausible(name)) for name in _of_body(facts)))
-    return tuple(_candidate(one, least) for one in every if one.named.id not in there)
+    found = tuple(_candidate(one, least) for one in every if one.named.id not in there)
+    for wanted in only:
+        if not any(_is(one, wanted) for one in found):
+            known = dict.fromkeys(name for one in found for name in (one.added.named.family, one.id))
+            problem = "is no effect that weights and periods could show"
+            remedy = f"{nearest(wanted, known)}Known here are {', '.join(dict.fromkeys(one.added.named.family for one in found))}"
+            raise BadInput(source="--candidate", field=wanted, problem=problem, remedy=remedy)
+    return tuple(one for one in found if not only or any(_is(one, wanted) for wanted in only))
+
+
+def _is(one: Candidate, name: str) -> bool:
+    return name in (one.added.named.family, one.id)
 
 
 def _of_body(facts: Sequence[ArticleFact]) -> Iterator[str]:

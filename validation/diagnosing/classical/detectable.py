@@ -9,7 +9,7 @@ import numpy as np
 from geometry.arrays import Array
 from validation.diagnosing.classical.judged import Tried
 from validation.diagnosing.classical.observed import inverse
-from validation.diagnosing.classical.weighed import weighed
+from validation.diagnosing.classical.weighed import evidence
 from validation.diagnosing.diagnosis import Detectable
 from validation.ladders.verdict import WORTH
 
@@ -42,4 +42,4 @@ def smallest(one: Tried, precision: Array) -> float:
 
 def _named(one: Tried, size: float, precision: Array) -> bool:
     left = -one.curve.at(np.array([size]))[0]
-    return weighed(one.curve, one.candidate.size.plausible, left, precision).evidence > WORTH
+    return evidence(one.curve, one.answering.plausible, left, precision) > WORTH

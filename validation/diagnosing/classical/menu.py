@@ -43,7 +43,7 @@ OFF_CENTRE = "off-centre-suspension"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Test:
+class Trial:
     """A measurement that was not made.
 
     Attributes
@@ -58,7 +58,7 @@ class Test:
     told: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
-def menu(of: Observed) -> tuple[Test, ...]:
+def menu(of: Observed) -> tuple[Trial, ...]:
     """What could be measured beside what was."""
     swings = [n for n, fact in enumerate(of.facts) if fact.swing is not None]
     if not swings:
@@ -67,43 +67,45 @@ def menu(of: Observed) -> tuple[Test, ...]:
     return (*_of_swing(base), *_of_axes(of, base), *_of_body(of))
 
 
-def _of_swing(fact: ArticleFact) -> Iterator[Test]:
+def _of_swing(fact: ArticleFact) -> Iterator[Trial]:
     """The same pendulum under other conditions, and its parts by themselves."""
     swing = _swing(fact)
     if _acts(swung.AMPLITUDE, swing):
         shares = {**fact.shares, swung.AMPLITUDE: HALF * fact.shares.get(swung.AMPLITUDE, 1.0)}
-        yield Test(text="swing it once more, half as wide", facts=(another(fact, swing.pendulum, shares=shares),))
+        yield Trial(text="swing it once more, half as wide", facts=(another(fact, swing.pendulum, shares=shares),))
     if _acts(swung.DAMPING, swing):
         text = "record the decay of the swing, and from it the damping (to 0.05 %)"
-        yield Test(text=text, told={swung.DAMPING: DECAY})
+        yield Trial(text=text, told={swung.DAMPING: DECAY})
     if isinstance(swing.pendulum, RopeSwing):
         yield from _of_ropes(fact, swing, swing.pendulum)
 
 
-def _of_ropes(fact: ArticleFact, swing: Swing, ropes: RopeSwing) -> Iterator[Test]:
+def _of_ropes(fact: ArticleFact, swing: Swing, ropes: RopeSwing) -> Iterator[Trial]:
     shorter = replace(ropes, length=_scaled(ropes.length, HALF, "rope length"))
     shares = {**fact.shares, **{name: HALF * fact.shares.get(name, 1.0) for name in (swung.ROPE_MASS, swung.STRETCH)}}
     length = said(shorter.length.nominal_value, "m", 3)
-    yield Test(text=f"hang it on ropes half as long, {length}", facts=(another(fact, shorter, shares=shares),))
+    yield Trial(text=f"hang it on ropes half as long, {length}", facts=(another(fact, shorter, shares=shares),))
     s1, s2 = (_scaled(one, HALF, name) for one, name in ((ropes.s1, "s1"), (ropes.s2, "s2")))
-    yield Test(text="hang the ropes half as far from the centre of gravity", facts=(another(fact, replace(ropes, s1=s1, s2=s2)),))
+    yield Trial(
+        text="hang the ropes half as far from the centre of gravity", facts=(another(fact, replace(ropes, s1=s1, s2=s2)),)
+    )
     yield _loaded(fact, ropes)
     if _acts(swung.ROPE_MASS, swing):
-        yield Test(text="weigh the ropes (to 2 g)", told={swung.ROPE_MASS: SMALL_BALANCE})
+        yield Trial(text="weigh the ropes (to 2 g)", told={swung.ROPE_MASS: SMALL_BALANCE})
     load = ropes.mass.nominal_value * ropes.gravity.nominal_value / max(swing.ropes, 1)
     text = "measure the ropes with and without the load (to 0.5 mm)"
-    yield Test(text=text, told={swung.STRETCH: RULER / load})
+    yield Trial(text=text, told={swung.STRETCH: RULER / load})
     radius = float(np.sqrt(abs(ropes.s1.nominal_value * ropes.s2.nominal_value)))
-    yield Test(text="measure what each rope carries (to 1 % of the weight)", told={OFF_CENTRE: SHARE * radius})
+    yield Trial(text="measure what each rope carries (to 1 % of the weight)", told={OFF_CENTRE: SHARE * radius})
 
 
-def _loaded(fact: ArticleFact, ropes: RopeSwing) -> Test:
+def _loaded(fact: ArticleFact, ropes: RopeSwing) -> Trial:
     """With half its mass more, in two known weights on either side at the ropes."""
     mass, square = HALF * ropes.mass.nominal_value, abs(ropes.s1.nominal_value * ropes.s2.nominal_value)
     radius = float(np.sqrt(square))
     more = replace(fact, of=replace(fact.of, drawn=_with_weights(fact, mass, radius)))
     text = f"add two known masses of {said(mass / 2, 'kg', 2)} on either side, {said(radius, 'm', 2)} from the axis"
-    return Test(text=text, facts=(another(more, replace(ropes, mass=ropes.mass + exact(mass))),))
+    return Trial(text=text, facts=(another(more, replace(ropes, mass=ropes.mass + exact(mass))),))
 
 
 def _with_weights(fact: ArticleFact, mass: float, radius: float) -> Matrices:
@@ -119,28 +121,28 @@ def _with_weights(fact: ArticleFact, mass: float, radius: float) -> Matrices:
     return heavier(drawn, added)
 
 
-def _of_axes(of: Observed, base: ArticleFact) -> Iterator[Test]:
+def _of_axes(of: Observed, base: ArticleFact) -> Iterator[Trial]:
     """About an axis that nobody swung it about, on the same ropes."""
     swung_about = {tuple(np.round(np.abs(fact.swing.axis), 9)) for fact in of.facts if fact.swing is not None}
     for name, axis in zip("xyz", np.eye(3), strict=True):
         if tuple(axis) not in swung_about:
             weights = np.concatenate([np.zeros(4), axis, np.zeros(3)])
             fact = another(replace(base, weights=weights), _swing(base).pendulum)
-            yield Test(text=f"swing it about {name} too", facts=(fact,))
+            yield Trial(text=f"swing it about {name} too", facts=(fact,))
 
 
-def _of_body(of: Observed) -> Iterator[Test]:
+def _of_body(of: Observed) -> Iterator[Trial]:
     """A balance, and a crane beside it."""
     known = [fact.weights for fact in of.facts]
     if not of.facts:
         return
     fact = of.facts[0]
     if not any(weights[0] for weights in known):
-        yield Test(text="weigh it (to 0.1 %)", facts=(_fact(fact, 0, BALANCE * _ten(fact)[0]),))
+        yield Trial(text="weigh it (to 0.1 %)", facts=(_fact(fact, 0, BALANCE * _ten(fact)[0]),))
     for axis in range(3):
         if not any(weights[1 + axis] for weights in known):
             text = f"find its centre of gravity along {'xyz'[axis]} by crane and balance (to 1 mm)"
-            yield Test(text=text, facts=(_fact(fact, 1 + axis, CRANE),))
+            yield Trial(text=text, facts=(_fact(fact, 1 + axis, CRANE),))
 
 
 def another(fact: ArticleFact, pendulum: Pendulum, *, shares: Mapping[str, float] | None = None) -> ArticleFact:
@@ -199,7 +201,7 @@ def _fact(fact: ArticleFact, k: int, deviation: float) -> ArticleFact:
 
 def _ten(fact: ArticleFact) -> Array:
     """(10,) quantities of its article by the model with its own effects."""
-    return classical.quantities(fact.of.at({one.name: one.start for one in fact.of.parameters})[0])
+    return classical.quantities(fact.of.ten({one.name: one.start for one in fact.of.parameters}))
 
 
 def _acts(family: str, swing: Swing) -> bool:

@@ -8,6 +8,9 @@ from types import MappingProxyType
 
 from validation.diagnosing.diagnosis import Advice, Cause, Detectable, Leftover
 
+UNITS = ("kg", "m", "m", "m", *("kg m^2",) * 6)
+"""SI, of the quantities of `identification.classical`."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Beside:

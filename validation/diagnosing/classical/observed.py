@@ -41,6 +41,11 @@ class Observed:
         return inverse(self.covariance)
 
     @property
+    def of_period(self) -> Array:
+        """(n,) 1 / the moment of inertia that was measured by a period, 0 of any other number."""
+        return np.array([0.0 if fact.swing is None else 1 / fact.value for fact in self.facts])
+
+    @property
     def deviation(self) -> Array:
         """(n,) standard deviations, SI."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
@@ -78,4 +83,4 @@ def inverse(covariance: Array) -> Array:
 def _left(fact: ArticleFact, offsets: dict[str, float] | None = None) -> float:
     """Predicted - measured, SI; effects of the model at their own sizes."""
     at = {one.name: one.start for one in fact.parameters} | (offsets or {})
-    return fact.residual(at)[0] * fact.deviation
+    return fact.left(at)

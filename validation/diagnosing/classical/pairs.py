@@ -1,4 +1,8 @@
-"""Two effects at once: the integral of `validation.diagnosing.classical.weighed` over both sizes, what they make added."""
+"""Two effects at once: the integral of `validation.diagnosing.classical.weighed` over both sizes.
+
+What they make of a measurement adds, but for two that lengthen one period: factors multiply, and of a moment M that was measured
+``M (1 - s₁/M) (1 - s₂/M)`` is left, so that s = s₁ + s₂ - s₁ s₂ / M.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from validation.diagnosing.classical.curve import Curve
-from validation.diagnosing.classical.weighed import FAR, TAIL, Weighed, is_end, prior, steps
+from validation.diagnosing.classical.weighed import FAR, Weighed, is_end, prior, quantiles, steps
 
 POINTS = 121
 """Of each look, along either size."""
@@ -14,15 +18,18 @@ POINTS = 121
 LOOKS = 5
 
 
-def both(curves: tuple[Curve, Curve], plausible: tuple[float, float], left: Array, precision: Array) -> tuple[Weighed, Weighed]:
+def both(
+    curves: tuple[Curve, Curve], plausible: tuple[float, float], left: Array, precision: Array, shared: Array | None = None
+) -> tuple[Weighed, Weighed]:
     """Both effects beside `left` (n,) of which the inverse covariance is `precision` (n, n).
 
+    `shared` (n,) is 1 / M of periods that both lengthen, and 0 of what they only add to.
     The evidence of either is that of both together, and so is what they leave; value and interval are its own.
     """
     ends = [(one.low, one.high) for one in curves]
     for _ in range(LOOKS):
         sizes = [np.linspace(low, high, POINTS) for low, high in ends]
-        gained = _gain(curves, sizes, left, precision)
+        gained = _gain(curves, sizes, left, precision, np.zeros(len(left)) if shared is None else shared)
         density = gained + sum(np.expand_dims(prior(sizes[k], curves[k], plausible[k]), 1 - k) for k in (0, 1))
         there = density > density.max() - FAR
         ends = [_around(sizes[k], there.any(axis=1 - k)) for k in (0, 1)]
@@ -34,9 +41,10 @@ def both(curves: tuple[Curve, Curve], plausible: tuple[float, float], left: Arra
     return one, other
 
 
-def _gain(curves: tuple[Curve, Curve], sizes: list[Array], left: Array, precision: Array) -> Array:
+def _gain(curves: tuple[Curve, Curve], sizes: list[Array], left: Array, precision: Array, shared: Array) -> Array:
     """(k, l) logarithm of the likelihood against that of neither."""
-    s = curves[0].at(sizes[0])[:, None] + curves[1].at(sizes[1])[None]
+    one, other = curves[0].at(sizes[0])[:, None], curves[1].at(sizes[1])[None]
+    s = one + other - shared * one * other
     return np.asarray(-(s @ precision @ left) - 0.5 * np.einsum("kln,nm,klm->kl", s, precision, s))
 
 
@@ -46,6 +54,5 @@ def _around(sizes: Array, there: Array) -> tuple[float, float]:
 
 
 def _weighed(curve: Curve, sizes: Array, share: Array, best: float, evidence: float, chi2: float) -> Weighed:
-    total = np.cumsum(share)
-    low, value, high = (float(one) for one in np.interp([TAIL, 0.5, 1 - TAIL], total / total[-1], sizes))
+    low, value, high = quantiles(sizes, share)
     return Weighed(evidence=evidence, value=value, low=low, high=high, best=best, at_end=is_end(curve, best), chi2=chi2)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from validation.diagnosing.classical.nouns import Needed, Reading, SwingAnswer
 from validation.diagnosing.detectable_table import grid as smallest
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN
 from validation.diagnosing.practical import said, significant
 from validation.rows import NONE, rounded
 from validation.tables.grid import Grid, aligned
@@ -18,17 +19,30 @@ MOST = 8
 
 PLACES = "point-mass"
 
+HEADLINES = {
+    NOTHING: "NOTHING IS MISSING at the resolution of these measurements",
+    MISSING: "MISSING",
+    AMBIGUOUS: "MISSING IS one of several that these measurements cannot tell apart",
+    SEVERAL: "SEVERAL ARE MISSING",
+    UNKNOWN: "UNKNOWN: something is missing, and no effect that massline knows explains it",
+}
+"""By verdict."""
 
-def title(found: SwingAnswer) -> str:
+
+def title(model: str, files: Sequence[str]) -> str:
     """Model and data."""
-    files = dict.fromkeys(one.name.rpartition(": ")[0] for one in found.facts)
-    return f"{found.title} beside {', '.join(files)}"
+    return f"What {model} is missing beside {', '.join(files)}"
+
+
+def opening(found: SwingAnswer) -> Iterator[str]:
+    """The verdict, and what there is to say of it."""
+    yield f"{HEADLINES[found.verdict]}."
+    yield found.text
 
 
 def grids(found: SwingAnswer) -> list[Grid]:
     """All tables, in the order in which they are read."""
     return [
-        Grid(header=("verdict", found.verdict.upper()), lines=(("", found.text),), words=True),
         facts(found),
         *([needed(found.needed)] if found.needed else []),
         *([readings(found)] if _near(found) else []),
@@ -73,7 +87,10 @@ def readings(found: SwingAnswer) -> Grid:
 
 def advice(found: SwingAnswer) -> Grid:
     """What to measure next, the best first."""
-    lines = tuple((f"{k}", significant(one.gain, 2), _sentence(one.test)) for k, one in enumerate(found.advice[:MOST], start=1))
+    lines = tuple(
+        (f"{k}", significant(one.gain, 2) if one.gain else NONE, _sentence(one.test))
+        for k, one in enumerate(found.advice[:MOST], start=1)
+    )
     return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
 
 

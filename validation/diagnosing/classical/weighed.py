@@ -19,7 +19,7 @@ import numpy as np
 from geometry.arrays import Array
 from validation.diagnosing.classical.curve import Curve
 
-POINTS = 2001
+POINTS = 401
 """Of each look at the line."""
 
 LOOKS = 4
@@ -27,6 +27,9 @@ LOOKS = 4
 
 FAR = 30.0
 """Nats below the summit at which nothing is left."""
+
+NEAR = 1e-4
+"""The same, where the summit itself is looked for."""
 
 TAIL = 0.05
 """On either side of a 90 % interval."""
@@ -57,22 +60,38 @@ class Weighed:
 
 def weighed(curve: Curve, plausible: float, left: Array, precision: Array) -> Weighed:
     """An effect of which `curve` is the answer, beside `left` (n,) of which the inverse covariance is `precision` (n, n)."""
-    sizes, density = _around(curve, lambda x: _gain(curve, x, left, precision) + prior(x, curve, plausible))
+    sizes, density = _posterior(curve, plausible, left, precision)
     peak = density.max()
-    total = np.cumsum(steps(sizes) * np.exp(density - peak))
-    evidence = float(peak + np.log(total[-1]))
-    low, value, high = np.interp([TAIL, 0.5, 1 - TAIL], total / total[-1], sizes)
+    share = steps(sizes) * np.exp(density - peak)
+    low, value, high = quantiles(sizes, share)
     best = _best(curve, left, precision)
     gained = float(_gain(curve, np.array([best]), left, precision)[0])
     return Weighed(
-        evidence=evidence,
-        value=float(value),
-        low=float(low),
-        high=float(high),
+        evidence=float(peak + np.log(share.sum())),
+        value=value,
+        low=low,
+        high=high,
         best=best,
         at_end=is_end(curve, best),
         chi2=max(float(left @ precision @ left) - 2 * gained, 0.0),
     )
+
+
+def evidence(curve: Curve, plausible: float, left: Array, precision: Array) -> float:
+    """ln Z alone."""
+    sizes, density = _posterior(curve, plausible, left, precision)
+    return float(density.max() + np.log(np.sum(steps(sizes) * np.exp(density - density.max()))))
+
+
+def _posterior(curve: Curve, plausible: float, left: Array, precision: Array) -> tuple[Array, Array]:
+    return _around(curve, lambda x: _gain(curve, x, left, precision) + prior(x, curve, plausible), FAR)
+
+
+def quantiles(sizes: Array, share: Array) -> tuple[float, float, float]:
+    """Low end of a 90 % interval, median and high end of a distribution that has `share` (k,) around each of `sizes` (k,)."""
+    below = np.cumsum(share) - share / 2
+    low, value, high = np.interp([TAIL, 0.5, 1 - TAIL], below / share.sum(), sizes)
+    return float(low), float(value), float(high)
 
 
 def _gain(curve: Curve, sizes: Array, left: Array, precision: Array) -> Array:
@@ -87,19 +106,19 @@ def prior(sizes: Array, curve: Curve, plausible: float) -> Array:
     return np.asarray(sided - 0.5 * (sizes / plausible) ** 2 - np.log(np.sqrt(2 * np.pi) * plausible))
 
 
-def _around(curve: Curve, density: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """Sizes (k,) and the logarithm of the density there, from end to end of where there is any."""
+def _around(curve: Curve, density: Callable[[Array], Array], far: float) -> tuple[Array, Array]:
+    """Sizes (k,) and the logarithm of the density there, from end to end of where it is no more than `far` below the summit."""
     low, high = curve.low, curve.high
     for _ in range(LOOKS):
         sizes = np.linspace(low, high, POINTS)
         found = density(sizes)
-        there = np.flatnonzero(found > found.max() - FAR)
+        there = np.flatnonzero(found > found.max() - far)
         low, high = sizes[max(there[0] - 1, 0)], sizes[min(there[-1] + 1, POINTS - 1)]
     return sizes, found
 
 
 def _best(curve: Curve, left: Array, precision: Array) -> float:
-    sizes, found = _around(curve, lambda x: _gain(curve, x, left, precision))
+    sizes, found = _around(curve, lambda x: _gain(curve, x, left, precision), NEAR)
     return float(sizes[int(np.argmax(found))])
 
 

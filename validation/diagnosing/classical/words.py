@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.diagnosing.classical.judged import Judged, Tried
+from validation.diagnosing.classical.judged import LARGE, Judged, Tried
 from validation.diagnosing.classical.nouns import Beside
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL
 from validation.diagnosing.practical import said, significant
 from validation.effects.catalogue import FAMILIES
 from validation.pendulum_file import HONEST
 
-PLAUSIBLE, LARGE = 1.0, 3.0
-"""Plausible sizes up to which an effect is nothing special, and up to which it may be."""
+PLAUSIBLE = 1.0
+"""Plausible sizes up to which an effect is nothing special."""
 
 NOTEWORTHY, RARE, FREQUENT = 1e-2, 1e-6, 0.5
 """Probabilities of a misfit: from which it is said, and below and above which no figure is."""
