@@ -95,7 +95,7 @@ def _climbed(asked: Asked, bench: Bench, *, as_json: bool) -> tuple[Diagnosis, d
 
     def added(rung: Rung) -> None:
         if not as_json:
-            click.echo(f"Rung {rung.number}: {rung.effect} added. {' '.join(rung.verdict)}\n")
+            click.echo(page(f"Rung {rung.number}: {rung.effect} added", (), rung.verdict))
 
     with stages("climbing", quiet=as_json) as told:
         heard = automatic.Heard(diagnosed=diagnosed, added=added, progress=told)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from validation.comparing.verdicts import expected_z2, figure, misfit, percent
 from validation.diagnosing import figures, words
-from validation.diagnosing.diagnosis import NONLINEAR, NOTHING, Cause, Diagnosis, Size
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NONLINEAR, NOTHING, SEVERAL, Cause, Diagnosis, Size, Step
 from validation.engine.evaluation import Evaluation, Share
 from validation.rows import NONE
 from validation.tables.grid import Grid, aligned
@@ -16,6 +16,9 @@ RANKED = 8
 
 DETECTABLE = 12
 """Smallest sizes that the page shows where something was found; all where nothing is missing."""
+
+SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
+"""Verdicts of which the one sentence says all that a text would."""
 
 ERRORS: tuple[tuple[str, Callable[[Evaluation], str]], ...] = (
     ("nominal error", lambda e: percent(e.nominal.percent)),
@@ -40,7 +43,7 @@ def opening(found: Diagnosis) -> Iterator[str]:
     """The verdict in one sentence, and what there is to say of it."""
     first = words.headline(found)
     yield first
-    if found.text and found.text != first:
+    if found.text and found.verdict not in SAID_ALL:
         yield found.text
 
 
@@ -147,7 +150,7 @@ def ranking(found: Diagnosis) -> Grid:
 def steps(found: Diagnosis) -> Grid:
     """How it was found."""
     lines = tuple(
-        (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", f"{one.added}: {one.text}" if one.added else one.text)
+        (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _sentence(one))
         for k, one in enumerate(found.steps, start=1)
     )
     return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True)
@@ -185,6 +188,10 @@ def figure_of(one: Cause) -> str:
         return NONE
     value, _, _, unit = words.interval(one, one.sizes[0])
     return figures.with_unit(value, unit)
+
+
+def _sentence(of: Step) -> str:
+    return of.text if of.text.startswith(of.added) else f"{of.added}: {of.text}"
 
 
 def _sizes(one: Cause) -> list[tuple[str, ...]]:
