@@ -25,9 +25,14 @@ def root() -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Solid models are kept in a folder of this run, here and in processes of their own, not in the user's."""
+    """Solid models are kept in a folder of this run, here and in processes of their own, not in the user's.
+
+    Worker processes (`pytest -n`) have one between them: a mesh is made once.
+    """
+    own = tmp_path_factory.getbasetemp()
+    whole = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MASSLINE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("MASSLINE_CACHE", str(whole / "cache"))
         yield
 
 

@@ -76,6 +76,7 @@ class Swing:
     axis : (3,) direction of its axis in the article's frame
     pendulum : lengths, mass and period
     terms : its corrections
+    stated : what the file or the record says of the sizes of corrections, switched off ones too
     ropes : how many there are, as far as the file says: three where it states their radius; 0 for a pivot or a torsion rod
     notes : what was noted on the way
     """
@@ -83,6 +84,7 @@ class Swing:
     axis: tuple[float, ...]
     pendulum: RopeSwing | CompoundSwing | TorsionSwing
     terms: Terms
+    stated: Terms
     ropes: int
     notes: tuple[str, ...]
 
@@ -163,8 +165,11 @@ def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -
     entry.only(("about", "suspension", *_PERIOD_KEYS, *_OWN_KEYS[suspension]))
     period, recorded, notes = _period(entry)
     pendulum = _SUSPENSIONS[suspension](entry, file, article, period)
-    terms, ropes = _terms(entry, file, off, recorded), (3 if "radius" in entry.table else 2) if suspension == "ropes" else 0
-    swing = Swing(axis=_axis(entry), pendulum=pendulum, terms=terms, ropes=ropes, notes=notes)
+    (terms, stated), ropes = (
+        _terms(entry, file, off, recorded),
+        (3 if "radius" in entry.table else 2) if suspension == "ropes" else 0,
+    )
+    swing = Swing(axis=_axis(entry), pendulum=pendulum, terms=terms, stated=stated, ropes=ropes, notes=notes)
     moment = _moment(swing, entry).nominal_value
     if moment <= 0:
         problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
@@ -302,9 +307,11 @@ def _record(entry: Fields) -> tuple[Any, Any]:
     return columns[:, 0], columns[:, 1]
 
 
-def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: periods.Decay | None) -> Terms:
+def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: periods.Decay | None) -> tuple[Terms, Terms]:
+    """The corrections that are on, and the sizes of all that are stated."""
     switches = file.inner("corrections").only(TERMS)
     sizes: dict[str, UFloat | None] = {}
+    known: dict[str, UFloat | None] = {}
     for key, dimension in _SIZES.items():
         name = key.replace("_", "-")
         stated = entry.optional(key, dimension)
@@ -317,5 +324,6 @@ def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: periods.
             raise entry.refused(
                 key, f"the correction {name} is switched on, but its size is missing", "State it, or switch it off"
             )
+        known[key] = stated
         sizes[key] = stated if switches.switch(name, True) and name not in off else None
-    return Terms(**sizes)
+    return Terms(**sizes), Terms(**known)

@@ -65,6 +65,29 @@ def fit(
     return fitted(end)
 
 
+def child(
+    problem: Problem, kinds: Sequence[str], parent: Fit, start: Offsets, *, from_afar: bool = False, floor: float | None = None
+) -> Fit:
+    """The fit of `problem`, which has more parameters than that of its `parent`, by a single way; it never costs more.
+
+    Parameters
+    ----------
+    start : offsets at which the way begins; what is not named begins where the parent ended, or where it has no effect
+    from_afar : whether the floor is annealed on the way, instead of straight down
+    """
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
+    null = parents_point(cost.free, parent)
+    try:
+        end = (annealed if from_afar else direct)(cost, {**null, **start}, lambda share: None)
+    except CheckFailed:
+        return fitted(ended(cost, null, converged=False))
+    return fitted(end if end.whole.cost <= parent.cost else min(end, ended(cost, null, converged=False), key=_whole))
+
+
+def _whole(end: End) -> float:
+    return end.whole.cost
+
+
 def floor_of(kinds: Sequence[str]) -> float:
     """The model-error floor of a fit of parameters of `kinds`."""
     return FLOOR if SENSOR in kinds else PLAIN_FLOOR

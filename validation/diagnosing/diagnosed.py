@@ -1,0 +1,76 @@
+"""`diagnosed`: the whole way from data to an answer. `bench`: the data made ready for it.
+
+Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a converged baseline, screening, refits, acceptance or
+"unknown", and then what would settle it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from validation.comparing.compared import meant
+from validation.comparing.gathered import Data
+from validation.diagnosing import answering
+from validation.diagnosing.bench import Bench
+from validation.diagnosing.diagnosis import Diagnosis
+from validation.diagnosing.menu import candidates
+from validation.diagnosing.refitting import baseline
+from validation.diagnosing.searching import searched
+from validation.engine.prediction import Fact
+from validation.models.model import Added, Model
+from validation.prediction.facts import facts
+from validation.prediction.series import predictions
+
+Progress = Callable[[str, float], None]
+"""Hears what is done now, and the share of it."""
+
+
+def bench(
+    model: Model,
+    data: Data,
+    *,
+    hold_out: Sequence[str] = (),
+    band: tuple[float, float] | None = None,
+    method: str = "full-record",
+    progress: Progress | None = None,
+) -> Bench:
+    """`data` ready for `model` with any effects.
+
+    Raises
+    ------
+    BadInput : an unknown name in `hold_out`; whatever makes no spectra.
+    """
+    tell = progress or (lambda what, share: None)
+    made = predictions(
+        replace(model, effects=()), data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share)
+    )
+
+    def of_effects(effects: Sequence[Added]) -> tuple[Fact, ...]:
+        return facts(replace(model, effects=tuple(effects)), data.classical)
+
+    ready = Bench(model=model, campaigns=data.campaigns, made=made, facts=of_effects)
+    return replace(ready, hold_out=meant(ready.whole(), data, tuple(hold_out)))
+
+
+def diagnosed(
+    of: Bench, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
+) -> Diagnosis:
+    """What the model of a bench is missing.
+
+    Parameters
+    ----------
+    only : families or ids that are looked for; all where nothing is said
+    leave_out : families or ids that are not
+
+    Raises
+    ------
+    BadInput : one of `only` could not act on these data.
+    CheckFailed : the baseline does not converge.
+    """
+    tell = progress or (lambda what, share: None)
+    menu = candidates(of, only=only, leave_out=leave_out)
+    tell("fitting the model as it is", 0.0)
+    base = baseline(of, lambda share: tell("fitting the model as it is", share))
+    found, rounds = searched(of, base, menu, tell)
+    return answering.answer(of, base, found, rounds, tell)
