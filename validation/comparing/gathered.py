@@ -51,8 +51,7 @@ def gathered(paths: Sequence[str], model: Model, progress: Progress | None = Non
     """
     folders = [path for path in paths if Path(path).is_dir()]
     files = [path for path in paths if path not in folders]
-    for path in files:
-        _require_measurement(path)
+    require_files(files)
     _require_once(paths)
     if not folders:
         raise BadInput(
@@ -65,6 +64,19 @@ def gathered(paths: Sequence[str], model: Model, progress: Progress | None = Non
     require_pair(model, described)
     require_bodies(model, described)
     return Data(campaigns=tuple(_read(folder, progress) for folder in folders), classical=tuple(files))
+
+
+def require_files(paths: Sequence[str]) -> None:
+    """Refuse files that are no classical measurements, and one that is named twice.
+
+    Raises
+    ------
+    BadInput : such a file.
+    OSError : a file cannot be read.
+    """
+    for path in paths:
+        _require_measurement(path)
+    _require_once(paths)
 
 
 def _read(folder: str, progress: Progress | None) -> Campaign:

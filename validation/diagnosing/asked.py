@@ -10,7 +10,7 @@ from geometry.errors import BadInput
 from geometry.keys import nearest
 from identification.campaign import METHODS, Campaign
 from validation.comparing import asked as comparing
-from validation.comparing.gathered import Data
+from validation.comparing.gathered import Data, require_files
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import AMPLITUDE, MISTAKE, PENDULUM, PROCESSING
 from validation.effects.identifiers import parse
@@ -65,8 +65,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
 
     Raises
     ------
-    BadInput : see `validation.comparing.asked.ready`; too few runs; a candidate that nobody knows, that acts on nothing here, or
-        that needs two levels where there is one.
+    BadInput : see `validation.comparing.asked.ready`; too few runs; a candidate that nobody knows or that acts on nothing here.
     OSError : a file cannot be read.
     """
     for text in asked.candidates:
@@ -111,32 +110,33 @@ def _require_family(text: str) -> None:
 
 
 def _require_here(text: str, model: Model, campaigns: Sequence[Campaign]) -> None:
-    """Refuse a target that these `campaigns` do not have, and what a single level cannot show."""
-    family, colon, _ = text.partition(":")
-    if colon:
+    """Refuse a target that these `campaigns` do not have."""
+    if ":" in text:
         named = parse(completed(text)[0], vocabulary(model, campaigns), source=OPTION)
         require_target(model, campaigns, named, OPTION)
-    if FAMILIES[family.strip()].side == AMPLITUDE:
-        require_levels(campaigns, text)
 
 
-def require_levels(campaigns: Sequence[Campaign], text: str) -> None:
-    """Refuse to look for what depends on the level where every axis was driven at one.
+def of_levels(asked: Asked) -> tuple[str, ...]:
+    """The candidates that only two levels show."""
+    return tuple(text for text in asked.candidates if FAMILIES[text.partition(":")[0].strip()].side == AMPLITUDE)
+
+
+def without_campaign(asked: Asked, *, auto: bool = False) -> bool:
+    """Whether nothing but measurement files is among the data; options that need a campaign are then refused.
 
     Raises
     ------
-    BadInput : no two runs of one campaign drive the same axis.
+    BadInput : a file that is none, or is named twice; --candidate, --hold-out, --band or --auto without a campaign.
+    OSError : a file cannot be read.
     """
-    if any(_twice(one) for one in campaigns):
-        return
-    raise BadInput(
-        source=OPTION,
-        field=text,
-        problem="there is one level where two are needed: what depends on the amplitude shows in the difference alone",
-        remedy="Drive an axis again at another level (`massline simulate --levels 1,0.5`), or leave this candidate out",
-    )
-
-
-def _twice(campaign: Campaign) -> bool:
-    axes = [run.axis for run in campaign.runs if run.axis]
-    return len(set(axes)) < len(axes)
+    if any(Path(path).is_dir() for path in asked.data):
+        return False
+    require_files(asked.data)
+    given = {OPTION: asked.candidates, "--hold-out": asked.hold_out, "--band": asked.band, "--auto": auto}
+    for option, value in given.items():
+        if value:
+            problem = (
+                "there is no campaign among DATA, and weights and periods alone are few: all of them are used for all effects"
+            )
+            raise BadInput(source=option, problem=problem, remedy="Leave it out, or name a campaign folder, too")
+    return True

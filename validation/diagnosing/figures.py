@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import floor, isfinite, log10, pi
+from math import floor, isfinite, log10
 
+from validation.diagnosing.practical import scaled
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import Size as Described
 from validation.rows import LARGE, SMALL
@@ -22,25 +23,15 @@ class Scale:
     per_si: float = 1.0
 
 
-PERCENT = Scale(unit="%", per_si=100.0)
-
-SMALLER: dict[str, tuple[tuple[float, Scale], ...]] = {
-    "kg": ((1.0, Scale(unit="kg")), (0.0, Scale(unit="g", per_si=1e3))),
-    "m": ((1.0, Scale(unit="m")), (0.0, Scale(unit="mm", per_si=1e3))),
-    "s": ((1.0, Scale(unit="s")), (1e-3, Scale(unit="ms", per_si=1e3)), (0.0, Scale(unit="µs", per_si=1e6))),
-    "rad": ((0.0, Scale(unit="°", per_si=180 / pi)),),
-    "m/N": ((0.0, Scale(unit="nm/N", per_si=1e9)),),
-    "rad/(N m)": ((0.0, Scale(unit="µrad/(N m)", per_si=1e6)),),
-}
-"""By SI unit, from which size on which scale is used, the largest first."""
+PERCENT, PLAIN = Scale(unit="%", per_si=100.0), Scale(unit="")
 
 
 def scale(unit: str, size: float, *, ratio: bool = False) -> Scale:
     """That in which a number of about `size` in the SI `unit` reads best; `ratio` where 1 is a hundred per cent of something."""
     if unit == "1":
-        return PERCENT if ratio else Scale(unit="")
-    ladder = SMALLER.get(unit, ((0.0, Scale(unit=unit)),))
-    return next((one for least, one in ladder if abs(size) >= least), ladder[-1][1])
+        return PERCENT if ratio else PLAIN
+    shown, name = scaled(abs(size) or 1.0, unit)
+    return Scale(unit=name, per_si=shown / (abs(size) or 1.0))
 
 
 def is_ratio(family: str, key: str = "") -> bool:

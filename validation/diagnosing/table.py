@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from validation.comparing.verdicts import expected_z2, figure, misfit, percent
 from validation.diagnosing import figures, words
+from validation.diagnosing.detectable_table import grid as smallest
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NONLINEAR, NOTHING, SEVERAL, Cause, Diagnosis, Size, Step
 from validation.engine.evaluation import Evaluation, Share
 from validation.rows import NONE
@@ -13,9 +14,6 @@ from validation.tables.grid import Grid, aligned
 
 RANKED = 8
 """Causes that the page shows; JSON has all."""
-
-DETECTABLE = 12
-"""Smallest sizes that the page shows where something was found; all where nothing is missing."""
 
 SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
 """Verdicts of which the one sentence says all that a text would."""
@@ -59,7 +57,7 @@ def grids(found: Diagnosis) -> list[Grid]:
         errors(found),
         *([ranking(found)] if found.ranking else []),
         *([steps(found)] if found.steps else []),
-        *([detectable(found)] if found.detectable and found.verdict == NOTHING else []),
+        *([smallest(found.detectable)] if found.detectable and found.verdict == NOTHING else []),
     ]
 
 
@@ -149,19 +147,8 @@ def ranking(found: Diagnosis) -> Grid:
 
 def steps(found: Diagnosis) -> Grid:
     """How it was found."""
-    lines = tuple(
-        (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _sentence(one))
-        for k, one in enumerate(found.steps, start=1)
-    )
+    lines = tuple((f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _sentence(one)) for k, one in enumerate(found.steps, start=1))
     return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True)
-
-
-def detectable(found: Diagnosis) -> Grid:
-    """The smallest size at which each effect would have been named."""
-    lines = [(one.id, *_smallest(one.id, one.size, one.unit, one.at)) for one in found.detectable]
-    first, size, what = zip(*lines, strict=True)
-    header = ("would have been named", "from", "what it is")
-    return Grid(header=header, lines=tuple(zip(first, aligned(size), what, strict=True)), words=True)
 
 
 def notes(found: Diagnosis) -> Iterator[str]:
@@ -228,11 +215,6 @@ def _judged(found: Diagnosis, one: Cause) -> str:
     if one.id in found.equivalence_class:
         return "cannot be told from it"
     return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
-
-
-def _smallest(id: str, size: float, unit: str, at: str) -> tuple[str, str]:
-    told = figures.one(id.partition(":")[0], "", unit, size).lstrip("+")
-    return told, f"{words.what(id)}{f', at {at}' if at else ''}"
 
 
 def _price(of: Evaluation) -> str:
