@@ -15,6 +15,9 @@ from validation.tables.grid import Grid, aligned
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
+CLOSE = 3.0
+"""[nats] from which what was not worth a name is worth a word: 20 to 1."""
+
 SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
 """Verdicts of which the one sentence says all that a text would."""
 
@@ -43,6 +46,9 @@ def opening(found: Diagnosis) -> Iterator[str]:
     yield first
     if found.text and found.verdict not in SAID_ALL:
         yield found.text
+    if found.verdict == NOTHING and found.ranking and found.ranking[0].evidence >= CLOSE:
+        one = found.ranking[0]
+        yield f"The closest is {words.cause(one)}: {one.evidence:.1f} nats, less than nulls may reach. Data that tell it better decide."
 
 
 def grids(found: Diagnosis) -> list[Grid]:
