@@ -7,8 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from validation.comparing.verdicts import expected_z2, largest_z, misfit
 from validation.engine.evaluation import Fit
+from validation.engine.fit import FLOOR
+from validation.engine.likelihood import observed
+from validation.engine.problem import Problem
 
 WORTH = 10.0
 """[nats] of evidence that an effect must bring to be named."""
@@ -17,7 +22,12 @@ ALIKE = 5.0
 """[nats] within which two explanations are as good as each other."""
 
 MISFIT = 0.95
-"""Chi² per degree of freedom up to which a model may miss nothing: the model-error floor is a bound, and a null stays below 1."""
+"""Chi² per degree of freedom up to which a model may always miss nothing: the model-error floor is a bound, and a null stays
+below 1."""
+
+BEYOND, AT_LEAST = 1.08, 0.02
+"""Where noise counts more than that floor, a null comes near what noise alone predicts: this many times as much, and so much
+more, may be."""
 
 UNLIKELY = 1e-4
 """Probability of a sum of z² below which tolerances pay for something."""
@@ -33,12 +43,14 @@ class Standing:
     Attributes
     ----------
     misfit : chi² per degree of freedom
+    limit : up to which it is that of a null
     price : sum of z² over what is due
     largest : |z| of the tolerance that moved farthest
     likely : probability of such a sum of z², where nothing is wrong
     """
 
     misfit: float
+    limit: float
     price: float
     largest: float
     likely: float
@@ -46,14 +58,14 @@ class Standing:
     @property
     def null(self) -> bool:
         """Whether nothing more need be missing."""
-        return self.misfit <= MISFIT and self.likely >= UNLIKELY and self.largest < ABSURD
+        return self.misfit <= self.limit and self.likely >= UNLIKELY and self.largest < ABSURD
 
     @property
     def text(self) -> str:
         """Why not, in words; empty where nothing more need be missing."""
         said = []
-        if self.misfit > MISFIT:
-            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {MISFIT:g}")
+        if self.misfit > self.limit:
+            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {self.limit:.2g}")
         if self.likely < UNLIKELY:
             said.append(f"the tolerances pay {self.price:.3g} times what is due")
         if self.largest >= ABSURD:
@@ -61,14 +73,25 @@ class Standing:
         return "; ".join(said)
 
 
-def standing(fit: Fit) -> Standing:
-    """Of a fit of all tolerances."""
+def standing(fit: Fit, problem: Problem) -> Standing:
+    """Of a `fit` of all tolerances of `problem`."""
     from scipy.stats import chi2
 
     due = max(expected_z2(fit), 1.0)
     return Standing(
         misfit=misfit(fit),
+        limit=max(MISFIT, BEYOND * of_noise(problem) + AT_LEAST),
         price=fit.tolerance_z2 / due,
         largest=largest_z(fit),
         likely=float(chi2.sf(fit.tolerance_z2, due)),
     )
+
+
+def of_noise(problem: Problem) -> float:
+    """Chi² per degree of freedom that noise alone would come to: its share of the variance that the likelihood allows for."""
+    shares = []
+    for one in problem.predictions:
+        seen = observed(one.measured, problem.lines_of(one))
+        noise = np.square(seen.noise)
+        shares.append((noise / np.maximum(noise + np.square(FLOOR * seen.floor), np.finfo(np.float64).tiny)).ravel())
+    return float(np.mean(np.concatenate(shares)))

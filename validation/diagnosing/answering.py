@@ -9,6 +9,7 @@ import numpy as np
 
 from validation.diagnosing import accepting
 from validation.diagnosing.accepting import standing
+from validation.diagnosing.advisor.advised import advised
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.detecting import detectable
 from validation.diagnosing.diagnosis import (
@@ -18,17 +19,21 @@ from validation.diagnosing.diagnosis import (
     NOTHING,
     SEVERAL,
     UNKNOWN,
+    Advice,
     Cause,
     Diagnosis,
     Size,
     Step,
 )
+from validation.diagnosing.errors import errors
+from validation.diagnosing.leftover.described import described
 from validation.diagnosing.searching import Round, Tried, alike
-from validation.engine.evaluate import evaluate
-from validation.engine.evaluation import Evaluation
 from validation.engine.parameter import EFFECT
 from validation.models.model import Added
 from validation.prediction.applied import name
+
+RIVALS = 2
+"""Explanations between which a test is looked for."""
 
 Progress = Callable[[str, float], None]
 
@@ -38,16 +43,18 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
     verdict = _verdict(found, rounds)
     named = () if verdict == UNKNOWN else found.effects
     best = next((one for one in reversed(rounds) if one.added), rounds[-1])
-    before = _errors(bench, base, None, lambda share: progress("errors of the model as it is", share))
+    before = errors(bench, base, lambda share: progress("errors of the model as it is", share))
     after = before
     if named:
-        after = _errors(bench, found, before, lambda share: progress("errors with what was found", share))
+        after = errors(bench, found, lambda share: progress("errors with what was found", share))
     return Diagnosis(
         verdict=verdict,
         text=_text(verdict, found, best),
         accepted=tuple(_accepted(one, found, rounds) for one in named),
         ranking=tuple(_cause(one) for one in best.tried),
         equivalence_class=tuple(one.id for one in alike(best)) if named else (),
+        advice=_advice(bench, verdict, best, lambda share: progress("looking for the next measurement", share)),
+        leftover=described(base) if verdict == UNKNOWN else None,
         detectable=detectable(rounds[-1].screened),
         before=before,
         after=after,
@@ -58,7 +65,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
 
 
 def _verdict(found: Hypothesis, rounds: Sequence[Round]) -> str:
-    if not standing(found.fit).null:
+    if not standing(found.fit, found.problem).null:
         return UNKNOWN
     if not found.effects:
         return NOTHING
@@ -68,9 +75,12 @@ def _verdict(found: Hypothesis, rounds: Sequence[Round]) -> str:
     return AMBIGUOUS if len(alike(last)) > 1 else MISSING
 
 
-def _errors(bench: Bench, of: Hypothesis, parent: Evaluation | None, progress: Callable[[float], None]) -> Evaluation:
-    whole = bench.whole(of.effects)
-    return evaluate(whole, hold_out=bench.hold_out, parent=parent, fitted=of.fit, quick=True, progress=progress)
+def _advice(bench: Bench, verdict: str, best: Round, progress: Callable[[float], None]) -> tuple[Advice, ...]:
+    """Tests that would tell apart what is as good as the best; where nothing is, that would tell it from its runner-up."""
+    if verdict not in (AMBIGUOUS, MISSING):
+        return ()
+    rivals = alike(best) if verdict == AMBIGUOUS else best.tried[:RIVALS]
+    return advised(bench, [one.hypothesis for one in rivals[:RIVALS]], progress)
 
 
 def _text(verdict: str, found: Hypothesis, best: Round) -> str:
@@ -83,7 +93,7 @@ def _text(verdict: str, found: Hypothesis, best: Round) -> str:
         return f"Several effects are missing: {ids}"
     if verdict == AMBIGUOUS:
         return f"One of these is missing, which the data cannot tell apart: {', '.join(one.id for one in alike(best))}"
-    why = standing(found.fit).text
+    why = standing(found.fit, found.problem).text
     closest = f"; the closest, {best.tried[0].id}, leaves that" if best.tried else ""
     return f"Something is wrong that is none of the effects known: {why}{closest}"
 
@@ -93,7 +103,7 @@ def _accepted(added: Added, found: Hypothesis, rounds: Sequence[Round]) -> Cause
         (one.tried[0].evidence for one in reversed(rounds) if one.added == added.named.id),
         0.0,
     )
-    of = standing(found.fit)
+    of = standing(found.fit, found.problem)
     return Cause(
         named=added.named,
         sizes=sizes(added, found),

@@ -43,10 +43,10 @@ def alike(best: Hypothesis, others: Sequence[Hypothesis]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.named.id for each in ranked for one in each.effects if one.named.id not in common))
 
 
-def aliases(best: Hypothesis, effect: Added, candidates: Sequence[Added]) -> dict[str, float]:
+def aliases(best: Hypothesis, effect: Added, candidates: Sequence[Added], *, limit: float = SHARE) -> dict[str, float]:
     """Ids of those of `candidates` that could stand for `effect` of the hypothesis `best` where its fit ended, with their share.
 
-    Those that act nowhere on the data are left out, and so are those that `best` has.
+    Those that act nowhere on the data are left out, and so are those that `best` has, and those with a larger share than `limit`.
     """
     known = {one.named.id for one in best.effects}
     asked = [one for one in candidates if one.named.id not in known]
@@ -66,7 +66,7 @@ def aliases(best: Hypothesis, effect: Added, candidates: Sequence[Added]) -> dic
         o = [place[name] for name in own if place[name] not in (b, *c)]
         if c and matrix[c[0], c[0]] > 0:
             found[one.named.id] = share(matrix, prior, b, c, o)
-    return {id: size for id, size in sorted(found.items(), key=lambda pair: pair[1]) if size <= SHARE}
+    return {id: size for id, size in sorted(found.items(), key=lambda pair: pair[1]) if size <= limit}
 
 
 def share(matrix: Array, prior: Array, b: int, c: Sequence[int], o: Sequence[int]) -> float:

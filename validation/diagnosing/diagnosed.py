@@ -14,7 +14,10 @@ from validation.comparing.gathered import Data
 from validation.diagnosing import answering
 from validation.diagnosing.bench import Bench
 from validation.diagnosing.diagnosis import Diagnosis
+from validation.diagnosing.discrete import mistakes
+from validation.diagnosing.levels import levels
 from validation.diagnosing.menu import candidates
+from validation.diagnosing.mistaken import with_mistakes, without_mistakes
 from validation.diagnosing.refitting import baseline
 from validation.diagnosing.searching import searched
 from validation.engine.prediction import Fact
@@ -69,8 +72,16 @@ def diagnosed(
     CheckFailed : the baseline does not converge.
     """
     tell = progress or (lambda what, share: None)
-    menu = candidates(of, only=only, leave_out=leave_out)
+    tell("looking for mistakes", 0.0)
+    mistaken = mistakes(of)
+    right = without_mistakes(of, mistaken)
+    menu = candidates(right, only=only, leave_out=leave_out)
+    if differing := levels(right):
+        from validation.diagnosing.unequal import nonlinear_answer
+
+        return nonlinear_answer(right, mistaken, differing, tell)
     tell("fitting the model as it is", 0.0)
-    base = baseline(of, lambda share: tell("fitting the model as it is", share))
-    found, rounds = searched(of, base, menu, tell)
-    return answering.answer(of, base, found, rounds, tell)
+    base = baseline(right, lambda share: tell("fitting the model as it is", share))
+    found, rounds = searched(right, base, menu, tell)
+    linear = answering.answer(right, base, found, rounds, tell)
+    return with_mistakes(of, linear, mistaken) if mistaken else linear

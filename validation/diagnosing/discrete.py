@@ -105,7 +105,9 @@ class _Known:
 def _factors(table: ChannelTable, channels: Sequence[str]) -> tuple[_Known, ...]:
     units = [one for one in candidates(table) if one.kind == "unit" and len(one.channels) == 1]
     of = {name: [one for one in units if one.channels == (name,)] for name in channels}
-    return tuple(_Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels)
+    return tuple(
+        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
+    )
 
 
 def _decided(every: Sequence[Heard], known: Sequence[_Known]) -> tuple[Taken, ...]:

@@ -13,14 +13,16 @@ from dataclasses import dataclass
 
 from validation.diagnosing.accepting import ALIKE, WORTH, Standing, standing
 from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.classes import aliases
+from validation.diagnosing.menu import is_resonator
 from validation.diagnosing.refitting import refitted
 from validation.diagnosing.screening import Screened, screen
 from validation.models.model import Added
 
-MOST = 4
+MOST = 3
 """Effects that are looked for."""
 
-TRIED, OF_A_FAMILY, STRUCTURAL = 8, 3, 2
+TRIED, OF_A_FAMILY, STRUCTURAL = 6, 3, 2
 """Fits of a round at most; of one family; and of the structure at least, where any promises something."""
 
 PROMISING = 4.0
@@ -34,6 +36,9 @@ BEHIND = 12.0
 
 BENT = 1.5
 """Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar."""
+
+ALIASES, FAR = 3, 0.3
+"""Rivals that are fitted though no line promised them, and the greatest share of what the best does that may be its own."""
 
 Progress = Callable[[str, float], None]
 
@@ -90,7 +95,7 @@ def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Pr
 
 def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progress) -> Round:
     progress(f"screening {len(menu)} effects", 0.0)
-    here, found = standing(at.fit), screen(bench, at, menu)
+    here, found = standing(at.fit, at.problem), screen(bench, at, menu)
     tried: list[Tried] = []
     for one in _promising(found):
         if _settled(tried, one) or (here.null and one.evidence < SOUND):
@@ -99,6 +104,11 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
         tried.append(_tried(bench, at, one.added, here))
     tried.sort(key=lambda each: -each.evidence)
     good = bool(tried) and tried[0].evidence >= WORTH
+    if good:
+        rivals = _rivals(tried, menu, found)
+        progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
+        tried += [_tried(bench, at, one.added, here) for one in rivals]
+        tried.sort(key=lambda each: -each.evidence)
     return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
 
 
@@ -120,6 +130,17 @@ def _promising(found: Sequence[Screened]) -> list[Screened]:
     return [*best, *more]
 
 
+def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Screened]) -> list[Screened]:
+    """Candidates that were not fitted, and can do nearly all that the best of those that were does to the data."""
+    best, known = tried[0], {one.id for one in tried}
+    others = [one for one in menu if one.named.id not in known and not is_resonator(one.named)]
+    if is_resonator(best.hypothesis.effects[-1].named):
+        return []
+    near = aliases(best.hypothesis, best.hypothesis.effects[-1], others, limit=min(ALIKE / best.evidence, FAR))
+    by_id = {one.id: one for one in found}
+    return [by_id[id] for id in near if id in by_id][:ALIASES]
+
+
 def _settled(tried: Sequence[Tried], one: Screened) -> bool:
     best = max((each for each in tried), key=lambda each: each.evidence, default=None)
     return best is not None and best.standing.null and one.evidence < best.evidence - BEHIND
@@ -128,7 +149,7 @@ def _settled(tried: Sequence[Tried], one: Screened) -> bool:
 def _tried(bench: Bench, at: Hypothesis, added: Added, here: Standing) -> Tried:
     there = refitted(bench, at, added, from_afar=here.misfit > BENT)
     evidence = there.fit.log_evidence - at.fit.log_evidence
-    return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit))
+    return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
 
 
 def _again(bench: Bench, at: Hypothesis, menu: Sequence[Added], base: Hypothesis) -> Hypothesis:
@@ -145,7 +166,7 @@ def _without(bench: Bench, at: Hypothesis, added: Added, base: Hypothesis) -> Hy
     here = base
     for one in at.effects:
         if one.named.id != added.named.id:
-            here = refitted(bench, here, one, from_afar=standing(here.fit).misfit > BENT)
+            here = refitted(bench, here, one, from_afar=standing(here.fit, here.problem).misfit > BENT)
     return here
 
 

@@ -10,7 +10,7 @@ from validation.engine import errors
 from validation.engine.descent import Progress
 from validation.engine.errors import Squares
 from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.engine.fit import PLAIN_FLOOR, fit
+from validation.engine.fit import PLAIN_FLOOR, fit, nearby
 from validation.engine.hold_out import Fold, every_block, folds, held, named, without
 from validation.engine.parameter import FITTED, PLAIN
 from validation.engine.prediction import Lines, Offsets, Prediction
@@ -39,7 +39,7 @@ def evaluate(
     blocks : so many blocks of frequency are held out in turn instead; 0 for none
     parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
         that of all parameters
-    fitted : the fit of all parameters, where it is known already
+    fitted : the fit of all parameters, where it is known already; the plain one then begins there
     quick : whether errors are those of the lines that fits use, and no configuration is held out
     progress : told the share of the work that is done, 0 to 1
 
@@ -52,8 +52,10 @@ def evaluate(
     apart = named(problem, hold_out) if hold_out else None
     thinned = problem.thinned()
     known = thinned if apart is None else without(thinned, apart)
-    plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
-    if fitted is None:
+    if fitted is not None:
+        plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share))
+    else:
+        plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
         fitted = fit(known, FITTED, start=_fitted(parent) or plain.by_name, progress=lambda share: tell(0.25 + 0.5 * share))
     offsets = {**problem.start, **plain.by_name}
     parts: list[tuple[Fold, Offsets]]

@@ -57,7 +57,9 @@ AT = 2 * np.pi * REFERENCE
 
 OF_PAIRS = (
     Course(looks_like=MASS, text="is constant over frequency", of=_power(1, 0), unit="kg"),
-    Course(looks_like=STIFFNESS, text="falls with the square of frequency, as of a spring to ground", of=_power(-1, -2), unit="N/m"),
+    Course(
+        looks_like=STIFFNESS, text="falls with the square of frequency, as of a spring to ground", of=_power(-1, -2), unit="N/m"
+    ),
     Course(looks_like=DAMPING, text="falls with frequency and is out of phase, as of a damper", of=_power(-1j, -1), unit="N s/m"),
     Course(
         looks_like=STIFFNESS,
@@ -67,7 +69,11 @@ OF_PAIRS = (
         stated=False,
     ),
     Course(
-        looks_like=DAMPING, text="is constant over frequency and out of phase, as of a loss", of=_power(-1j, 0), unit="kg", stated=False
+        looks_like=DAMPING,
+        text="is constant over frequency and out of phase, as of a loss",
+        of=_power(-1j, 0),
+        unit="kg",
+        stated=False,
     ),
     Course(
         looks_like=DELAY,
@@ -101,7 +107,9 @@ OF_PARTS = (
 """Of a part whose stiffness or loss is not what the model says; what it looks like is said by the part."""
 
 HEARD_PLAINLY = Course(looks_like=GAIN, text="the same share at all frequencies", of=_power(1, 0))
-HEARD_FALLING = Course(looks_like=TILT, text="falls with the square of frequency, as gravity does on a tilting sensor", of=_power(1, -2))
+HEARD_FALLING = Course(
+    looks_like=TILT, text="falls with the square of frequency, as gravity does on a tilting sensor", of=_power(1, -2)
+)
 
 
 def resonances(omega: Array) -> tuple[Course, ...]:

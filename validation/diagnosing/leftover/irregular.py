@@ -70,5 +70,6 @@ def held(data: Sequence[Whitened]) -> list[Held]:
             own = float(np.sum(np.abs(e[..., k]) ** 2))
             found[channel] = (chi2 + own - 2 * e[..., k].size, together + beside[k], power + own)
     return [
-        Held(channel=channel, chi2=chi2, smooth=float((together / power).real)) for channel, (chi2, together, power) in found.items()
+        Held(channel=channel, chi2=chi2, smooth=float((together / power).real))
+        for channel, (chi2, together, power) in found.items()
     ]

@@ -194,7 +194,9 @@ def heard(of: Swallowing, offsets: Mapping[str, float]) -> Iterator[tuple[tuple[
             kept = [k for k, place in enumerate(one.places) if name not in place.channels]
             white = one.values[..., kept] * at.weight[:, :, c, None]
             places = tuple(
-                replace(one.places[k], channels=(name, *one.places[k].channels), unit=_unit(own[c], one.dimensions[k], one.course))
+                replace(
+                    one.places[k], channels=(name, *one.places[k].channels), unit=_unit(own[c], one.dimensions[k], one.course)
+                )
                 for k in kept
             )
             yield places, one.course, _of_channel(of, white, c)
