@@ -30,7 +30,7 @@ from validation.prediction.set_up import standing
 SPACING = 0.2
 """[Hz] between the lines at which a test is predicted at all: the width over which levels are smoothed."""
 
-LINES = 30
+LINES = 20
 """At which it is compared; they stand for the lines that a fit would use."""
 
 RUNS = 6
