@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from validation.diagnosing.advisor.comparing import either, told
 from validation.diagnosing.advisor.following import following
+from validation.diagnosing.advisor.imagined import imagined
 from validation.diagnosing.advisor.knowledge import Knowledge, knowledge
 from validation.diagnosing.advisor.menu import menu
 from validation.diagnosing.advisor.offer import Offer
@@ -25,10 +26,10 @@ from validation.models.model import Added
 DECIDED = 20.0
 """Nats beyond which more decide no more: then the quicker test comes first."""
 
-AT_MOST = 4
+AT_MOST = 3
 """Tests that are named."""
 
-TRIED = 8
+TRIED = 6
 """Tests that are gone through at most."""
 
 CERTAIN = 0.95
@@ -74,7 +75,7 @@ def advised(bench: Bench, rivals: Sequence[Hypothesis], progress: Progress | Non
 
     Parameters
     ----------
-    rivals : explanations of the data of `bench`, the best first
+    rivals : explanations of the data of `bench`, the best first; of a single one, tests that would confirm it are looked for
 
     Returns
     -------
@@ -82,9 +83,22 @@ def advised(bench: Bench, rivals: Sequence[Hypothesis], progress: Progress | Non
     tell most of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain
     0 says so.
     """
+    tell = progress or (lambda share: None)
+    if len(rivals) == 1:
+        return _confirming(bench, rivals[0], tell)
     first, *others = (knowledge(one) for one in rivals)
     own = suspected(rivals)
-    return chosen(bench, first, others, [worded(one) for one in own], _all(own), progress or (lambda share: None))
+    return chosen(bench, first, others, [worded(one) for one in own], _all(own), tell)
+
+
+def _confirming(bench: Bench, one: Hypothesis, progress: Progress) -> tuple[Advice, ...]:
+    """Tests that would tell a single explanation from nothing, and from what it could be mistaken for."""
+    if not one.effects:
+        return ()
+    others = imagined(bench, one)
+    effects = tuple(added for each in others for added in each.known.effects if added.named.id == each.id)
+    names = [one.effects[-1].named.id, *(each.id for each in others)]
+    return chosen(bench, knowledge(one), [each.known for each in others], names, (one.effects[-1], *effects), progress)
 
 
 def chosen(

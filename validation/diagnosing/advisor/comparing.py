@@ -57,7 +57,7 @@ def either(probability: float, first: float, other: float) -> float:
 
 
 def _of_lines(test: Planned, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
-    lines, worth = lines_of(reading(test, first, first.offsets))
+    lines, worth = lines_of(test, reading(test, first, first.offsets))
     mine = test.prediction.with_effects(first.effects)
     predicted = mine.at(first.offsets, lines)
     parameters = {one.name: one for one in mine.parameters if one.tolerance > 0}

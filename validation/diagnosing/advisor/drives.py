@@ -32,8 +32,8 @@ def lower(templates: Sequence[Template]) -> Iterator[Offer]:
 
 
 def higher(templates: Sequence[Template]) -> Iterator[Offer]:
-    """A sweep above what was driven."""
-    for of in templates:
+    """A sweep above what was driven, of what has modes."""
+    for of in (one for one in templates if one.tested.carried.standing.modes):
         lines = np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)
         if len(lines):
             words = f"Run {_what(of)} in a sweep from {of.frequency[-1]:g} to {HIGHEST:g} Hz"

@@ -27,8 +27,8 @@ ON_ARTICLE = 0.5
 
 HOURS = 1.0
 
-MOST = 3
-"""Places of an article at which a mass is offered."""
+MOST = 2
+"""Places of an article at which a mass is offered at most."""
 
 
 def on_plate(templates: Sequence[Template]) -> Iterator[Offer]:
@@ -48,7 +48,8 @@ def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[
     of = max(templates, key=lambda one: len(_places(one)))
     there = _places(of)
     chosen = dict.fromkeys((*(place for place in asked if place in there), *there[::-1]))
-    for place in list(chosen)[:MOST]:
+    asked_about = sum(place in there for place in asked)
+    for place in list(chosen)[: min(max(asked_about, 1), MOST)]:
         words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
         yield Offer(kind="load on the article", words=words, hours=HOURS, test=_with_mass(of, place))
 

@@ -26,6 +26,9 @@ INWARDS = 0.6
 PARALLEL = 0.99
 """Cosine between two directions that are the same to a hand."""
 
+TILTED = ("gravity", "accelerometer-tilt", "cable")
+"""Families that look like a tilt."""
+
 COVER = "cover"
 
 MOUNTED = (COVER, "table")
@@ -67,9 +70,9 @@ def more(templates: Sequence[Template]) -> Iterator[Offer]:
         yield Offer(kind="more", words=words, hours=2.0, test=planned(of, campaign))
 
 
-def without_tilt(templates: Sequence[Template]) -> Iterator[Offer]:
-    """The motion of the cover plate is measured by what feels no tilt."""
-    for of in templates:
+def without_tilt(templates: Sequence[Template], families: Sequence[str]) -> Iterator[Offer]:
+    """The motion of the cover plate is measured by what feels no tilt, where one of `families` is about that."""
+    for of in templates if set(TILTED) & set(families) else ():
         kinematic = [replace(one, senses_gravity=False) for one in _on(of, COVER) if one.senses_gravity]
         if kinematic:
             campaign = replace(of.tested.campaign, table=_changed(of, kinematic))
