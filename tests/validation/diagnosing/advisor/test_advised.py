@@ -64,7 +64,7 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert "rigid-inertia:mx" in aliases(offset, offset.effects[0], [*shift.effects, loud_one()])
     told_by = {words: told(one, *split(aside))[0] for words, one in menu_of(aside).items()}
     assert told_by["Run the Cuboid turned by 180 degrees about z"] > 10 * WITHIN
-    assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 10 * WITHIN
+    assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 5 * WITHIN
     assert told_by["Weigh the Cuboid"] < 1e-6
     assert told_by["Run the Cuboid with 4 more accelerometers on the cover plate"] < 1.0  # more of the same
     assert "Run the Cuboid" not in told_by  # it was run
