@@ -128,7 +128,8 @@ def test_one_sweep_of_each_campaign_is_held_out_each_of_another_axis(cases: tupl
 
 def test_limits_are_medians_over_the_nulls_in_which_an_effect_can_act() -> None:
     def null(*articles: str, **detectable: float) -> tuple[dict[str, object], dict[str, object]]:
-        return {"articles": list(articles)}, {"detectable": detectable}
+        said = [{"id": id.partition(" ")[0], "size": size, "at": id.partition(" ")[2]} for id, size in detectable.items()]
+        return {"articles": list(articles)}, {"detectable": said}
 
     three = [
         null(*SERIES, **{"force-gain:fmd-z1": size, "appendage:z 21 Hz": size, "appendage:z 12 Hz": 0.1})
