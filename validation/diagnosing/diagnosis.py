@@ -58,6 +58,7 @@ class Cause:
     misfit : chi² per degree of freedom with it
     price : sum of z² of the tolerances with it, over what is due where nothing is wrong
     null : whether misfit and price are then those of a model that misses nothing
+    note : what these data say of it beyond its size, in words: "its numbers are in g, and the file says m/s^2"
     """
 
     named: Named
@@ -66,6 +67,7 @@ class Cause:
     misfit: float = 0.0
     price: float = 0.0
     null: bool = True
+    note: str = ""
 
     @property
     def id(self) -> str:

@@ -35,7 +35,7 @@ def levels(bench: Bench) -> tuple[Level, ...]:
 
     What amplitude-dependent effects of the bench's model explain is taken off first.
     """
-    found = [level for one in bench.made for level in of_campaign(driven(one))]
+    found = [level for one in bench.made for level in of_campaign(driven(one.with_effects(bench.model.effects)))]
     return tuple(sorted(found, key=lambda level: -level.sigma))
 
 
