@@ -16,13 +16,15 @@ from rich.console import Console
 from table_2_parts import pictures, tables
 from table_2_parts.story import Story, told
 
+from validation.progress import shown
+
 
 def tell(console: Console, *, records: bool = False) -> Story:
     """Tell it, and return what was found."""
-    with console.status("weighing explanations"):
+    with shown("weighing explanations"):
         story = told(records=records)
-    for table in tables.all_of(story):
-        console.print(table)
+    for section in tables.told(story):
+        console.print(section, markup=False, highlight=False, soft_wrap=True)
     return story
 
 

@@ -39,8 +39,8 @@ STIFFNESS = (4e8, 4e8, 2e9)
 START, RIGID_STOP = 4.0, 5.0
 """[Hz] where the paper's sweeps begin; where a band ends whose end does not matter, because nothing bends."""
 
-LINES = 7
-"""Of a band: the dynamic mass is smooth there."""
+LINES = 5
+"""Of a band, in the middle of as many equal pieces: the dynamic mass is smooth there."""
 
 COVER, TABLE = "cover", "table"
 """Groups of accelerometers."""
@@ -61,6 +61,7 @@ class Test:
     rows : of `reading.ROWS`
     pick_ups : group of accelerometers from which the motion is taken
     changes : dimensions of the article that are others, by key
+    among : names of the candidates whose derivatives are wanted; all where it is empty
     """
 
     article: str
@@ -69,6 +70,7 @@ class Test:
     rows: str = ALL
     pick_ups: str = COVER
     changes: tuple[tuple[str, float], ...] = ()
+    among: frozenset[str] = frozenset()
 
     @property
     def records(self) -> Test:
@@ -120,7 +122,7 @@ def _through(test: Test, changed: Callable[[Sequence[int], ComplexArray], Array]
     tolerances, effects = dict[str, Array](), dict[str, Array]()
     for frequency in SWINGING:
         changes = _predicted(test.records, frequency)[1].changes
-        lot = [one for one in _lot(frequency) if one.parameter in changes]
+        lot = [one for one in _lot(test, frequency) if one.parameter in changes]
         effects |= {one.name: changed(changes[one.parameter].channels, changes[one.parameter].rows) / _unit(one) for one in lot}
     first = _predicted(test.records)[1].changes
     for one in stand(test).parameters:
@@ -166,7 +168,8 @@ def stand(test: Test) -> SeriesPrediction:
 
 def lines(test: Test) -> Array:
     """(n,) [Hz] at which it is read."""
-    return np.linspace(START, test.stop or RIGID_STOP, LINES)
+    width = ((test.stop or RIGID_STOP) - START) / LINES
+    return np.asarray(START + width * (np.arange(LINES) + 0.5))
 
 
 def tolerances(tests: Iterable[Test]) -> dict[str, float]:
@@ -183,16 +186,15 @@ def seat() -> Pose:
 @lru_cache(maxsize=64)
 def _predicted(test: Test, frequency: float = SWINGING[0]) -> tuple[SeriesPrediction, Predicted]:
     """All derivatives at once, every candidate opened where it is as good as not there; resonators swing at `frequency` [Hz]."""
-    opened = [one.named for one in _lot(frequency) if _reaches(test, one.named)]
+    opened = [one.named for one in _lot(test, frequency) if _reaches(test, one.named)]
     of = stand(test).with_effects(tuple(Added(named=one) for one in there(test, opened)))
     return of, of.at({one.name: one.start for one in of.parameters})
 
 
-def _lot(frequency: float) -> tuple[Candidate, ...]:
-    """All candidates, and for a second `frequency` [Hz] the resonators alone."""
-    if frequency == SWINGING[0]:
-        return candidates()
-    return tuple(one.swinging_at(frequency) for one in candidates() if one.swings)
+def _lot(test: Test, frequency: float) -> tuple[Candidate, ...]:
+    """All candidates that are wanted, and for a second `frequency` [Hz] the resonators alone."""
+    lot = candidates() if frequency == SWINGING[0] else [one.swinging_at(frequency) for one in candidates() if one.swings]
+    return tuple(one for one in lot if not test.among or one.name in test.among)
 
 
 def there(test: Test, effects: Iterable[Named]) -> tuple[Named, ...]:

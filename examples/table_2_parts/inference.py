@@ -134,7 +134,9 @@ class Found:
 
     def best(self, count: int, wanted: Callable[[Tried], bool] = lambda tried: True) -> tuple[Explanation, ...]:
         """The most probable of those `wanted`, each set of effects once, by the way in which it does best."""
-        order = [(p, one, k) for one, share in zip(self.tried, self.probability, strict=True) if wanted(one) for p, k in _top(share)]
+        order = [
+            (p, one, k) for one, share in zip(self.tried, self.probability, strict=True) if wanted(one) for p, k in _top(share)
+        ]
         found: dict[tuple[str, ...], Explanation] = {}
         for _, one, k in sorted(order, key=lambda item: -item[0]):
             explanation = one.explanation(k)

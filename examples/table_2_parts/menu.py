@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from identification.evidence import scale
 from table_2_parts import forward
 from table_2_parts.candidates import QUARTER
-from table_2_parts.forward import CLUMOD, TABLE, TARE, Read, Test
+from table_2_parts.forward import TABLE, Read, Test
 from table_2_parts.inference import Explanation
 from table_2_parts.published import DEVIATIONS, deviation_of_reading
-from table_2_parts.ways import Way, answer, calibration, difference, of_ten
+from table_2_parts.reading import ALL
+from table_2_parts.ways import Way, answer, difference
 
 REPEATED = 5e-4
 """Standard deviation of a repeated reading that no tolerance explains, as a share of the size of a parameter."""
@@ -34,6 +34,9 @@ CLASSICAL = np.array([0.1, 1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 
 BARE = (("clumod.blade.lower-1.length_mm", 150.0), ("clumod.blade.lower-1.width_mm", 110.0))
 """A stub that no longer bends in the place of the blade."""
+
+OF_BODY = ("rigid-inertia", "point-mass")
+"""Families that a balance, a crane and a pendulum feel, too."""
 
 SAMPLES = 300
 """Of every explanation's predicted outcome."""
@@ -58,58 +61,58 @@ class Outcome:
     noise: Array
 
 
-Measurement = Callable[[Way], Outcome]
+Measurement = Callable[[Way, frozenset[str]], Outcome]
+"""By a way to read, for the effects of these names."""
 
 
-def fmd_alone(way: Way) -> Outcome:
+def fmd_alone(way: Way, among: frozenset[str]) -> Outcome:
     """The FMD with nothing on it, against what the tare says of it."""
-    return _against(way, Test(article="fmd", stop=way.stop, rows=way.rows))
+    return _against(way, Test(article="fmd", stop=way.stop, rows=way.rows, among=among))
 
 
-def cuboid_turned(way: Way) -> Outcome:
+def cuboid_turned(way: Way, among: frozenset[str]) -> Outcome:
     """Disc and Cuboid a quarter turn about z, against how they stood."""
-    return _against(way, replace(way.tests[0], angle=QUARTER))
+    return _against(way, replace(way.tests[0], angle=QUARTER, among=among))
 
 
-def disc_alone(way: Way) -> Outcome:
+def disc_alone(way: Way, among: frozenset[str]) -> Outcome:
     """The disc without the Cuboid: a second known body."""
-    return _against(way, replace(way.tests[0], article="fmd+disc"))
+    return _against(way, replace(way.tests[0], article="fmd+disc", among=among))
 
 
-def clumod_turned(way: Way) -> Outcome:
+def clumod_turned(way: Way, among: frozenset[str]) -> Outcome:
     """Clumod a quarter turn further, against how it stood."""
     before = way.tests[1]
-    return _compared(replace(before, angle=before.angle + QUARTER), before)
+    return _compared(replace(before, angle=before.angle + QUARTER, among=among), before)
 
 
-def blade_removed(way: Way) -> Outcome:
+def blade_removed(way: Way, among: frozenset[str]) -> Outcome:
     """Clumod without its blade, against Clumod with it."""
-    return _compared(replace(way.tests[1], changes=BARE), way.tests[1])
+    return _compared(replace(way.tests[1], changes=BARE, among=among), way.tests[1])
 
 
-def other_pick_ups(way: Way) -> Outcome:
+def other_pick_ups(way: Way, among: frozenset[str]) -> Outcome:
     """The records of Clumod read with the accelerometers of the table instead of those of the cover plate."""
     return _compared(replace(way.tests[1], pick_ups=TABLE), way.tests[1])
 
 
-def other_bands(way: Way) -> Outcome:
+def other_bands(way: Way, among: frozenset[str]) -> Outcome:
     """The records of Clumod read in two bands, nothing taken off: how the result moves with the band."""
     one, other = (replace(way.tests[1], stop=stop) for stop in (4.5, 6.0))
     return _compared(other, one)
 
 
-def redundancy(way: Way) -> Outcome:
+def redundancy(way: Way, among: frozenset[str]) -> Outcome:
     """What is redundant in the records of Clumod: eight accelerometers for six motions, eight force channels for six loads."""
     found = forward.checks(way.tests[1])
     return _outcome(found, np.full(len(found.told), CHECKED))
 
 
-def classical(way: Way) -> Outcome:
+def classical(way: Way, among: frozenset[str]) -> Outcome:
     """Clumod weighed, hung and swung in the axes in which it stood on the table, against the reference."""
-    still = answer(replace(way, stop=0.0, rows="all"))
-    of_body = ("rigid-inertia", "point-mass")
+    still = answer(replace(way, stop=0.0, rows=ALL))
     columns = dict(zip((one.name for one in still.candidates), still.effects.T, strict=True))
-    effects = {one.name: columns[one.name] for one in still.candidates if one.named.family in of_body}
+    effects = {one.name: columns[one.name] for one in still.candidates if one.name in among and one.named.family in OF_BODY}
     return Outcome(nominal=still.nominal, tolerances={}, effects=effects, reference=np.eye(7), noise=CLASSICAL)
 
 
@@ -131,20 +134,25 @@ def entropy(probability: Array) -> float:
     return float(-np.sum(probability * np.log(probability)))
 
 
-def information(explanations: Sequence[Explanation], probability: Array, measurements: Sequence[Measurement]) -> float:
-    """[nats] between explanation and the outcome of `measurements` together, whose unknowns they share.
+def information(
+    explanations: Sequence[Explanation], probability: Array, measure: Measurement, labels: Sequence[object] | None = None
+) -> float:
+    """[nats] between explanation and the outcome of a measurement.
 
     Parameters
     ----------
     probability : (n,) of the `explanations`, summing up to 1
+    labels : (n,) what is asked about the explanations; by default which of them it is
     """
-    predicted = [_predicted(one, measurements) for one in explanations]
+    among = frozenset(fault.name for one in explanations for fault in one.faults)
+    predicted = [_predicted(one, measure, among) for one in explanations]
+    asked = np.array([[one == other for other in labels] for one in labels]) if labels else np.eye(len(explanations), dtype=bool)
     generator, total = np.random.default_rng(2002), 0.0
-    for own, weight in zip(predicted, probability, strict=True):
+    for own, weight, alike in zip(predicted, probability, asked, strict=True):
         drawn = own.mean + generator.standard_normal((SAMPLES, len(own.mean))) @ own.root.T
-        density = np.array([other.log_density(drawn) for other in predicted])
-        mixed = np.logaddexp.reduce(density + np.log(probability)[:, None], axis=0)
-        total += weight * float(np.mean(own.log_density(drawn) - mixed))
+        density = np.array([other.log_density(drawn) for other in predicted]) + np.log(probability)[:, None]
+        right = np.logaddexp.reduce(density[alike], axis=0) - np.log(probability[alike].sum())
+        total += weight * float(np.mean(right - np.logaddexp.reduce(density, axis=0)))
     return max(total, 0.0)
 
 
@@ -161,34 +169,29 @@ class _Predicted:
         return np.asarray(-0.5 * np.sum(white**2, axis=0) - np.log(np.diag(self.root)).sum())
 
 
-def _predicted(of: Explanation, measurements: Sequence[Measurement]) -> _Predicted:
-    """What the explanation and Table 2 say of the outcome."""
-    known = answer(of.way)
-    outcomes = [measure(of.way) for measure in measurements]
-    names = dict.fromkeys([*known.names, *(name for one in outcomes for name in one.tolerances)])
-    by_name = dict(zip(known.names, known.tolerances.T, strict=True))
-    columns = [known.candidates.index(one) for one in of.faults]
-    sd = np.concatenate([np.ones(len(names)), [0.0 if one.switch else one.plausible for one in of.faults], deviation_of_reading()])
-    prior = np.concatenate([np.zeros(len(names)), [-1.0 if one.switch else 0.0 for one in of.faults], np.zeros(7)])
-    told = np.column_stack([*(by_name.get(name, np.zeros(7)) for name in names), known.effects[:, columns], np.eye(7)])
-    nominal, M, noise = _stacked(of, outcomes, tuple(names))
-    T = told * sd
-    gain = np.linalg.solve(T @ T.T, T).T  # (p, 7), all in standard deviations
-    at = gain @ (DEVIATIONS - known.nominal - told @ prior)
-    S = (M * sd) @ (np.eye(len(sd)) - gain @ T) @ (M * sd).T + np.diag(noise**2)
-    return _Predicted(mean=nominal + M @ (prior + sd * at), root=np.linalg.cholesky(S))
+def _predicted(of: Explanation, measure: Measurement, among: frozenset[str]) -> _Predicted:
+    """What the explanation and Table 2 say of the outcome, in units of its noise."""
+    known, outcome = answer(of.way), measure(of.way, among)
+    names = tuple(dict.fromkeys([*known.names, *outcome.tolerances]))
+    chosen = [known.candidates.index(one) for one in of.faults]
+    own = dict(zip(known.names, known.tolerances.T, strict=True))
+    told = np.column_stack([*_columns(own, names, 7), known.effects[:, chosen], np.eye(7)])
+    faults = tuple(one.name for one in of.faults)
+    size = len(outcome.nominal)
+    M = np.column_stack([*_columns(outcome.tolerances, names, size), *_columns(outcome.effects, faults, size), outcome.reference])
+    mean = np.concatenate([np.zeros(len(names)), [-1.0 if one.switch else 0.0 for one in of.faults], np.zeros(7)])
+    plausible = [0.0 if one.switch else one.plausible for one in of.faults]
+    sd = np.concatenate([np.ones(len(names)), plausible, deviation_of_reading()])
+    T, N = told * sd, M * sd / outcome.noise[:, None]
+    gain = np.linalg.solve(T @ T.T, T).T  # (p, 7), in standard deviations
+    at = gain @ (DEVIATIONS - known.nominal - told @ mean)
+    covariance = N @ N.T - N @ gain @ T @ N.T + np.eye(size)
+    return _Predicted(mean=(outcome.nominal + M @ mean) / outcome.noise + N @ at, root=np.linalg.cholesky(covariance))
 
 
-def _stacked(of: Explanation, outcomes: Sequence[Outcome], names: Sequence[str]) -> tuple[Array, Array, Array]:
-    """Nominal (m,), derivatives (m, p) and noise (m,) of all `outcomes`, every number in units of its noise."""
-    nominal = np.concatenate([one.nominal / one.noise for one in outcomes])
-    rows = []
-    for one in outcomes:
-        nothing = np.zeros(len(one.nominal))
-        tolerances = [one.tolerances.get(name, nothing) for name in names]
-        effects = [one.effects.get(fault.name, nothing) for fault in of.faults]
-        rows.append(np.column_stack([*tolerances, *effects, one.reference]) / one.noise[:, None])
-    return nominal, np.vstack(rows), np.ones(len(nominal))
+def _columns(by_name: Mapping[str, Array], names: Sequence[str], size: int) -> list[Array]:
+    """Those of `names`, nothing (size,) for one that is not there."""
+    return [by_name.get(name, np.zeros(size)) for name in names]
 
 
 def _against(way: Way, test: Test) -> Outcome:
