@@ -4,7 +4,8 @@
 
 A virtual test of the reconstructed one-blade Clumod is read as the paper reads its records. Every effect of the catalogue, every
 pair and the best triples are weighed against tolerances alone; then a menu of measurements, for what each would have decided.
-With --records two explanations are simulated in time as well. docs/table-2.md tells it; what it is told with is in `table_2_parts`.
+With --records two explanations are simulated in time as well. docs/table-2.md tells it; what it is told with stands beside it, in
+``table_2_parts``.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from table_2_parts.candidates import Candidate
 from table_2_parts.forward import Test
 from table_2_parts.inference import Explanation, covariance
 from table_2_parts.published import DEVIATIONS, deviation_of_reading, seven
-from table_2_parts.ways import Way, answer
+from table_2_parts.ways import answer
 from validation.effects.identifiers import Named
 
 ROUNDS = 4
@@ -60,7 +60,7 @@ def refined(of: Explanation) -> Refined:
         found = _deviations(of, at)
         at = mean + gain @ (DEVIATIONS - found + J @ (at - mean))
     sizes = at[len(known.names) :]
-    alone = ways.exact(of.way, _sized(of.faults, sizes))
+    alone = ways.exact(of.way, sized(of.faults, sizes))
     off = DEVIATIONS - alone
     return Refined(
         of=of,
@@ -78,23 +78,26 @@ def _deviations(of: Explanation, at: Array) -> Array:
     by_name = dict(zip(known.names, at, strict=False))
     offsets = {name: by_name[name] * one for name, one in forward.tolerances(of.way.tests).items()}
     outside = [k for k, name in enumerate(known.names) if name not in offsets]
-    inside = ways.exact(of.way, _sized(of.faults, at[len(known.names) :]), offsets)
+    inside = ways.exact(of.way, sized(of.faults, at[len(known.names) :]), offsets)
     return np.asarray(inside + known.tolerances[:, outside] @ at[outside])
 
 
-def _sized(faults: Sequence[Candidate], sizes: Array) -> tuple[Named, ...]:
+def sized(faults: Sequence[Candidate], sizes: Array) -> tuple[Named, ...]:
+    """`faults` at their `sizes` (k,)."""
     return tuple(one.sized(float(size)) for one, size in zip(faults, sizes, strict=True))
 
 
 def recorded(of: Refined) -> Array:
-    """(7,) of the faults of `of` alone, from records: simulated in time, modes and sensors of the virtual shaker, same reading."""
-    tens = [_of_records(test, _sized(of.of.faults, of.sizes)) for test in of.of.way.tests]
+    """(7,) of the faults of `of` alone, from records: simulated in time by the virtual shaker, read the same way."""
+    tens = [of_records(test, sized(of.of.faults, of.sizes)) for test in of.of.way.tests]
     return seven(ways.article(tens[1] - tens[0]))
 
 
-def _of_records(test: Test, effects: Sequence[Named]) -> Array:
+def of_records(test: Test, effects: Sequence[Named]) -> Array:
+    """(10,) about F of `test` with these `effects`, from records."""
     from identification.spectra.of_campaign import spectra
     from validation.virtual_test.effects.planting import planted
+    from validation.virtual_test.effects.reach import reaching
     from validation.virtual_test.plan import BEAM, RIGID, Plan, exact
     from validation.virtual_test.simulate import simulate
 
@@ -106,11 +109,11 @@ def _of_records(test: Test, effects: Sequence[Named]) -> Array:
         simulation_rate=SIMULATED,
         ringing=RINGING,
     )
-    there = forward.there(test, effects)
+    there = reaching(forward.there(test, effects), plan)
     campaign = simulate(replace(exact(plan), effects=planted(there))).campaign
     return reading.ten(spectra(campaign, frequency=forward.lines(test)), test.rows)
 
 
 SWEPT, RATE, SIMULATED, RINGING = (3.5, 7.0), 8.0, 3384.0, 1e-3
-"""Band [Hz] and rate [octaves a minute] of the sweeps that are simulated, rate [Hz] of the simulation, share of the load that still
-rings at the end: quicker than the virtual shaker's own, and good to a hundredth of a per cent below 5 Hz."""
+"""Band [Hz] and rate [octaves a minute] of the sweeps that are simulated, rate [Hz] of the simulation, share of the load that
+still rings at the end: quicker than the virtual shaker's own, and good to a hundredth of a per cent below 5 Hz."""

@@ -1,9 +1,9 @@
-"""Which explanation, and how surely: Gaussian evidence of seven numbers for every way to read, every effect and every few of them.
+"""Which explanation, and how surely: Gaussian evidence of seven numbers for every way to read, every effect and a few at once.
 
-Of a way d = d0 + T t + E x + r: tolerances t of standard deviation 1, the sizes x of the faults that an explanation has, and r the
+Of a way d = d0 + T t + E x + r: tolerances t of standard deviation 1, the sizes x of the faults that an explanation has, r the
 error of the reference. With V = T Tᵀ + cov r, and of every size x ~ N(mean, plausible²), the evidence of the seven numbers is a
-normal density in closed form; a size that cannot be negative has twice the share of its posterior that is positive (the quadrant of
-several taken for independent). What it costs to have more freedom is in it (MacKay, Neural Computation 4, 1992, 415).
+normal density in closed form; a size that cannot be negative has twice the share of its posterior that is positive (of several,
+taken for independent). What it costs to have more freedom is in it (MacKay, Neural Computation 4, 1992, 415).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Which measurement in 2002 would have decided: the information that each of a menu holds about the explanations, Table 2 known.
+"""Which measurement in 2002 would have decided: the information that each of a menu holds about the explanations, given Table 2.
 
-Every explanation, with Table 2, says where tolerances, sizes and the error of the reference lie (a Gaussian), and so what a further
-measurement would read. How far these predictions stand apart is the mutual information between explanation and outcome (Lindley,
-Ann. Math. Statist. 27, 1956, 986), in nats: at most the doubt that there is, the entropy of the posterior.
+Every explanation, with Table 2, says where tolerances, sizes and the error of the reference lie (a Gaussian), and so what a
+further measurement would read. How far these predictions stand apart is the mutual information between explanation and outcome
+(Lindley, Ann. Math. Statist. 27, 1956, 986), in nats: at most the doubt that there is, the entropy of the posterior.
 """
 
 from __future__ import annotations
@@ -134,25 +134,21 @@ def entropy(probability: Array) -> float:
     return float(-np.sum(probability * np.log(probability)))
 
 
-def information(
-    explanations: Sequence[Explanation], probability: Array, measure: Measurement, labels: Sequence[object] | None = None
-) -> float:
+def information(explanations: Sequence[Explanation], probability: Array, measure: Measurement) -> float:
     """[nats] between explanation and the outcome of a measurement.
 
     Parameters
     ----------
     probability : (n,) of the `explanations`, summing up to 1
-    labels : (n,) what is asked about the explanations; by default which of them it is
     """
     among = frozenset(fault.name for one in explanations for fault in one.faults)
     predicted = [_predicted(one, measure, among) for one in explanations]
-    asked = np.array([[one == other for other in labels] for one in labels]) if labels else np.eye(len(explanations), dtype=bool)
     generator, total = np.random.default_rng(2002), 0.0
-    for own, weight, alike in zip(predicted, probability, asked, strict=True):
+    for own, weight in zip(predicted, probability, strict=True):
         drawn = own.mean + generator.standard_normal((SAMPLES, len(own.mean))) @ own.root.T
-        density = np.array([other.log_density(drawn) for other in predicted]) + np.log(probability)[:, None]
-        right = np.logaddexp.reduce(density[alike], axis=0) - np.log(probability[alike].sum())
-        total += weight * float(np.mean(right - np.logaddexp.reduce(density, axis=0)))
+        density = np.array([other.log_density(drawn) for other in predicted])
+        mixed = np.logaddexp.reduce(density + np.log(probability)[:, None], axis=0)
+        total += weight * float(np.mean(own.log_density(drawn) - mixed))
     return max(total, 0.0)
 
 

@@ -24,8 +24,8 @@ from identification.spectra.line_spectra import Spectra
 LEVEL = np.array([LEVELS[axis] for axis in MOTIONS])
 
 ALL, TURNING = ROWS = ("all", "turning")
-"""Which entries of H tell: all, every load weighed by its rms; or all but the moments of translation sweeps, so that the centre of
-gravity follows from the forces of rotation sweeps. What the paper's "algorithm parameters" were is not printed."""
+"""Which entries of H tell: all, every load weighed by its rms; or all but the moments of translation sweeps, so that the centre
+of gravity follows from the forces of rotation sweeps. What the paper's "algorithm parameters" were is not printed."""
 
 
 def dynamic_mass(spectra: Spectra) -> DynamicMass:
@@ -97,7 +97,8 @@ def linear(table: ChannelTable, names: Sequence[str], rows: ComplexArray, read: 
     load[:, forces] = resultant_rows([known[names[k]] for k in forces], table.origin)
     weight = _weights(read, told)
     solved = np.linalg.pinv((rigid_body.BASIS[:, None] * weight).reshape(10, -1).T).reshape(10, *weight.shape)
-    return Linear(motion=motion, load=load, H=read.matrix, turned=np.linalg.inv(motion @ rows), weights=solved * weight)
+    turned = np.asarray(np.linalg.inv(motion @ rows), dtype=np.complex128)
+    return Linear(motion=motion, load=load, H=read.matrix, turned=turned, weights=solved * weight)
 
 
 def redundant(table: ChannelTable, names: Sequence[str]) -> Array:

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.errors import BadInput
 from table_2_parts.exact import Refined, recorded, refined
-from table_2_parts.inference import Explanation, Found, everything, misfit
+from table_2_parts.inference import Explanation, Found, covariance, everything, misfit
 from table_2_parts.menu import MENU, entropy, information
-from table_2_parts.ways import STOPS, Way, answer, ways
+from table_2_parts.published import DEVIATIONS
+from table_2_parts.ways import STOPS, Way, answer, exact, ways
+from validation.effects.identifiers import Named
+from validation.effects.targets import COVER, FMD
 
 SCALES = (1.0, 2.0, 3.0)
 """Factors on all tolerances: how careless the laboratory may have been."""
@@ -21,9 +27,6 @@ REFERENCES = (0.5, 1.0, 2.0)
 
 ASKED = 40
 """Explanations among which a measurement is to decide."""
-
-ASKED_EACH = 12
-"""The same with and without the quarter turn."""
 
 SHOWN = 6
 """Single effects that are shown."""
@@ -55,20 +58,21 @@ class Story:
     ----------
     elastic : by band, (7,) what elasticity that is not taken off makes, and the same a quarter turn from the reference
     alone : by factor on the tolerances and whether Clumod was turned
+    mistake : the polarity or swap of channels that comes nearest, its chi² of seven numbers, and how many were tried
     singles : one effect with elasticity, Clumod as the reference has it; the most probable of each family
     found : with tolerances as they are
     pairs, triples, unturned : the best explanations of two and of three faults, and without the quarter turn, refined
     turn : the quarter turn alone, refined
-    turned : posterior of the quarter turn by (factor on tolerances, error of the reference)
+    turned : posterior of the quarter turn, of two faults at most, by (factor on tolerances, error of the reference)
     doubt : [nats] entropy of the explanations among which the menu is to decide
     share : of the posterior that these have
-    menu, asks_turn : [nats] information of each measurement on which explanation holds, and on whether the axes were exchanged
-        if that were an even bet
+    menu : [nats] information of each measurement on which explanation holds
     records : by name of an explanation (7,) from records; empty where nothing was simulated
     """
 
     elastic: Mapping[float, tuple[Array, Array]]
     alone: Mapping[tuple[float, bool], Alone]
+    mistake: tuple[str, float, int]
     singles: tuple[Refined, ...]
     found: Found
     pairs: tuple[Refined, ...]
@@ -79,7 +83,6 @@ class Story:
     doubt: float
     share: float
     menu: Mapping[str, float]
-    asks_turn: Mapping[str, float]
     records: Mapping[str, Array]
 
     @property
@@ -98,17 +101,17 @@ def told(*, records: bool = False) -> Story:
     return Story(
         elastic={stop: (_nominal(stop, turned=False), _nominal(stop, turned=True)) for stop in STOPS},
         alone={(scale, turned): _alone(scale, turned=turned) for scale in SCALES for turned in (False, True)},
+        mistake=_mistake(),
         singles=_singles(found),
         found=found,
         pairs=pairs,
         triples=triples,
         unturned=unturned,
         turn=turn[0],
-        turned={of: _turned(everything(*of)) for of in sorted(settings)},
+        turned={of: _turned(everything(*of, most=2)) for of in sorted(settings)},
         doubt=entropy(probability / probability.sum()),
         share=float(probability.sum()),
         menu={name: information(asked, probability / probability.sum(), one) for name, one in MENU.items()},
-        asks_turn=_asks_turn(found),
         records={title(one.of): recorded(one) for one in (pairs[0], unturned[0])} if records else {},
     )
 
@@ -128,14 +131,18 @@ def _leading(found: Found) -> tuple[tuple[Explanation, ...], ...]:
     )
 
 
-def _asks_turn(found: Found) -> dict[str, float]:
-    """[nats] of an even bet on the quarter turn that each measurement decides, the best explanations of either side apart."""
-    sides = [found.best(ASKED_EACH, lambda one, side=side: one.of.way.turned == side) for side in (True, False)]  # type: ignore[misc]
-    shares = [np.exp([one.log_posterior for one in side]) for side in sides]
-    probability = np.concatenate([0.5 * share / share.sum() for share in shares])
-    labels = [one.way.turned for side in sides for one in side]
-    asked = [one for side in sides for one in side]
-    return {name: information(asked, probability, one, labels) for name, one in MENU.items()}
+def _mistake() -> tuple[str, float, int]:
+    """Every wrong sign and every exchange of two alike channels, read in the band that elasticity fits best."""
+    way = Way(stop=5.0)
+    signs = [Named(family="polarity", targets=(one,), values={}) for one in (*COVER, *FMD)]
+    swaps = [Named(family="channel-swap", targets=two, values={}) for of in (COVER, FMD) for two in combinations(of, 2)]
+    V, found = covariance(answer(way)), dict[str, float]()
+    for one in (*signs, *swaps):
+        with suppress(BadInput):  # some leave no six motions that could be read
+            off = DEVIATIONS - exact(way, [one])
+            found[one.id] = float(off @ np.linalg.solve(V, off))
+    name = min(found, key=lambda key: found[key])
+    return name, found[name], len(signs) + len(swaps)
 
 
 def _singles(found: Found) -> tuple[Refined, ...]:

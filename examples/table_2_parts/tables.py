@@ -21,9 +21,9 @@ def told(story: Story) -> Iterator[str]:
     """All sections, one after the other."""
     yield page("1  What elasticity does that is not taken off", [elastic(story)], [], WIDEST)
     yield page("2  Tolerances alone", [alone(story)], [_scatter(story)], WIDEST)
-    yield page("3  One effect with elasticity, the axes right", [effects(story, story.singles)], [], WIDEST)
+    yield page("3  One effect with elasticity, the axes right", [effects(story, story.singles)], [_mistake(story)], WIDEST)
     yield page("4  Explanations", [numbers(story.leading), effects(story, story.leading)], [_counts(story)], WIDEST)
-    yield page("5  How surely", [families(story), settings(story)], [], WIDEST)
+    yield page("5  How surely", [families(story), settings(story)], [_bands(story)], WIDEST)
     yield page("6  What would have decided", [menu(story)], [_doubt(story)], WIDEST)
     if story.records:
         yield page("7  The same from records, simulated in time", [records(story)], [], WIDEST)
@@ -90,8 +90,7 @@ def settings(story: Story) -> Grid:
 def menu(story: Story) -> Grid:
     """What each measurement holds."""
     best = sorted(story.menu, key=lambda name: -story.menu[name])
-    lines = [(name, f"{story.menu[name]:.2f}", f"{story.asks_turn[name]:.2f}") for name in best]
-    return Grid(header=("measurement", "which explanation [nats]", "axes or not [nats]"), lines=tuple(lines))
+    return Grid(header=("measurement", "information [nats]"), lines=tuple((name, f"{story.menu[name]:.2f}") for name in best))
 
 
 def records(story: Story) -> Grid:
@@ -128,13 +127,23 @@ def _scatter(story: Story) -> str:
     return f"They scatter the seven by {said} (1 sd, {one.way.name})."
 
 
+def _mistake(story: Story) -> str:
+    name, chi2, tried = story.mistake
+    return f"Of {tried} mistakes of polarity or of swapped channels the nearest is {name}, chi² {chi2:.0f}."
+
+
 def _counts(story: Story) -> str:
     shares = story.found.of_counts()
     return "Faults: " + ", ".join(f"{count} {shares[count]:.2g}" for count in sorted(shares)) + " (probability)."
 
 
+def _bands(story: Story) -> str:
+    shares = story.found.of_ways(lambda way: f"4-{way.stop:g} Hz" if way.stop else "elasticity taken off")
+    return "Read by: " + ", ".join(f"{name} {share:.3f}" for name, share in shares.items()) + " (probability)."
+
+
 def _doubt(story: Story) -> str:
-    return f"Doubt among the explanations that are asked about: {story.doubt:.2f} nats; they have {story.share:.2f} of the posterior."
+    return f"Doubt among the explanations asked about: {story.doubt:.2f} nats; they have {story.share:.2f} of the posterior."
 
 
 def _seven(values: Sequence[float] | np.ndarray) -> tuple[str, ...]:

@@ -16,6 +16,9 @@ from validation.pictures.palette import FAINT, INK
 COLOURS = (FAINT, *CURVES, "#8e6fc0", "#c9a227")
 """Of explanations, one after the other."""
 
+SHOWN = 0.05
+"""Below which a figure of one decimal is nothing."""
+
 WIDTH = 0.82
 """Of a group of bars, where the distance of groups is 1."""
 
@@ -70,8 +73,18 @@ def draw_numbers(title: str, drawn: DrawnNumbers, path: Path, note: str = "", ab
     for k, ((name, values), colour) in enumerate(zip(every.items(), (INK, *COLOURS), strict=False)):
         at = places + (k - len(drawn.explained) / 2) * width
         axes.bar(at, values, 0.92 * width, color=colour, label="Table 2, ± 1 sd" if not k else name)
-        for x, value in zip(at, values, strict=True):
-            axes.text(x, value, f"{value:.1f}", ha="center", va="bottom" if value >= 0 else "top", fontsize=6.8, color=INK)
+        reach = drawn.deviation if not k else np.zeros(len(values))
+        for x, value, beyond in zip(at, values, np.copysign(reach, values), strict=True):
+            low = value < -SHOWN
+            axes.text(
+                x,
+                value + beyond,
+                f"{value + 0.0 if abs(value) > SHOWN else 0.0:.1f}",
+                ha="center",
+                va="top" if low else "bottom",
+                fontsize=6.8,
+                color=INK,
+            )
         if not k:
             axes.errorbar(at, values, drawn.deviation, fmt="none", ecolor="#f28a1c", elinewidth=1.6, capsize=3)
     axes.axhline(0.0, color=INK, linewidth=0.8)
