@@ -312,7 +312,7 @@ def _tested(
         model=model,
         campaign=replace(campaign, recordings={}),
         measured=made.measured,
-        carried=_carried(model, campaign, stands),
+        carried=carried(model, campaign, stands),
         drives=tuple(driven[run] for run in made.measured.runs),
         per_rms=data.per_rms(campaign, made.method),
         method=made.method,
@@ -320,7 +320,8 @@ def _tested(
     )
 
 
-def _carried(model: Model, campaign: Campaign, stands: Standing) -> Carried:
+def carried(model: Model, campaign: Campaign, stands: Standing) -> Carried:
+    """What the cells carry in `campaign`, in which `stands` stands on the cover plate."""
     of_structure = None
     if stands.matrices is not None:
         of_structure = nuisances.of(campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure)
