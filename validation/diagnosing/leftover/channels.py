@@ -11,7 +11,7 @@ import numpy as np
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.observability import LOADS
 from geometry.sensors import Channel
-from validation.diagnosing.leftover.courses import HEARD_FALLING, HEARD_PLAINLY, Course
+from validation.diagnosing.leftover.courses import HEARD_FALLING, HEARD_PLAINLY, TILTING, Course
 from validation.diagnosing.leftover.places import CHANNEL, GROUP, HEARD, Family, Place
 from validation.diagnosing.leftover.tangents import Answers, Swallowing, products
 from validation.engine.prediction import Offsets, Prediction
@@ -33,6 +33,25 @@ def channels(of: Swallowing, courses: tuple[Course, ...]) -> Family:
         places.append(Place(kind=GROUP, part=group, channels=tuple(one.name for one in table if one.group == group)))
     made = products(of, read[..., None] * mixed, np.arange(len(names)))
     return Family(places=tuple(places), courses=courses, products=made, root=of.root, slope=of.slope)
+
+
+def tilting(of: Swallowing) -> Iterator[Family]:
+    """All accelerometers, and those of a group, that read gravity where they tilt: along x by beta, along y by minus alpha."""
+    table, u = _table(of.of.prediction), of.of.inputs
+    sensing = [one.quantity == "acceleration" for one in table]
+    if not any(sensing) or u.shape[-1] != len(MOTIONS):
+        return
+    along = np.array([one.places[0].direction for one in table])
+    read = u[..., 4, None] * along[:, 0] - u[..., 3, None] * along[:, 1]
+    groups = dict.fromkeys(one.group for one, senses in zip(table, sensing, strict=True) if senses)
+    chosen = {"": sensing} | {group: [one.group == group for one in table] for group in groups}
+    mixed = np.array(list(chosen.values()), dtype=np.float64).T
+    places = tuple(
+        Place(kind=GROUP, part=group, channels=tuple(one.name for one, is_in in zip(table, members, strict=True) if is_in))
+        for group, members in chosen.items()
+    )
+    made = products(of, read[..., None] * mixed, np.arange(len(table)))
+    yield Family(places=places, courses=(TILTING,), products=made, root=of.root, slope=of.slope)
 
 
 def predicted(of: Swallowing) -> ComplexArray:

@@ -117,6 +117,9 @@ OF_JOINTS = (
 )
 """Of what lies between cover plate and article."""
 
+TILTING = Course(looks_like=TILT, text="gravity that a tilt adds", of=_power(1, -2), unit="m/s^2")
+"""Of accelerometers that tilt with what they sit on: they read it once too often, or not at all."""
+
 HEARD_PLAINLY = Course(looks_like=GAIN, text="the same share at all frequencies", of=_power(1, 0))
 HEARD_FALLING = Course(
     looks_like=TILT, text="falls with the square of frequency, as gravity on a tilting sensor", of=_power(1, -2)

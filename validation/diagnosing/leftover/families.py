@@ -8,7 +8,7 @@ import numpy as np
 
 from validation.diagnosing.leftover import article
 from validation.diagnosing.leftover.axes import Loaded, axes, pairs
-from validation.diagnosing.leftover.channels import channels
+from validation.diagnosing.leftover.channels import channels, tilting
 from validation.diagnosing.leftover.courses import OF_PAIRS, OF_SHARES, resonances
 from validation.diagnosing.leftover.places import Family
 from validation.diagnosing.leftover.tangents import Swallowing
@@ -31,6 +31,7 @@ def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator
     if loads is not None and isinstance(prediction, SeriesPrediction):
         yield pairs(loads, (*OF_PAIRS, *shakes))
         yield axes(loads)
+        yield from tilting(of)
         yield from article.locations(loads, prediction, offsets, of.of.lines, shakes)
         yield from article.joint(loads, prediction, offsets)
     yield channels(of, (*OF_SHARES, *shakes))

@@ -63,7 +63,7 @@ def _where(place: Place, resonance: float | None) -> str:
     if place.kind == CHANNEL:
         return f"{place.channels[0]} alone"
     if place.kind == GROUP:
-        return f"all channels of the {GROUPS[place.part].partition(',')[0]}"
+        return "all accelerometers" if not place.part else f"all channels of the {GROUPS[place.part].partition(',')[0]}"
     if place.kind == LOCATION:
         return f"{place.part}, along {place.along}"
     if place.kind == JOINT:

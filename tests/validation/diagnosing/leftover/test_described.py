@@ -83,6 +83,20 @@ def test_a_sensor_that_feels_its_tilt_twice_looks_like_tilt(left) -> None:
     assert found.unit == "m/s^2"
 
 
+def test_accelerometers_that_feel_no_tilt_are_told_together(left) -> None:
+    def none(s):
+        table = {one.name: one for one in s.of.tested.campaign.table.channels}
+        along = np.array([table[name].places[0].direction for name in s.channels])
+        accelerometers = np.array([table[name].quantity == "acceleration" for name in s.channels])
+        felt = s.u[..., 4, None] * along[:, 0] - s.u[..., 3, None] * along[:, 1]
+        return np.where(accelerometers, -9.81 / s.omega[:, None] ** 2 * felt, 0.0)
+
+    found = described(left(none))
+    assert found.looks_like == "tilt"
+    assert "all accelerometers" in found.text
+    assert found.size == pytest.approx(-9.81, rel=0.1)
+
+
 def test_a_loud_channel_looks_like_noise(left) -> None:
     rng = np.random.default_rng(3)
 
