@@ -52,6 +52,15 @@ def described(hypothesis: Hypothesis) -> Leftover:
     return irregular([one.of for one in data], excess, best, share)
 
 
+def unexplained(hypothesis: Hypothesis) -> Explanation:
+    """The one thing, of all that can be put in words, that would explain most of what `hypothesis` leaves, and its gain [nats].
+
+    Where nothing is missing, none of the thousands that are tried gains more than some ten or twenty.
+    """
+    data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
+    return ranked(hypothesis, data)[0]
+
+
 def _excess(hypothesis: Hypothesis, slope: Array) -> float:
     """Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted."""
     return 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom

@@ -48,7 +48,7 @@ def irregular(data: Sequence[Whitened], excess: float, best: Explanation, share:
     """
     nearest = f"What comes closest is {words.sentence(best)}, with {share:.0%} of it"
     worst = max((one for one in held(data)), key=lambda one: one.chi2)
-    part = min(worst.chi2 / max(excess, worst.chi2, np.finfo(np.float64).tiny), 1.0)
+    part = max(worst.chi2, 0.0) / max(excess, worst.chi2, 1.0)
     if part < HELD:
         text = f"Spread over channels and frequencies, worst in {worst.channel} with {part:.0%}. {nearest}."
         return Leftover(text=text, looks_like=IRREGULAR, channels=(worst.channel,), share=part)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geometry.frames import rigid_transformation_6
-from validation.diagnosing.leftover.described import described
+from validation.diagnosing.leftover.described import described, unexplained
 from validation.prediction import fmd
 
 
@@ -171,3 +171,11 @@ def test_what_follows_nothing_is_irregular(left) -> None:
     assert found.looks_like == "irregular"
     assert found.share < 0.5
     assert "comes closest" in found.text
+
+
+def test_where_nothing_is_missing_no_description_gains_much_and_a_small_fault_gains_more(left) -> None:
+    nothing = unexplained(left(lambda s: np.zeros_like(s.read)))
+    small = unexplained(left(lambda s: s.added(entry(s, 3, 4, -0.3j / s.omega) + entry(s, 4, 3, 0.3j / s.omega))))
+    assert nothing.gain < 20
+    assert small.gain > 50
+    assert small.place.sign == -1
