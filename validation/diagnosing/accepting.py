@@ -95,6 +95,12 @@ def standing(fit: Fit, problem: Problem) -> Standing:
     )
 
 
+def excess(fit: Fit, at: Standing) -> float:
+    """How much the cost of a fit lies above that of a null [nats]."""
+    chi2, z2 = fit.chi2 - at.limit * fit.degrees_of_freedom, fit.tolerance_z2 - expected_z2(fit)
+    return 0.5 * (max(chi2, 0.0) + max(z2, 0.0))
+
+
 def of_noise(problem: Problem) -> float:
     """Chi² per degree of freedom that noise alone would come to: its share of the variance that the likelihood allows for."""
     shares = []
