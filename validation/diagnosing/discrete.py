@@ -34,7 +34,7 @@ SIGN, UNIT, FACTOR, PLUG = 8.0, 10.0, 16.0, 6.0
 """[nats] Price of a wrong sign, a known unit, a factor that is none, and of a channel that reads another's plug."""
 
 SURE = 20.0
-"""[nats] Evidence below which a mistake is none, and that one campaign must have against a mistake of another to contradict it."""
+"""[nats] Evidence below which a mistake is none, and that one campaign has against a mistake of another to contradict it."""
 
 USUAL = 2.5
 """Factors nearer to 1 than this are gains."""
@@ -105,7 +105,9 @@ class _Known:
 def _factors(table: ChannelTable, channels: Sequence[str]) -> tuple[_Known, ...]:
     units = [one for one in candidates(table) if one.kind == "unit" and len(one.channels) == 1]
     of = {name: [one for one in units if one.channels == (name,)] for name in channels}
-    return tuple(_Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels)
+    return tuple(
+        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
+    )
 
 
 def _decided(every: Sequence[Heard], known: Sequence[_Known]) -> tuple[Taken, ...]:
@@ -197,16 +199,16 @@ def _apart(every: Sequence[Heard], one: Taken) -> float:
 
 
 def _whole(taken: tuple[Taken, ...], of: Heard, known: Sequence[_Known]) -> tuple[Taken, ...]:
-    """What all load cells share and no unit explains may be the inverse of what all accelerometers share, if a unit explains that.
+    """What all load cells share and no unit explains may be the inverse of what all accelerometers share.
 
-    H alone cannot tell the two; a unit can.
+    H alone cannot tell the two; a unit that explains the latter can.
     """
     moved = [c for c, quantity in enumerate(of.quantities) if quantity == "acceleration"]
     felt = [c for c in range(len(taken)) if c not in moved]
-    shared = {round(float(np.log(abs(taken[c].factor))), 1) for c in felt}
-    if len(shared) != 1 or any(taken[c].units[0] for c in felt) or any(taken[c].factor != 1 for c in moved):
+    sizes = np.log([abs(taken[c].factor) for c in felt])
+    if np.ptp(sizes) > SNAP or any(taken[c].units[0] for c in felt) or any(taken[c].factor != 1 for c in moved):
         return taken
-    size = float(np.median([abs(taken[c].factor) for c in felt]))
+    size = float(np.exp(np.median(sizes)))
     if size == 1:
         return taken
     off = np.abs(np.log(known[moved[0]].values * size))
