@@ -24,7 +24,7 @@ demo: $(READY) ## everything massline shows, tables on the screen and pictures u
 
 # The editable install says in a second that it imports from here; then the whole suite runs once, against the built wheel, because
 # that is what a user installs. The wheel is these very files (test_wheel.py), so running everything twice would prove nothing more.
-test: $(READY) ## where the editable install imports from, then the whole suite on the built wheel; ARGS="-k cuboid" picks tests
+test: $(READY) ## where the editable install imports from, then the whole suite on the built wheel, by two processes; ARGS="-k cuboid" picks tests
 	$(PYTHON) -P -m pytest --quiet tests/architecture/test_origin.py
 	sh tools/suite_on_wheel.sh $(ARGS)
 
@@ -39,8 +39,9 @@ bench: $(READY) ## times as ratios, 10,000 damaged files, planted effects found,
 	@$(PYTHON) -m benchmarks.fuzz_readers
 	@missed=0; for proof in cross_check_proof identification_bars; do $(PYTHON) -m benchmarks.$$proof || missed=1; done; exit $$missed
 
-blind: ## proof on data whose answer is sealed
-	@echo "There is nothing to prove blind yet: issue 7 (diagnosis) brings the sealed series, the program that scores them, and this target."
+blind: $(READY) ## proof on data whose answer is sealed: draws, diagnoses, scores (hours; what is done is kept); ARGS="--jobs 2" runs two at a time
+	@$(PYTHON) -m benchmarks.blind $(ARGS)
+	@$(PYTHON) -m benchmarks.blind.score
 
 # Needs uv on the path (any recent one) and the network. Pins that still fit are kept: delete the file first to renew them all.
 # No registry's host and no path of this machine ends up in it.

@@ -25,10 +25,27 @@ def root() -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Solid models are kept in a folder of this run, here and in processes of their own, not in the user's."""
+    """Solid models are kept in a folder of this run, here and in processes of their own, not in the user's.
+
+    Worker processes (`pytest -n`) have one between them: a mesh is made once.
+    """
+    own = tmp_path_factory.getbasetemp()
+    whole = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MASSLINE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("MASSLINE_CACHE", str(whole / "cache"))
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _nobodys_window() -> None:
+    """Pages are as wide as in a pipe, here and in processes of their own, in whatever window the tests were started.
+
+    The readline that pytest imports tells processes that are started afterwards, its workers among them, of 80 columns;
+    it does so behind the back of `os.environ`.
+    """
+    for name in ("COLUMNS", "LINES"):
+        os.environ.pop(name, None)
+        os.unsetenv(name)
 
 
 @pytest.fixture

@@ -3,6 +3,9 @@
 #
 # The locked packages come from .venv. The wheel's folder stands before them on PYTHONPATH, which reaches every process that a test
 # starts; -P and a neutral working directory keep the source tree out. `tests/architecture/test_origin.py` checks that it worked.
+#
+# Two processes share the suite: each begins at its end of one half in order, so that what tests of one file share is made once, and
+# whoever is done first takes half of what the other has left. An argument `-n 4` or `-n 0` (this process alone) overrides that.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 python=$root/.venv/bin/python
@@ -15,4 +18,4 @@ mkdir -p "$wheel/neutral"
 "$python" $pip install --no-index --no-deps --target "$wheel/site" "$wheel"/massline-*.whl
 
 cd "$wheel/neutral"
-MASSLINE_UNDER_TEST=$wheel/site PYTHONPATH=$wheel/site exec "$python" -P -m pytest "$root/tests" "$@"
+MASSLINE_UNDER_TEST=$wheel/site PYTHONPATH=$wheel/site exec "$python" -P -m pytest -n 2 --dist worksteal "$root/tests" "$@"

@@ -34,6 +34,7 @@ COMMANDS = {
     "identify": "Mass, CoG and inertia from a recorded campaign, with intervals and verdicts.",
     "model": "A commented model file to start from: laboratory, structure, tolerances, effects.",
     "compare": "Where a model fails: errors, maps and worst spots beside a series of campaigns.",
+    "diagnose": "Which effect a model is missing: ranked causes, that nothing is, or what the unknown looks like.",
     "correct": "A corrected copy of a campaign: a gain, delay, polarity or place of the measurement taken out.",
     "add": "Add an effect to a model: fitted, with the errors before and after, as the next rung of its ladder.",
     "ladder": "Every version of a model, and how its errors fell from rung to rung.",

@@ -122,9 +122,9 @@ STEPS = (
         needs=DATA / "example_series",
     ),
     Step(
-        title="A series in which one load cell reads 8 % too much ...",
+        title="A series with a hidden effect ...",
         command="massline simulate fmd+disc+cuboid fmd+clumod-1 --seed 3 --octaves-per-minute 16 "
-        f"--effect force-gain:fmd-z2=0.08 --out {HIDDEN}",
+        f"--effect force-gain:fmd-z2=0.15 --out {HIDDEN}",
     ),
     Step(title="... the model of a laboratory that does not know", command=f"massline model fmd+clumod-1 --out {MODEL} --force"),
     Step(
@@ -132,7 +132,11 @@ STEPS = (
         command=f"massline compare {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --out {HIDDEN}/compared",
     ),
     Step(
-        title="... the effect added: the error falls, on held-out sweeps too, the identified inertia returns",
+        title="... what it is missing: ranked causes, how surely, what they are mistaken for, what would confirm them",
+        command=f"massline diagnose {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --out {HIDDEN}/diagnosed",
+    ),
+    Step(
+        title="... the effect added: the error falls, on held-out sweeps too, the identified CoG returns into its interval",
         command=f"massline add {MODEL} force-gain:fmd-z2 {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1",
     ),
     Step(title="... and the ladder, with pictures of the fall", command=f"massline ladder {MODEL} --out {HIDDEN}/ladder"),

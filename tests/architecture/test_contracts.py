@@ -1,6 +1,7 @@
 """The rules of import hold, and each of them can fail: a copy of the packages is broken on purpose."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -46,17 +47,16 @@ DOORS = {
 """Who may import what: the module that is the door to each library."""
 
 
-@pytest.fixture
-def tree(root: Path, tmp_path: Path) -> Path:
+def copied(root: Path, folder: Path) -> Path:
     """A copy of the four packages with the contracts, to be broken."""
     for package in PACKAGES:
-        shutil.copytree(root / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(root / "pyproject.toml", tmp_path)
-    return tmp_path
+        shutil.copytree(root / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(root / "pyproject.toml", folder)
+    return folder
 
 
-def broken(tree: Path) -> set[str]:
-    """Identifiers of the contracts that `lint-imports` finds broken in `tree`."""
+def broken(tree: Path) -> dict[str, str]:
+    """Contracts that `lint-imports` finds broken in `tree`, by identifier, each with the imports that it names."""
     contracts = {contract["name"]: contract["id"] for contract in contracts_of(tree)}
     lint = "import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports(no_cache=True))"
     wide = {**os.environ, "COLUMNS": "200"}  # a narrow terminal breaks the names of contracts over lines
@@ -64,15 +64,27 @@ def broken(tree: Path) -> set[str]:
     found = {identifier for name, identifier in contracts.items() if f"{name} BROKEN" in run.stdout}
     assert (run.returncode == 0) == (not found), run.stdout + run.stderr
     assert all(f"{name} KEPT" in run.stdout or f"{name} BROKEN" in run.stdout for name in contracts), run.stdout
-    return found
+    _, *parts = re.split(rf"^({'|'.join(map(re.escape, contracts))})\n-+$", run.stdout, flags=re.MULTILINE)
+    named = {contracts[name]: text for name, text in zip(parts[::2], parts[1::2], strict=True)}
+    assert named.keys() == found, run.stdout
+    return named
 
 
 def contracts_of(tree: Path) -> list[dict[str, str]]:
     return list(tomllib.loads((tree / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"])
 
 
-def test_the_packages_keep_every_contract(tree: Path) -> None:
-    assert broken(tree) == set()
+@pytest.fixture(scope="module")
+def trespassed(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What is found broken where every trespass is there, each in a module of its own that nobody imports."""
+    tree = copied(root, tmp_path_factory.mktemp("trespassed"))
+    for contract, (package, statement) in TRESPASSES.items():
+        (tree / package / f"trespasser_{contract}.py").write_text(f"def trespass():\n    {statement}\n", encoding="utf-8")
+    return broken(tree)
+
+
+def test_the_packages_keep_every_contract(root: Path, tmp_path: Path) -> None:
+    assert broken(copied(root, tmp_path)) == {}
 
 
 def test_every_contract_has_a_trespass(root: Path) -> None:
@@ -80,17 +92,17 @@ def test_every_contract_has_a_trespass(root: Path) -> None:
 
 
 @pytest.mark.parametrize("contract", TRESPASSES)
-def test_a_trespass_inside_a_function_breaks_its_contract(contract: str, tree: Path) -> None:
-    package, statement = TRESPASSES[contract]
-    (tree / package / "trespasser.py").write_text(f"def trespass():\n    {statement}\n", encoding="utf-8")
-    assert contract in broken(tree)
+def test_a_trespass_inside_a_function_breaks_its_contract_and_is_named(contract: str, trespassed: dict[str, str]) -> None:
+    package, _ = TRESPASSES[contract]
+    assert f"{package.replace('/', '.')}.trespasser_{contract} -> " in trespassed.get(contract, "")
 
 
-@pytest.mark.parametrize("library", DOORS)
-def test_the_door_itself_may_import_its_library(library: str, tree: Path) -> None:
-    door = tree / DOORS[library]
-    door.parent.mkdir(parents=True, exist_ok=True)
-    (door.parent / "__init__.py").touch()
-    with door.open("a", encoding="utf-8") as file:
-        file.write(f"\n\ndef enter():\n    import {library}\n")
-    assert broken(tree) == set()
+def test_the_doors_themselves_may_import_their_libraries(root: Path, tmp_path: Path) -> None:
+    tree = copied(root, tmp_path)
+    for library, path in DOORS.items():
+        door = tree / path
+        door.parent.mkdir(parents=True, exist_ok=True)
+        (door.parent / "__init__.py").touch()
+        with door.open("a", encoding="utf-8") as file:
+            file.write(f"\n\ndef enter_{library}():\n    import {library}\n")
+    assert broken(tree) == {}

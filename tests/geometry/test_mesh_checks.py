@@ -71,9 +71,9 @@ def test_the_closed_workshop_tools_pass_without_a_warning(data: Path, tool: str)
 def test_twenty_thousand_faces_are_judged_within_seconds() -> None:
     mesh = of_trimesh(trimesh.creation.icosphere(5))
     assert len(mesh.faces) > 20_000
-    start = time.perf_counter()
+    start = time.process_time()
     require_closed_volume(mesh, "sphere")
-    assert time.perf_counter() - start < 5.0  # a tenth of this on an idle machine; the limit is the issue's
+    assert time.process_time() - start < 5.0  # a tenth of this; the processor's, since other tests run beside
 
 
 def test_pieces_apart_a_cavity_and_a_body_within_a_cavity_are_bodies() -> None:

@@ -46,7 +46,7 @@ def as_json(found: Comparison) -> dict[str, Any]:
         "errors": [_told(one) for one in found.errors],
         "error_percent": {"nominal": _share(of.nominal), "plain": _share(of.plain), "held_out": _share(of.held_out)},
         "absurd_tolerances": [_tolerance(one) for one in found.absurd],
-        "parameters": {"plain": _parameters(of.plain_fit), "fitted": _parameters(of.fitted)},
+        "parameters": {"plain": parameters(of.plain_fit), "fitted": parameters(of.fitted)},
         "worst_pairs": [
             {
                 "campaign": one.data_set,
@@ -104,7 +104,8 @@ def _tolerance(one: Tolerance) -> dict[str, Any]:
     return {"name": one.parameter.name, "z": one.z, "offset_si": one.offset, "tolerance_si": one.parameter.tolerance}
 
 
-def _parameters(of: Fit) -> dict[str, Any]:
+def parameters(of: Fit) -> dict[str, Any]:
+    """Every parameter of a fit by its name."""
     sd = np.sqrt(np.maximum(np.diag(of.covariance), 0.0))
     return {
         one.name: {"value_si": one.value(float(x)), "offset": float(x), "sd": float(s), "kind": one.kind}

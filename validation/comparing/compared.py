@@ -67,7 +67,7 @@ def compared(
     known = held.without(problem, held.named(problem, names)) if names else problem  # refused before minutes are spent
     evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
     maps = mapped_all(made, problem, known.thinned(), evaluation.plain_fit, lambda share: tell("maps", share))
-    modes = tuple(_modes(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
+    modes = tuple(modes_of(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
     spots = worst(maps, modes)
     return Comparison(
         title=model.title or model.article,
@@ -142,8 +142,8 @@ def _beside(fact: ArticleFact, plain: Offsets, nominal: Offsets) -> Beside:
     )
 
 
-def _modes(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
-    """Of the structure as the plain fit has it, its effects acting."""
+def modes_of(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+    """Modes by name, of the structure as the plain fit has it, its effects acting."""
     carried = prediction.tested.carried
     if carried.nuisances is None:
         return ()

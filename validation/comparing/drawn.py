@@ -46,7 +46,7 @@ def draw(found: Comparison, folder: Path) -> tuple[Path, ...]:
     _errors(found, to("errors"))
     _runs(found, to("runs"))
     for of, modes in zip(found.maps, found.modes, strict=True):
-        _channels(of, modes, to(f"{of.data_set}-channels"))
+        draw_channels(of, modes, to(f"{of.data_set}-channels"))
         if of.pairs is not None:
             _pairs(of.pairs, modes, to(f"{of.data_set}-pairs"))
     if any(of.pairs is not None for of in found.maps):
@@ -89,7 +89,8 @@ def _runs(found: Comparison, path: Path) -> None:
     pages.draw_runs(f"{found.title}: runs", drawn, path, "The worst cell of each run in sigmas, and its plain error in per cent.")
 
 
-def _channels(of: Map, modes: Sequence[NamedMode], path: Path) -> None:
+def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path) -> None:
+    """Write the map of channels and loads over frequency, a panel a run."""
     rows = tuple(SENSED.get(name, name) for name in of.rows)
     sigma = np.where(np.isfinite(of.expected), of.sigma, np.nan)
     maps = [

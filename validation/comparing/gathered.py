@@ -67,6 +67,21 @@ def gathered(paths: Sequence[str], model: Model, progress: Progress | None = Non
     return Data(campaigns=tuple(_read(folder, progress) for folder in folders), classical=tuple(files))
 
 
+def only_files(paths: Sequence[str]) -> tuple[str, ...]:
+    """`paths` where all of them are files that are there: measurements that stand by themselves, without any campaign.
+
+    Raises
+    ------
+    BadInput : one of them is no measurement, or is named twice.
+    """
+    if not all(Path(path).is_file() or path.removesuffix(".toml") in measurement_file.shipped() for path in paths):
+        return ()
+    for path in paths:
+        _require_measurement(path)
+    _require_once(paths)
+    return tuple(paths)
+
+
 def _read(folder: str, progress: Progress | None) -> Campaign:
     return campaign_file.read(folder, progress=None if progress is None else lambda share: progress(folder, share))
 

@@ -20,6 +20,9 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
     "mistake",
 )
 
+MANY_NATS = 1000.0
+"""Beyond which a forecast of evidence says only that it is decided."""
+
 NORMAL_90 = 1.6448536269514722
 """Standard deviations of half a 90 % interval."""
 
@@ -115,11 +118,22 @@ class Advice:
     test : what to do, in words: "run the Cuboid turned by 90 degrees about z"
     gain : expected evidence for the right explanation against the others [nats]; 0 where it tells nothing
     separates : ids that it tells apart
+    hours : of work that it takes, roughly; assumed, to compare tests by
     """
 
     test: str
     gain: float
     separates: tuple[str, ...] = ()
+    hours: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """All of it in words."""
+        if not self.separates:
+            return self.test
+        first, *others = self.separates
+        expected = f"{self.gain:.0f} nats" if self.gain < MANY_NATS else f"more than {MANY_NATS:g} nats"
+        return f"{self.test} (about {self.hours:g} h): expected {expected} between {first} and {', '.join(others)}"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.menu import TINY
-from validation.engine.screening import Screen, screened
+from validation.engine.screening import Screen, Told, screened
 from validation.models.model import Added
 
 if TYPE_CHECKING:
@@ -54,6 +55,11 @@ def looked_up(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Scree
         for k, one in enumerate(of.products)
     }
     return [found for name, one in names.items() if (found := _best(of, name, one, places, by_set)) is not None]
+
+
+def smallest_mass(told: Told, evidence: float) -> float:
+    """[kg] whose expected evidence is `evidence` [nats], by what the data tell of next to none; infinite for nothing."""
+    return TINY * sqrt(2 * (evidence + OCCAM)) * told.deviation
 
 
 def _best(

@@ -12,6 +12,7 @@ from itertools import product
 from geometry.errors import BadInput
 from geometry.keys import nearest
 from validation.diagnosing.bench import Bench
+from validation.diagnosing.swinging import of_swings
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import (
     ACCELERATIONS,
@@ -87,6 +88,7 @@ def _all(bench: Bench) -> Iterator[Added]:
     found = [Added(named=one, fixed=_is_switch(one)) for one in every if any(acts(one, place) for place in there)]
     opened = _opened(bench, found)
     yield from (one for one in found if _has_equation(one) or one.named.id in opened)
+    yield from (one for one in of_swings(bench) if one.named.id not in known)
 
 
 def _there(bench: Bench) -> Iterator[There]:

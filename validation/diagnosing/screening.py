@@ -8,10 +8,11 @@ from math import inf
 
 import numpy as np
 
-from validation.diagnosing import dictionary
+from validation.diagnosing import dictionary, swinging
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.menu import is_resonator
-from validation.effects.family import Size
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import PERIOD_STAGE, Size
 from validation.engine.parameter import Parameter
 from validation.engine.screening import Told, in_the_fit, screened
 from validation.models.model import Added
@@ -50,12 +51,27 @@ def screen(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> tuple[Screene
     left = [one for one in menu if one.named.id not in known]
     tolerances = in_the_fit(at.fit)
     inside = [one for one in left if one.named.id in tolerances]
-    swinging = [one for one in left if is_resonator(one.named)]
-    new = [one for one in left if one not in inside and one not in swinging]
+    resonators = [one for one in left if is_resonator(one.named)]
+    of_periods = [one for one in left if FAMILIES[one.named.family].stage == PERIOD_STAGE]
+    new = [one for one in left if one not in inside and one not in resonators and one not in of_periods]
     found = [_of_tolerance(one, tolerances[one.named.id], at) for one in inside]
     found += _of_new(bench, at, new) if new else []
-    found += dictionary.looked_up(bench, at, swinging) if swinging else []
+    found += dictionary.looked_up(bench, at, resonators) if resonators else []
+    found += _of_periods(bench, at, of_periods) if of_periods else []
     return tuple(sorted(found, key=lambda one: -one.evidence))
+
+
+def _of_periods(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screened]:
+    """Of effects on a period no straight line tells, and no smallest size by one."""
+    return [
+        Screened(
+            added=added,
+            evidence=found.evidence,
+            told=Told(name=added.named.id, estimate=found.value, information=0.0),
+            plausible=added.named.sizes[0].plausible,
+        )
+        for added, found in swinging.told(bench, at, menu)
+    ]
 
 
 def _of_tolerance(added: Added, told: Told, at: Hypothesis) -> Screened:

@@ -75,8 +75,10 @@ def ended(cost: Cost, offsets: Offsets, *, converged: bool) -> End:
     return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
 
 
-def annealed(cost: Cost, offsets: Offsets, progress: Progress) -> End:
+def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
+
+    At the last floor it takes at most `most` evaluations before it begins again, see `direct`.
 
     Raises
     ------
@@ -89,7 +91,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress) -> End:
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
         found |= stage.offsets(_solved(stage, found, close=ROUGHLY, most=STEPS).seen)
         progress((done + 1) / (len(stages) + 2))
-    return direct(cost, found, progress)
+    return direct(cost, found, progress, most=most)
 
 
 def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:

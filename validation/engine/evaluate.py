@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from validation.engine import errors
 from validation.engine.descent import Progress
 from validation.engine.errors import Squares
 from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.engine.fit import PLAIN_FLOOR, fit
+from validation.engine.fit import PLAIN_FLOOR, fit, nearby
 from validation.engine.hold_out import Fold, every_block, folds, held, named, without
 from validation.engine.parameter import FITTED, PLAIN
-from validation.engine.prediction import Offsets
+from validation.engine.prediction import Lines, Offsets, Prediction
 from validation.engine.problem import Problem
 from validation.engine.refit import refitted, solved
 
@@ -22,6 +24,8 @@ def evaluate(
     hold_out: Sequence[str] = (),
     blocks: int = 0,
     parent: Evaluation | Fit | None = None,
+    fitted: Fit | None = None,
+    quick: bool = False,
     progress: Progress | None = None,
 ) -> Evaluation:
     """The errors of a model.
@@ -35,6 +39,8 @@ def evaluate(
     blocks : so many blocks of frequency are held out in turn instead; 0 for none
     parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
         that of all parameters
+    fitted : the fit of all parameters, where it is known already; the plain one then begins there
+    quick : whether errors are those of the lines that fits use, no configuration is held out, and folds are a single step away
     progress : told the share of the work that is done, 0 to 1
 
     Raises
@@ -46,20 +52,25 @@ def evaluate(
     apart = named(problem, hold_out) if hold_out else None
     thinned = problem.thinned()
     known = thinned if apart is None else without(thinned, apart)
-    plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
-    fitted = fit(known, FITTED, start=_fitted(parent) or plain.by_name, progress=lambda share: tell(0.25 + 0.5 * share))
+    if fitted is not None:
+        plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share))
+    else:
+        plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
+        fitted = fit(known, FITTED, start=_fitted(parent) or plain.by_name, progress=lambda share: tell(0.25 + 0.5 * share))
     offsets = {**problem.start, **plain.by_name}
     parts: list[tuple[Fold, Offsets]]
     if apart is not None:
         parts = [(apart, offsets)]
     else:
         turns = every_block(problem, blocks) if blocks else folds(problem)
-        parts = _turns(thinned, plain, turns, lambda share: tell(0.8 + 0.2 * share))
+        turns = tuple(one for one in turns if not (quick and one.configuration))
+        parts = _turns(thinned, plain, turns, quick, lambda share: tell(0.8 + 0.2 * share))
+    problem = thinned if quick else problem
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
     return Evaluation(
-        nominal=errors.share(_squares(known, problem.start)),
-        plain=errors.share(_squares(known, offsets)),
+        nominal=errors.share(_squares(known, problem.start, quick=quick)),
+        plain=errors.share(_squares(known, offsets, quick=quick)),
         held_out=_held_out(problem, runs),
         held_out_nominal=_held_out(problem, _at(runs, problem.start)),
         plain_fit=plain,
@@ -78,19 +89,23 @@ def _fitted(parent: Evaluation | Fit | None) -> Fit | None:
     return parent.fitted if isinstance(parent, Evaluation) else parent
 
 
-def _squares(problem: Problem, offsets: Offsets) -> list[Squares]:
-    """Of all lines of all data sets of `problem`, fitted to or not."""
-    return [one for prediction in problem.predictions for one in errors.squares(prediction, offsets)]
+def _squares(problem: Problem, offsets: Offsets, *, quick: bool) -> list[Squares]:
+    """Of all lines of all data sets of `problem`, fitted to or not; of those that fits use where it must be `quick`."""
+    return [
+        one
+        for prediction in problem.predictions
+        for one in errors.squares(prediction, offsets, problem.lines_of(prediction) if quick else None)
+    ]
 
 
-def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], tell: Progress) -> list[tuple[Fold, Offsets]]:
+def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], quick: bool, tell: Progress) -> list[tuple[Fold, Offsets]]:
     """Every fold with the offsets of the plain fit without it."""
     if not turns:
         return []
     whole = solved(problem, plain, PLAIN_FLOOR)
     found: list[tuple[Fold, Offsets]] = []
     for done, fold in enumerate(turns):
-        found.append((fold, {**problem.start, **refitted(whole, fold)}))
+        found.append((fold, {**problem.start, **refitted(whole, fold, quick=quick)}))
         tell((done + 1) / len(turns))
     return found
 
@@ -105,6 +120,14 @@ def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]]) -> Share 
         one
         for fold, offsets in parts
         for prediction, lines in held(problem, fold)
-        for one in errors.squares(prediction, offsets, lines, fold=fold.name)
+        for one in errors.squares(prediction, offsets, _lines(problem, prediction, lines), fold=fold.name)
     ]
     return errors.share(found) if found else None
+
+
+def _lines(problem: Problem, prediction: Prediction, held: Lines | None) -> Lines | None:
+    """What is held out of a data set, of the lines of which `problem` speaks; None for all."""
+    if prediction.measured.name not in problem.lines:
+        return held
+    of = problem.lines_of(prediction)
+    return of if held is None else np.intersect1d(held, of)

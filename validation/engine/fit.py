@@ -30,6 +30,9 @@ from validation.engine.problem import Problem
 FLOOR = 0.0015
 """Model-error floor relative to the level of a channel at which fits are compared."""
 
+TRIAL = 20
+"""Evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not there."""
+
 PLAIN_FLOOR = 0.01
 """The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
 
@@ -63,6 +66,53 @@ def fit(
     end = _child(cost, start, tell) if isinstance(start, Fit) else _baseline(cost, start or {}, tell)
     tell(1.0)
     return fitted(end)
+
+
+def child(
+    problem: Problem, kinds: Sequence[str], parent: Fit, start: Offsets, *, from_afar: bool = False, floor: float | None = None
+) -> Fit:
+    """The fit of `problem`, which has more parameters than that of its `parent`, by a single way; it never costs more.
+
+    Parameters
+    ----------
+    start : offsets at which the way begins; what is not named begins where the parent ended, or where it has no effect
+    from_afar : whether the floor is annealed on the way, instead of straight down
+    """
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
+    null = parents_point(cost.free, parent)
+    try:
+        end = _trial(cost, {**null, **start}, from_afar=from_afar)
+    except CheckFailed:
+        return fitted(ended(cost, null, converged=False))
+    return fitted(end if end.whole.cost <= parent.cost else min(end, ended(cost, null, converged=False), key=_whole))
+
+
+def _trial(cost: Cost, begin: Offsets, *, from_afar: bool) -> End:
+    if from_afar:
+        return annealed(cost, begin, lambda share: None, most=TRIAL)
+    return direct(cost, begin, lambda share: None, most=TRIAL, again=1)
+
+
+def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None) -> Fit:
+    """The fit to which the way leads straight down from `start`, as far as it ends.
+
+    Raises
+    ------
+    CheckFailed : the model breaks down where it begins.
+    """
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds)
+    return fitted(direct(cost, start, progress or (lambda share: None)))
+
+
+def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
+    """The parameters of `kinds` as they stand at `offsets`, with what the data say there; nothing was fitted, nor converged."""
+    return fitted(
+        ended(cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds), offsets, converged=False)
+    )
+
+
+def _whole(end: End) -> float:
+    return end.whole.cost
 
 
 def floor_of(kinds: Sequence[str]) -> float:

@@ -33,7 +33,7 @@ from validation.engine.evaluation import Fit
 from validation.engine.fit import FLOOR
 from validation.engine.likelihood import Observed, whitened
 from validation.engine.parameter import Parameter
-from validation.engine.prediction import Predicted
+from validation.engine.prediction import Fact, Offsets, Predicted
 from validation.engine.problem import Problem
 
 KNOWN = 1e-12
@@ -109,15 +109,17 @@ class Screen:
     free : (p,) parameters of the fit that stand at no bound
     covariance : (p, p)
     products : by data set
+    facts : of weights, periods and the like; they know no frequency
     """
 
     free: tuple[Parameter, ...]
     covariance: Array
     products: tuple[Products, ...]
+    facts: Products
 
     def told(self) -> dict[str, Told]:
         """What the data say of every column as it is."""
-        names = dict.fromkeys(name for one in self.products for name in one.names)
+        names = dict.fromkeys(name for one in (*self.products, self.facts) for name in one.names)
         return {name: self.shaped(name) for name in names}
 
     def shaped(self, name: str, shape: Mapping[int, ComplexArray] | None = None) -> Told:
@@ -129,11 +131,12 @@ class Screen:
         """The same of several functions of frequency (n, m)."""
         count = 1 if shape is None else len(next(iter(shape.values())))
         gradient, cross, square = np.zeros(count), np.zeros((count, len(self.free))), np.zeros(count)
-        for k, one in enumerate(self.products):
+        for k, one in enumerate((*self.products, self.facts)):
             if name not in one.names:
                 continue
             at = one.names.index(name)
-            s = np.ones((1, len(one.frequency)), dtype=np.complex128) if shape is None else shape[k]
+            as_it_is = np.ones((count, len(one.frequency)), dtype=np.complex128)
+            s = as_it_is if shape is None or one is self.facts else shape[k]
             gradient += (s.conj() @ one.residual[:, at]).real
             cross += (s.conj() @ one.others[:, at]).real
             square += np.abs(s) ** 2 @ one.square[:, at]
@@ -180,7 +183,24 @@ def screened(problem: Problem, fit: Fit, names: Sequence[str], *, floor: float =
         here = tuple(one.name for one in new if one.name in predicted.changes)
         frequency = prediction.measured.frequency[lines]
         products.append(_products(seen, predicted, frequency, [one.name for one in free], here, floor))
-    return Screen(free=free, covariance=fit.covariance[np.ix_(keep, keep)], products=tuple(products))
+    facts = _of_facts(problem.facts, offsets, [one.name for one in free], [one.name for one in new])
+    return Screen(free=free, covariance=fit.covariance[np.ix_(keep, keep)], products=tuple(products), facts=facts)
+
+
+def _of_facts(facts: Sequence[Fact], offsets: Offsets, free: Sequence[str], new: Sequence[str]) -> Products:
+    """The same of facts: each is a line of its own, and what it leaves is the measured less the predicted, as of a channel."""
+    said = [fact.residual(offsets) for fact in facts]
+    here = tuple(name for name in new if any(name in slopes for _, slopes in said))
+    left = np.array([-away for away, _ in said]).reshape(len(said), 1)
+    e = np.array([[slopes.get(name, 0.0) for name in here] for _, slopes in said]).reshape(len(said), len(here))
+    J = np.array([[slopes.get(name, 0.0) for name in free] for _, slopes in said]).reshape(len(said), len(free))
+    return Products(
+        frequency=np.zeros(len(said)),
+        names=here,
+        residual=(e * left).astype(np.complex128),
+        others=(e[:, :, None] * J[:, None, :]).astype(np.complex128),
+        square=e**2,
+    )
 
 
 def _products(

@@ -5,16 +5,18 @@ The rung of the model before is kept as soon as it is evaluated, so that an inte
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from geometry.atomic import probe
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from validation.comparing.asked import require_band
 from validation.comparing.compared import meant
 from validation.comparing.gathered import Data, gathered
 from validation.effects import catalogue
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import MISTAKE
 from validation.effects.targets import Vocabulary
 from validation.engine.hold_out import named, without
 from validation.engine.problem import Problem
@@ -49,6 +51,7 @@ class Asked:
     effects_from : folders of the user's own effects
     fixed : whether the effect stays at its size
     alias_ok : whether an exact alias of what the model has may be added
+    remarks : sentences that the rung's verdict ends with, of whoever asks for it
     """
 
     model: Path
@@ -60,6 +63,7 @@ class Asked:
     effects_from: tuple[str, ...] = ()
     fixed: bool = False
     alias_ok: bool = False
+    remarks: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -98,11 +102,12 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     conditions = replace(conditions, hold_out=bench.hold_out)  # names that mean the same from whatever folder
     tell("looking for aliases", 0.0)
     chosen = candidates.candidate(effect, left, model, bench.problem, allowed=asked.alias_ok)
-    at, known = grounded(at, model, bench, conditions, tell)
+    at, known = _grounded(at, model, bench, conditions, tell, chosen)
     before = _rung_of(at)
     chosen = _begun(chosen, model, bench, before, tell)
-    after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), before, tell)
-    rung = _next(at, before, after, chosen, asked)
+    parent = before if before.errors is not None else None
+    after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), parent, tell)
+    rung = _next(at, before, after, chosen, asked, conditions)
     there = climbed(at, rung)
     new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
     said = (*said, *bench.remarks, *known, *_left_alone(there, new), *table.conditions(there))
@@ -131,6 +136,19 @@ def grounded(
     return kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(model))), said
 
 
+def _grounded(
+    at: Standing, model: Model, bench: Bench, conditions: Conditions, progress: Progress, chosen: Candidate
+) -> tuple[Standing, tuple[str, ...]]:
+    """As `grounded`; where a mistake is to be taken out of data that nothing fits with it, the rung below has no figures."""
+    try:
+        return grounded(at, model, bench, conditions, progress)
+    except CheckFailed as failed:
+        if FAMILIES[chosen.added.named.family].side != MISTAKE or (at.rung is not None and at.rung.errors is not None):
+            raise
+        waiting = kept(at, replace(next_rung(at), settings=_settings(model)))
+        return waiting, (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)
+
+
 def _begun(chosen: Candidate, model: Model, bench: Bench, before: Rung, progress: Progress) -> Candidate:
     """`chosen` with the sizes at which its fit begins; data that are held out do not say where."""
     problem = bench.problem(replace(model, effects=(*model.effects, chosen.added))).thinned()
@@ -146,7 +164,7 @@ def _rung_of(at: Standing) -> Rung:
     return at.rung
 
 
-def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Asked) -> Rung:
+def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Asked, conditions: Conditions) -> Rung:
     """The rung of the effect that was added, with its verdict."""
     text = rewritten(at.text, of.model.effects, str(at.path))
     bare = Rung(
@@ -155,7 +173,7 @@ def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Aske
         cause=ADDED,
         effect=chosen.added.named.id,
         model=text,
-        conditions=before.conditions,
+        conditions=conditions,
         settings={**_settings(of.model), **_said_of(asked, chosen)},
     )
     rung = rung_with(bare, of)
@@ -163,7 +181,7 @@ def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Aske
     gain = new.log_evidence - old.log_evidence if old is not None and new is not None else None
     rung = replace(rung, gain=gain)
     told = verdict(before, rung, chosen.tolerances, chosen.nulls)
-    return replace(rung, verdict=(*told, *(sentence(one) for one in chosen.said)))
+    return replace(rung, verdict=(*told, *(sentence(one) for one in (*chosen.said, *asked.remarks))))
 
 
 def _settings(model: Model) -> dict[str, object]:

@@ -52,8 +52,8 @@ def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Ad
     ------
     BadInput : no effect of the catalogue, a size that is no physics, one that the model has already, `fixed` without a size.
     """
-    completed, left = _completed(text)
-    named = parse(completed, words, source=ARGUMENT)
+    whole, left = completed(text)
+    named = parse(whole, words, source=ARGUMENT)
     there = next((one for one in model.effects if one.named.id == named.id), None)
     if there is not None:
         problem = f"the model has it already, {there.named}"
@@ -98,7 +98,7 @@ def candidate(
     )
 
 
-def _completed(text: str) -> tuple[str, tuple[str, ...]]:
+def completed(text: str) -> tuple[str, tuple[str, ...]]:
     """`text` with a first guess for every size that it leaves out, and the keys of these."""
     name, equals, value = (part.strip() for part in text.partition("="))
     family, *targets = (part.strip() for part in name.split(":"))

@@ -86,8 +86,8 @@ def rung_with(rung: Rung, of: Judged) -> Rung:
         errors=_errors(of.evaluation),
         effects={one.named.id: _sizes(one) for one in of.model.effects},
         bodies=() if of.body is None else (of.body,),
-        plain_offsets=_kept(of.evaluation.plain_fit),
-        fitted_offsets=_kept(of.evaluation.fitted),
+        plain_offsets=kept_offsets(of.evaluation.plain_fit),
+        fitted_offsets=kept_offsets(of.evaluation.fitted),
     )
 
 
@@ -150,7 +150,7 @@ def _errors(of: Evaluation) -> Errors:
     )
 
 
-def _kept(fit: Fit) -> dict[str, float]:
+def kept_offsets(fit: Fit) -> dict[str, float]:
     """Offsets from which another fit may begin; a logarithmic size of an effect will count from what the model file says."""
     return {name: x for name, x in fit.by_name.items() if not _counts_anew(_named(fit, name))}
 
@@ -171,12 +171,13 @@ def _evaluation(rung: Rung, problem: Problem) -> Evaluation:
         plain=nothing,
         held_out=None,
         held_out_nominal=None,
-        plain_fit=_fit(rung.plain_offsets, problem),
-        fitted=_fit(rung.fitted_offsets, problem),
+        plain_fit=at_offsets(rung.plain_offsets, problem),
+        fitted=at_offsets(rung.fitted_offsets, problem),
     )
 
 
-def _fit(offsets: Mapping[str, float], problem: Problem) -> Fit:
+def at_offsets(offsets: Mapping[str, float], problem: Problem) -> Fit:
+    """A fit of `problem` that ended at `offsets`, of which nothing else is known."""
     known = [one for one in problem.parameters if one.name in offsets]
     return Fit(
         parameters=tuple(known),
@@ -212,4 +213,4 @@ def _identified(bench: Bench, problem: Problem, plain: Fit, progress: Callable[[
     if not bench.article:
         return None
     known = hold_out.without(problem, hold_out.named(problem, bench.hold_out)) if bench.hold_out else problem
-    return identified(known.thinned(), bench.article, _fit(_kept(plain), known), progress)
+    return identified(known.thinned(), bench.article, at_offsets(kept_offsets(plain), known), progress)

@@ -70,12 +70,14 @@ def _show(at: Standing, *, as_json: bool) -> None:
     if not at.ladder.rungs:
         problem = f"it has no ladder: there is no {file.beside(at.path).name} beside it"
         raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
-    if as_json:
-        click.echo(json_text(written.of_ladder(at)))
-        return
+    click.echo(json_text(written.of_ladder(at)) if as_json else text(at), nl=as_json)
+
+
+def text(at: Standing) -> str:
+    """The page of a ladder."""
     rungs = f"{len(at.ladder.rungs)} rung{'s' if len(at.ladder.rungs) > 1 else ''}"
     where = "edited by hand since" if at.rung is None else f"it stands on rung {at.rung.number}"
-    click.echo(page(f"{at.path.name}: {rungs}, {where}", table.of_ladder(at), table.notes(at)), nl=False)
+    return page(f"{at.path.name}: {rungs}, {where}", table.of_ladder(at), table.notes(at))
 
 
 def _draw(at: Standing, folder: Path, *, quiet: bool) -> None:

@@ -8,9 +8,11 @@ as everywhere in massline; results of one file count as independent.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,21 +22,21 @@ from geometry.articles.locations import locations
 from geometry.errors import BadInput
 from identification import classical
 from validation import crane_cog, pendulum_file, results_file, weighing
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import PERIOD_STAGE
-from validation.effects.stages import Swing as Stage
 from validation.engine.parameter import Parameter
 from validation.engine.prediction import Offsets
 from validation.identifying.known import FMD, above_fmd
 from validation.measurement_file import Fields, read
 from validation.models.model import Added, Model
-from validation.pendulum_corrections import CompoundSwing, RopeSwing, TorsionSwing
 from validation.pendulum_file import Swing
-from validation.prediction import applied, matrices
+from validation.prediction import applied, matrices, swung
 from validation.prediction.inertia import OfArticle
+from validation.prediction.inputs import Spread, spread
 from validation.prediction.set_up import drawn_inertia
 from validation.reduction import QUANTITIES, Reduction
 from validation.stated_inertia import NORMAL_95
+
+if TYPE_CHECKING:
+    from uncertainties import UFloat
 
 REDUCED: Mapping[str, Callable[[Fields], Reduction]] = {
     "weighing": weighing.reduce,
@@ -45,9 +47,6 @@ REDUCED: Mapping[str, Callable[[Fields], Reduction]] = {
 
 KEYS = ("mass", "cog_x", "cog_y", "cog_z", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 """Results in the order of `identification.classical.quantities`."""
-
-WIDE = "pendulum-amplitude"
-"""Does nothing to a torsion rod, which is linear in the twist."""
 
 STEP = 1e-4
 """Step of a derivative by the size of an effect on the period, as a share of a plausible one."""
@@ -63,7 +62,9 @@ class ArticleFact:
     of : the article
     weights : (10,) of `identification.classical.quantities`: what the number is a sum of
     value, deviation : measured, SI, and its standard deviation
+    spread : by input what one standard deviation of it makes of the value
     swing : where it was a pendulum
+    shares : by family of effects on a period what this swing has of their size, see `validation.prediction.swung`
     effects : on its period
     """
 
@@ -72,7 +73,9 @@ class ArticleFact:
     weights: Array
     value: float
     deviation: float
+    spread: Spread = field(default_factory=lambda: MappingProxyType({}))
     swing: Swing | None = None
+    shares: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     effects: tuple[Added, ...] = field(default=())
 
     @property
@@ -82,7 +85,7 @@ class ArticleFact:
 
     def with_effects(self, effects: Sequence[Added]) -> ArticleFact:
         """The same fact by a model with these `effects` instead of its own."""
-        acting = () if self.swing is None else tuple(one for one in effects if _acts(one, self.swing))
+        acting = () if self.swing is None else tuple(one for one in effects if swung.acts(one.named, self.swing))
         return replace(self, of=self.of.with_effects(effects), effects=acting)
 
     def residual(self, offsets: Offsets) -> tuple[float, Mapping[str, float]]:
@@ -94,20 +97,29 @@ class ArticleFact:
         """
         ten, changes = self.of.at(offsets)
         slope = self.weights @ classical.jacobian(ten)
-        left = float(self.weights @ classical.quantities(ten)) - self._measured(offsets)
+        left = self._predicted(ten) - self._measured(offsets)
         found = {name: float(slope @ change) / self.deviation for name, change in changes.items()}
         for one in applied.parameters(self.effects):
             found[one.name] = -self._slope(one, offsets) / self.deviation
         return left / self.deviation, found
 
+    def left(self, offsets: Offsets) -> float:
+        """Predicted - measured, SI.
+
+        Raises
+        ------
+        BadInput : an effect of a size that the pendulum cannot have.
+        """
+        return self._predicted(self.of.ten(offsets)) - self._measured(offsets)
+
+    def _predicted(self, ten: Array) -> float:
+        return float(self.weights @ classical.quantities(ten))
+
     def _measured(self, offsets: Offsets) -> float:
         """What the measurement stands for once the effects on the period are taken off."""
         if self.swing is None or not self.effects:
             return self.value
-        before = after = _stage(self.swing)
-        for one in applied.at(self.effects, offsets):
-            after = _changed(one, after)
-        return self.swing.moment_at(before.period * before.period / after.period)
+        return swung.moment(self.swing, [one.named for one in applied.at(self.effects, offsets)], self.shares)
 
     def _slope(self, one: Parameter, offsets: Offsets) -> float:
         at, step = offsets.get(one.name, 0.0), STEP * one.tolerance
@@ -123,17 +135,27 @@ def facts(model: Model, files: Sequence[str]) -> tuple[ArticleFact, ...]:
     BadInput : a file that cannot be used, or that is about something of which the model knows no inertia; a result without
         tolerance.
     """
-    return tuple(fact.with_effects(model.effects) for name in files for fact in _of_file(model, name))
+    found = _shared([fact for name in files for fact in _of_file(model, name)])
+    return tuple(fact.with_effects(model.effects) for fact in found)
+
+
+def _shared(found: Sequence[ArticleFact]) -> list[ArticleFact]:
+    """`found`, every swing with its share of the effects on the swings of its article."""
+    shares: dict[str, Iterator[Mapping[str, float]]] = {}
+    for article in {fact.of.article for fact in found}:
+        swings = [fact.swing for fact in found if fact.swing is not None and fact.of.article == article]
+        shares[article] = iter(swung.shares(swings))
+    return [fact if fact.swing is None else replace(fact, shares=next(shares[fact.of.article])) for fact in found]
 
 
 def _of_file(model: Model, name: str) -> list[ArticleFact]:
     file = read(name, (*REDUCED, "pendulum"))
     if file.text("kind") == "pendulum":
-        of = partial(_fact, name, _article(model, name, file.inner("article").text("name")))
+        of = partial(_fact, name, article_of(model, name, file.inner("article").text("name")))
         return [_of_swing(of, number, one) for number, one in enumerate(pendulum_file.swings(file), start=1)]
     reduction = REDUCED[file.text("kind")](file)
-    of = partial(_fact, name, _article(model, name, reduction.article))
-    return [of(QUANTITIES[key][0], _unit(key), value) for key, value in reduction.results.items() if key in KEYS]
+    of = partial(_fact, name, article_of(model, name, reduction.article))
+    return [of(QUANTITIES[key][0], weights_of(key), value) for key, value in reduction.results.items() if key in KEYS]
 
 
 def _of_swing(of: Callable[..., ArticleFact], number: int, swing: Swing) -> ArticleFact:
@@ -142,19 +164,20 @@ def _of_swing(of: Callable[..., ArticleFact], number: int, swing: Swing) -> Arti
     return replace(of(f"period of swing {number}", weights, swing.moment), swing=swing)
 
 
-def _fact(source: str, of: OfArticle, words: str, weights: Array, value: object) -> ArticleFact:
-    size, sd = float(value.nominal_value), float(value.std_dev) / NORMAL_95  # type: ignore[attr-defined]
+def _fact(source: str, of: OfArticle, words: str, weights: Array, value: UFloat) -> ArticleFact:
+    size, sd = float(value.nominal_value), float(value.std_dev) / NORMAL_95
     if not 0 < sd < np.inf:
         problem = "is stated without a tolerance, so that nobody knows what it is worth"
         raise BadInput(source=source, field=words, problem=problem, remedy="State the tolerances of the readings behind it")
-    return ArticleFact(name=f"{source}: {words}", of=of, weights=weights, value=size, deviation=sd)
+    return ArticleFact(name=f"{source}: {words}", of=of, weights=weights, value=size, deviation=sd, spread=spread(value))
 
 
-def _unit(key: str) -> Array:
+def weights_of(key: str) -> Array:
+    """(10,) of the number that is one of `KEYS` by itself."""
     return np.array([float(one == key) for one in KEYS])
 
 
-def _article(model: Model, source: str, stated: str) -> OfArticle:
+def article_of(model: Model, source: str, stated: str) -> OfArticle:
     """The article that a file is about; what the model was written for where it names none."""
     name = stated or above_fmd(model.article)
     if not name or name.split("+")[0] == FMD:
@@ -164,44 +187,3 @@ def _article(model: Model, source: str, stated: str) -> OfArticle:
     built_in = set(name.split("+")) <= set(NAMES)
     places = locations(name, changes_of(name, model.changes)) if built_in else {}
     return OfArticle(article=name, drawn=matrices.of_inertia(inertia, places))
-
-
-def _acts(added: Added, swing: Swing) -> bool:
-    """Whether an effect changes the period of `swing`: one that asks for ropes does nothing to a body on a pivot."""
-    if FAMILIES[added.named.family].stage != PERIOD_STAGE:
-        return False
-    if added.named.family == WIDE and isinstance(swing.pendulum, TorsionSwing):
-        return False
-    try:
-        _changed(added, _stage(swing))
-    except BadInput:
-        return False
-    return True
-
-
-def _changed(added: Added, stage: Stage) -> Stage:
-    change = FAMILIES[added.named.family].change
-    found: Stage = stage if change is None else change(stage, added.named.targets, added.named.values)
-    return found
-
-
-def _stage(swing: Swing) -> Stage:
-    """The pendulum as an effect sees it."""
-    pendulum, terms = swing.pendulum, swing.terms
-    mass, gravity, length, radii = 0.0, Stage.gravity, 0.0, np.zeros(0)
-    if isinstance(pendulum, RopeSwing | CompoundSwing):
-        mass, gravity = (float(one.nominal_value) for one in (pendulum.mass, pendulum.gravity))
-    if isinstance(pendulum, RopeSwing):
-        s1, s2 = (abs(float(one.nominal_value)) for one in (pendulum.s1, pendulum.s2))
-        length, radii = float(pendulum.length.nominal_value), np.array([s1, s2] if swing.ropes == 2 else [s1] * swing.ropes)
-    return Stage(
-        period=float(pendulum.period.nominal_value),
-        amplitude=0.0 if terms.amplitude is None else float(terms.amplitude.nominal_value),
-        damping_ratio=0.0 if terms.damping is None else float(terms.damping.nominal_value),
-        mass=mass,
-        inertia=float(swing.moment.nominal_value),
-        ropes=swing.ropes,
-        length=length,
-        radii=radii,
-        gravity=gravity,
-    )

@@ -51,6 +51,10 @@ class OfArticle:
         weighed = tuple(one for one in effects if one.named.family in WEIGHED and acts(one.named, there))
         return OfArticle(article=self.article, drawn=self.drawn, effects=weighed)
 
+    def ten(self, offsets: Offsets) -> Array:
+        """(10,) at `offsets`."""
+        return _ten(applied.structure(self.drawn, {}, applied.at(self.effects, offsets), derivatives=False)[0].mass)
+
     def at(self, offsets: Offsets) -> tuple[Array, Mapping[str, Array]]:
         """(10,) at `offsets`, and by parameter its derivative (10,)."""
         matrices, tangents = applied.structure(self.drawn, {}, applied.at(self.effects, offsets))

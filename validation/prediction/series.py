@@ -151,6 +151,15 @@ class SeriesPrediction:
         chosen = self._lines(lines)
         return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0]
 
+    def by_load(self, offsets: Offsets, lines: Lines | None = None) -> ComplexArray:
+        """(n, c, 6) what the channels read for a unit of every load on the cells, at `offsets`; all lines by default."""
+        frequency, at = self._lines(lines), self._at(offsets)
+        theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
+        rows = self._chain.rows(theta, frequency)[1]
+        still = np.zeros((len(frequency), len(self._chain.names)))
+        reading = Reading(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
+        return self._written(reading, {}, applied.at(self._reaching, at))[0].rows
+
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
@@ -297,7 +306,7 @@ def _tested(
         model=model,
         campaign=replace(campaign, recordings={}),
         measured=made.measured,
-        carried=_carried(model, campaign, stands),
+        carried=carried(model, campaign, stands),
         drives=tuple(driven[run] for run in made.measured.runs),
         per_rms=data.per_rms(campaign, made.method),
         method=made.method,
@@ -305,7 +314,8 @@ def _tested(
     )
 
 
-def _carried(model: Model, campaign: Campaign, stands: Standing) -> Carried:
+def carried(model: Model, campaign: Campaign, stands: Standing) -> Carried:
+    """What the cells carry in `campaign`, in which `stands` stands on the cover plate."""
     of_structure = None
     if stands.matrices is not None:
         of_structure = nuisances.of(campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure)

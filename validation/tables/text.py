@@ -31,8 +31,13 @@ def render(table: ReferenceTable, width: int | None = None) -> str:
     return page(table.article, grids(table), notes(table), width)
 
 
-def page(title: str, grids: Iterable[Grid], notes: Iterable[str] = (), width: int | None = None) -> str:
-    """A title, tables and the notes below them as plain text of `width` columns; None is `page_width`."""
+def page(
+    title: str, grids: Iterable[Grid], notes: Iterable[str] = (), width: int | None = None, opening: Iterable[str] = ()
+) -> str:
+    """A title, the paragraphs of its `opening`, tables and the notes below them as plain text of `width` columns.
+
+    None is `page_width`.
+    """
     from rich.console import Console
     from rich.padding import Padding
     from rich.text import Text
@@ -40,6 +45,8 @@ def page(title: str, grids: Iterable[Grid], notes: Iterable[str] = (), width: in
     console = Console(width=width or page_width(), color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(Text(title), Text("═" * min(len(title), console.width)), sep="\n")
+        for paragraph in opening:
+            console.print(Text(), Text(paragraph), sep="\n")
         for grid in grids:
             for part in parts(grid, console.width):
                 console.print(_table(part))

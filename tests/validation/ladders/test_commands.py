@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry.errors import CheckFailed
 from validation import cli
 from validation.engine.evaluation import Evaluation, Fit, Share
 from validation.ladders import adding
@@ -153,6 +154,30 @@ def test_an_effect_without_a_size_is_added_to_a_bare_model(
         assert [one["id"] for one in json.loads(out)["after"]["effects"]] == [effect]
     else:
         assert re.search(rf"^ *{effect} +–$", out, flags=re.MULTILINE), out
+
+
+def test_a_mistake_is_taken_out_of_data_that_nothing_fits_with_it(once: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of swapped channels no fit converges: the rung below has no figures, and any other effect is still refused."""
+
+    def judged_or_failed(bench: Bench, model: Model, parent: Rung | None, progress: object = None) -> Judged:
+        if not model.effects:
+            raise CheckFailed("the fit does not converge")
+        assert parent is None
+        return no_fit(bench, model, parent)
+
+    shutil.copytree(once / "cuboid", "cuboid")
+    shutil.copy(once / "before.toml", "model.toml")
+    monkeypatch.setattr(adding, "judged", judged_or_failed)
+    code, _, err = run("add", "model.toml", "force-gain:fmd-z1", "cuboid", "--band", "8", "16")
+    assert code == cli.FAILED_CHECK
+    assert "does not converge" in err
+    code, out, err = run("add", "model.toml", "channel-swap:fmd-z1:fmd-z2", "cuboid", "--band", "8", "16")
+    assert code == cli.DONE, err
+    assert "the fit does not converge" in " ".join(out.split())
+    found = ladder(run)
+    assert [one["errors"] is None for one in found["rungs"]] == [True, False]
+    assert found["rungs"][1]["evidence_gain_nats"] is None
+    assert found["current"] == 1
 
 
 def test_the_page_marks_the_rung_and_draws_the_fall(made: Path, run: Run) -> None:

@@ -1,0 +1,127 @@
+"""Every case of a draw: simulated into a scratch folder, diagnosed by a process that gets that folder alone, and cleaned away.
+
+Several run side by side, each in a thread that simulates and then waits for the process of its diagnosis. A case that breaks
+down is an answer, which counts as a miss. What an interruption ends leaves nothing; what was finished before stays.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Event
+from typing import Any
+
+from benchmarks.blind.drawing.case import Case
+from benchmarks.blind.keeping import Kept
+from benchmarks.blind.names import ANSWER, Json
+from benchmarks.blind.sealing import sealed
+from benchmarks.cross_check_proof import SWEEPS
+from identification.campaign import Processing
+
+PATIENCE = 900.0
+"""Seconds that a diagnosis may take before it counts as broken."""
+
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
+
+LAST = 2000
+"""Characters of what a broken process said that are kept."""
+
+
+class Interrupted(Exception):
+    """A case was ended from outside; it has no answer."""
+
+
+def finished(cases: Sequence[Case], kept: Kept, jobs: int) -> Iterator[Case]:
+    """The `cases` as they are finished, those first that were finished before.
+
+    Parameters
+    ----------
+    jobs : how many at a time
+    """
+    missing = [one for one in cases if not kept.finished(one.name)]
+    yield from (one for one in cases if one not in missing)
+    stop = Event()
+    with ThreadPoolExecutor(jobs) as pool:
+        futures = {pool.submit(_finish, one, kept, stop): one for one in missing}
+        try:
+            for future in as_completed(futures):
+                future.result()
+                yield futures[future]
+        finally:
+            stop.set()
+            pool.shutdown(cancel_futures=True)
+
+
+def _finish(case: Case, kept: Kept, stop: Event) -> None:
+    truth, answer = solved(case, stop=stop)
+    kept.keep_truth(case.name, truth)
+    kept.keep_answer(case.name, answer)
+
+
+def solved(
+    case: Case, *, driven: Mapping[str, Any] = SWEEPS, processing: Processing | None = None, stop: Event | None = None
+) -> tuple[Json, Json]:
+    """Truth and answer of `case`.
+
+    Parameters
+    ----------
+    driven, processing : see `benchmarks.blind.sealing.sealed`
+    stop : ends the work when it is set
+
+    Raises
+    ------
+    Interrupted : `stop` was set, or the diagnosis was interrupted.
+    """
+    ended = stop or Event()
+    with TemporaryDirectory(prefix="massline-blind-") as scratch:
+        folder = Path(scratch) / "series"
+        try:
+            truth = sealed(case, folder, driven=driven, processing=processing, progress=lambda share: _go_on(ended))
+        except Interrupted:
+            raise
+        except Exception:
+            return _without_drawn(case), {"broken": traceback.format_exc()[-LAST:]}
+        return truth, _diagnosed(folder, ended)
+
+
+def _go_on(ended: Event) -> None:
+    if ended.is_set():
+        raise Interrupted
+
+
+def _without_drawn(case: Case) -> Json:
+    from benchmarks.blind.sealing import truth
+
+    return truth(case, {})
+
+
+def _diagnosed(folder: Path, ended: Event) -> Json:
+    """What a process of its own says of `folder`."""
+    command = [sys.executable, "-P", "-m", "benchmarks.blind.answering", str(folder)]
+    try:
+        done = subprocess.run(
+            command, cwd=folder, env=_environment(), capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return {"broken": f"no answer within {PATIENCE:g} seconds"}
+    if ended.is_set() or done.returncode == -signal.SIGINT:
+        raise Interrupted
+    answer = folder / ANSWER
+    if not answer.exists():
+        return {"broken": done.stderr[-LAST:] or f"ended with {done.returncode}"}
+    found: Json = json.loads(answer.read_text(encoding="utf-8"))
+    return found
+
+
+def _environment() -> dict[str, str]:
+    """Of the process: one thread, and this repository behind whatever it would import first."""
+    paths = [os.environ.get("PYTHONPATH", ""), str(Path(__file__).parents[2])]
+    return {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": os.pathsep.join(filter(None, paths))}

@@ -1,0 +1,255 @@
+"""The score counts what it says it counts, on truths and answers that are made up."""
+
+import json
+from dataclasses import replace
+from math import nan
+from pathlib import Path
+
+import pytest
+
+from benchmarks.blind.names import Json
+from benchmarks.blind.score import page
+from benchmarks.blind.score.families import by_family
+from benchmarks.blind.score.line import line
+from benchmarks.blind.score.outcome import Outcome, outcome
+from benchmarks.blind.score.rates import Rate
+from benchmarks.blind.score.rows import Row, rows
+
+GAIN = "force-gain:fmd-z2"
+
+
+def truth(kind: str = "singles", *planted: str, number: int = 0, multiple: float = 5.0, told: float = 5.0) -> Json:
+    ids = [{"id": id, "sizes": {"": 0.1}, "multiple": multiple, "told": told} for id in planted]
+    return {"name": f"{kind}-{number:03d}", "kind": kind, "null": f"nulls-{number:03d}", "planted": ids}
+
+
+def answer(
+    verdict: str, *claims: str, alike: tuple[str, ...] = (), value: float = 0.1, misfit: float = 1.0, left: float = 1.0
+) -> Json:
+    accepted = [_claim(id, value) for id in claims]
+    return {
+        "verdict": verdict,
+        "accepted": accepted,
+        "ranking": accepted,
+        "equivalence_class": list(alike or claims[:1]),
+        "before": {"fitted": {"chi2_per_dof": misfit, "tolerance_z2": 100.0, "tolerances": 150}},
+        "after": {"fitted": {"chi2_per_dof": misfit, "tolerance_z2": 100.0, "tolerances": 150}},
+        "errors": {"heldout_before_percent": 2.0, "heldout_after_percent": left},
+        "seconds": {"reading": 2.0, "diagnosis": 6.0},
+    }
+
+
+def _claim(id: str, value: float) -> Json:
+    return {"id": id, "evidence_nats": 50.0, "values": [{"key": "", "value": value, "interval90": [value - 0.01, value + 0.01]}]}
+
+
+def row(outcomes: list[Outcome], what: str) -> Row:
+    (found,) = [one for one in rows(outcomes) if what in one.what]
+    return found
+
+
+def scored(*pairs: tuple[Json, Json]) -> list[Outcome]:
+    return [outcome(one, other) for one, other in pairs]
+
+
+def test_a_right_answer_is_first_and_in_the_class() -> None:
+    one = outcome(truth("singles", GAIN), answer("missing", GAIN))
+    assert one.first
+    assert one.inside
+    assert not one.extra
+
+
+def test_a_right_answer_that_is_second_in_the_class_is_in_it_and_not_first() -> None:
+    one = outcome(truth("singles", GAIN), answer("ambiguous", "load-path-shunt:z", alike=("load-path-shunt:z", GAIN)))
+    assert (one.first, one.inside) == (False, True)
+
+
+def test_an_ambiguous_answer_that_accepts_nothing_claims_the_first_of_its_class() -> None:
+    one = outcome(truth("singles", GAIN), answer("ambiguous", alike=(GAIN, "unit:fmd-z2")))
+    assert one.claimed == (GAIN,)
+    assert one.first
+
+
+def test_nothing_and_unknown_claim_nothing() -> None:
+    for verdict in ("nothing", "unknown"):
+        one = outcome(truth("singles", GAIN), answer(verdict))
+        assert (one.claimed, one.first, one.inside) == ((), False, False)
+
+
+def test_a_swap_is_the_same_either_way() -> None:
+    one = outcome(truth("singles", "channel-swap:fmd-z1:fmd-z2"), answer("mistake", "channel-swap:fmd-z2:fmd-z1"))
+    assert one.first
+
+
+def test_more_claims_than_effects_are_extra() -> None:
+    assert outcome(truth("singles", GAIN), answer("several", GAIN, "modulus:mast")).extra
+    assert not outcome(truth("pairs", GAIN, "modulus:mast"), answer("several", GAIN, "modulus:mast")).extra
+
+
+def test_a_refusal_and_a_breakdown_name_nothing_and_are_counted() -> None:
+    outcomes = scored(
+        (truth("singles", GAIN), {"refused": "CheckFailed: no"}), (truth("singles", GAIN, number=1), {"broken": "no"})
+    )
+    assert [one.first for one in outcomes] == [False, False]
+    assert row(outcomes, "named first, at").figure.startswith("0 of 2")
+    assert row(outcomes, "refuses").figure.startswith("2 of 2")
+    assert row(outcomes, "refuses").met is False
+
+
+def test_sizes_are_held_against_the_truth() -> None:
+    outcomes = scored(
+        (truth("singles", GAIN), answer("missing", GAIN, value=0.105)),
+        (truth("singles", GAIN, number=1), answer("missing", GAIN, value=0.13)),
+    )
+    assert [size.error for one in outcomes for size in one.sizes] == pytest.approx([0.05, 0.3])
+    assert [size.inside for one in outcomes for size in one.sizes] == [True, False]
+    assert row(outcomes, "median error").figure == "17.5 %"
+    assert row(outcomes, "median error").met is False
+
+
+def test_sizes_of_wrong_claims_are_nobodys() -> None:
+    assert outcome(truth("singles", GAIN), answer("missing", "modulus:mast")).sizes == ()
+
+
+def test_a_false_alarm_is_anything_but_nothing_on_a_null() -> None:
+    outcomes = scored(
+        (truth("nulls"), answer("nothing")),
+        (truth("nulls", number=1), answer("missing", GAIN)),
+        (truth("nulls", number=2), answer("unknown")),
+        (truth("nulls", number=3), {"refused": "no"}),
+    )
+    found = row(outcomes, "false alarms")
+    assert found.figure.startswith("2 of 4")
+    assert found.figure.endswith("1 of them without a name")
+    assert found.met is False
+
+
+def test_two_false_alarms_of_two_hundred_are_met_and_three_are_not() -> None:
+    quiet = [(truth("nulls", number=k), answer("nothing")) for k in range(198)]
+    loud = [(truth("nulls", number=200 + k), answer("missing", GAIN)) for k in range(3)]
+    assert row(scored(*quiet, *loud[:2]), "false alarms").met is True
+    assert row(scored(*quiet[:197], *loud), "false alarms").met is False
+
+
+def test_effects_below_twice_their_limit_are_not_asked_for() -> None:
+    outcomes = scored(
+        (truth("singles", GAIN, multiple=1.0), answer("nothing")), (truth("singles", GAIN, number=1), answer("missing", GAIN))
+    )
+    assert row(outcomes, "named first, at").figure.startswith("1 of 1")
+
+
+def test_what_tolerances_hide_is_told_apart() -> None:
+    outcomes = scored(
+        (truth("singles", GAIN, multiple=2.0, told=0.6), answer("nothing")),
+        (truth("singles", GAIN, number=1), answer("missing", GAIN)),
+    )
+    assert row(outcomes, "named first, at").figure.startswith("1 of 2")
+    assert row(outcomes, "tolerances hide").figure.startswith("1 of 1")
+    assert row(outcomes, "· at 2 times").figure.startswith("0 of 1")
+
+
+def test_a_pair_counts_when_both_are_named() -> None:
+    both = (GAIN, "modulus:mast")
+    outcomes = scored(
+        (truth("pairs", *both), answer("several", *reversed(both))), (truth("pairs", *both, number=1), answer("missing", GAIN))
+    )
+    assert row(outcomes, "both of a pair").figure.startswith("1 of 2")
+
+
+def test_unknown_physics_counts_where_it_leaves_a_fifth_more_than_its_null() -> None:
+    nulls = [(truth("nulls", number=k), answer("nothing", misfit=1.0)) for k in range(4)]
+    outcomes = scored(
+        *nulls,
+        (truth("left-out", GAIN, number=0), answer("unknown", misfit=1.3)),
+        (truth("left-out", GAIN, number=1), answer("missing", "modulus:mast", misfit=1.5)),
+        (truth("left-out", GAIN, number=2), answer("missing", "modulus:mast", misfit=1.1)),
+        (truth("foreign", "unknown-strain:cover-z1", number=3), answer("unknown", misfit=5.0)),
+    )
+    assert row(outcomes, "unknown physics").figure.startswith("2 of 3")
+    assert row(outcomes, "left out of the catalogue").figure.startswith("1 of 2")
+    assert row(outcomes, "in no catalogue").figure.startswith("1 of 1")
+    assert row(outcomes, "wrong name there").figure.startswith("1 of 3")
+    assert row(outcomes, "where less is left").figure.startswith("1 of 1")
+
+
+def test_held_out_errors_are_held_against_the_null_of_the_same_laboratory() -> None:
+    outcomes = scored(
+        (truth("nulls", number=1), answer("nothing", left=0.5)),
+        (truth("nulls", number=2), answer("nothing", left=1.0)),
+        (truth("singles", GAIN, number=1), answer("missing", GAIN, left=0.6)),
+        (truth("singles", GAIN, number=2), answer("missing", GAIN, left=3.0)),
+        (truth("singles", GAIN, number=3), answer("missing", GAIN, left=3.0)),
+    )
+    found = row(outcomes, "plain error after")
+    assert found.figure.startswith("median 2.10; within it 1 of 2")
+    assert found.met is False
+
+
+def test_classes_are_measured_by_their_median_and_their_largest() -> None:
+    alike = tuple(f"modulus:{k}" for k in range(9))
+    outcomes = scored(
+        *((truth("singles", GAIN, number=k), answer("missing", GAIN)) for k in range(9)),
+        (truth("singles", GAIN, number=9), answer("ambiguous", GAIN, alike=(GAIN, *alike))),
+    )
+    assert row(outcomes, "size of that class").figure == "median 1, 90th percentile 1.9"
+
+
+def test_a_time_belongs_to_the_screen_and_its_ratio_to_the_page() -> None:
+    outcomes = scored((truth("nulls"), answer("nothing")))
+    assert row(outcomes, "over that of reading").figure == "3.0"
+    (private,) = [one for one in rows(outcomes) if one.private]
+    assert private.figure == "6.0 s"
+    assert "6.0 s" not in page.text(rows(outcomes), by_family(outcomes), "")
+
+
+def test_nothing_is_met_or_missed_while_nothing_is_counted() -> None:
+    assert [one.met for one in rows([]) if one.bar] == [None] * sum(bool(one.bar) for one in rows([]))
+
+
+def test_a_family_says_what_was_claimed_instead() -> None:
+    (found,) = by_family(
+        scored(
+            (truth("singles", GAIN), answer("missing", GAIN)),
+            (truth("singles", GAIN, number=1), answer("missing", "modulus:mast")),
+            (truth("singles", GAIN, number=2), answer("nothing")),
+            (truth("singles", GAIN, number=3), {"refused": "no"}),
+        )
+    )
+    assert (found.family, found.first, found.instead) == ("force-gain", Rate(hits=1, count=4), "modulus:mast, nothing, refused")
+
+
+def test_an_interval_of_clopper_and_pearson_leaves_its_tail_at_both_ends() -> None:
+    from scipy.stats import binom
+
+    low, high = Rate(hits=7, count=50).interval
+    assert binom.sf(6, 50, low) == pytest.approx(0.025)
+    assert binom.cdf(7, 50, high) == pytest.approx(0.025)
+
+
+def test_of_none_and_of_all_one_end_is_certain() -> None:
+    assert Rate(hits=0, count=10).interval == (0.0, pytest.approx(1 - 0.025 ** (1 / 10)))
+    assert Rate(hits=10, count=10).interval == (pytest.approx(0.025 ** (1 / 10)), 1.0)
+    assert Rate(hits=0, count=0).interval == (0.0, 1.0)
+
+
+def test_a_line_tells_truth_and_answer() -> None:
+    told = line(truth("singles", GAIN), answer("missing", GAIN))
+    assert "force-gain:fmd-z2=0.1" in told
+    assert "MISSING" in told
+    assert "no such thing" in line(truth("singles", GAIN), {"broken": "no such thing"})
+
+
+def test_the_score_goes_between_the_markers_of_the_page_and_nowhere_else(tmp_path: Path) -> None:
+    file = tmp_path / "page.md"
+    file.write_text(f"before\n{page.BEGIN}\nold\n{page.END}\nafter\n", encoding="utf-8")
+    page.write("new", file)
+    assert file.read_text(encoding="utf-8") == f"before\n{page.BEGIN}\nnew\n{page.END}\nafter\n"
+    file.write_text("without", encoding="utf-8")
+    with pytest.raises(ValueError, match="must hold"):
+        page.write("new", file)
+
+
+def test_an_outcome_is_of_plain_json() -> None:
+    one, other = truth("singles", GAIN), answer("missing", GAIN)
+    assert outcome(json.loads(json.dumps(one)), json.loads(json.dumps(other))) == outcome(one, other)
+    assert replace(outcome(one, other), seconds=nan).first

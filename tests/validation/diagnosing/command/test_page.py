@@ -1,0 +1,61 @@
+"""What an engineer reads: the page of every verdict, line by line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from validation.diagnosing import table, words
+from validation.diagnosing.diagnosis import VERDICTS, Diagnosis
+from validation.tables.text import page
+
+PAGES = Path(__file__).parent / "pages"
+WIDTH = 110
+
+Made = Callable[[str], Diagnosis]
+
+
+def printed(found: Diagnosis, width: int = WIDTH) -> str:
+    named = table.title("model.toml", ("cuboid", "clumod-1"))
+    return page(named, table.grids(found), table.notes(found), width, table.opening(found))
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_the_page_of_every_verdict_is_as_it_was_looked_at(verdict: str, made: Made) -> None:
+    assert printed(made(verdict)) == (PAGES / f"{verdict}.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_the_verdict_is_the_first_sentence_below_the_title(verdict: str, made: Made) -> None:
+    lines = printed(made(verdict)).splitlines()
+    sentence = words.headline(made(verdict))
+    assert lines[3].split() == sentence.split()[: len(lines[3].split())]
+    assert sentence.split()[0].strip(":").isupper()
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_no_line_is_longer_than_the_terminal(verdict: str, made: Made) -> None:
+    assert max(map(len, printed(made(verdict)).splitlines())) <= WIDTH
+
+
+def test_a_text_that_repeats_the_sentence_is_not_said_twice(made: Made) -> None:
+    found = made("missing")
+    once = replace(found, text=words.headline(found))
+    assert list(table.opening(once)) == [words.headline(found)]
+
+
+def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made: Made) -> None:
+    found = replace(made("several"), verdict="ambiguous", equivalence_class=("point-mass:mast-top", "rigid-inertia:m"))
+    said = words.headline(found)
+    assert said.startswith("MISSING IS force-gain:fmd-z2, +7.93 % (+7.69 to +8.17), and then one of these")
+    assert said.endswith("point-mass:mast-top or rigid-inertia:m.")
+
+
+def test_sentences_name_a_few_and_count_the_rest() -> None:
+    assert words.listed(["a"]) == "a"
+    assert words.listed(["a", "b"], "or") == "a or b"
+    assert words.listed(list("abcdef")) == "a, b, c, d and 2 more"
+    assert words.listed([]) == ""

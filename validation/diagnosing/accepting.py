@@ -1,0 +1,111 @@
+"""When an effect is accepted, and when every name is refused: limits that were set from tests in which nothing is wrong.
+
+The figures behind them are those of `python -m benchmarks.blind --draw development`; docs/diagnosis-proven-blind.md tells them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from validation.comparing.verdicts import expected_z2, largest_z, misfit
+from validation.engine.evaluation import Fit
+from validation.engine.fit import FLOOR
+from validation.engine.likelihood import observed
+from validation.engine.problem import Problem
+
+WORTH = 10.0
+"""[nats] of evidence that an effect must bring to be named."""
+
+WORTH_OF = {"structural-damping": 20.0, "layer-damping": 20.0}
+"""The same of families whose tolerance has a longer tail than a normal deviate: loss factors scatter by their logarithm."""
+
+ALIKE = 5.0
+"""[nats] within which two explanations are as good as each other."""
+
+MISFIT = 0.95
+"""Chi² per degree of freedom up to which a model may always miss nothing: the model-error floor is a bound, and a null stays
+below 1."""
+
+BEYOND, AT_LEAST = 1.08, 0.02
+"""Where noise counts more than that floor, a null comes near what noise alone predicts: this many times as much, and so much
+more, may be."""
+
+UNLIKELY = 1e-4
+"""Probability of a sum of z² below which tolerances pay for something."""
+
+ABSURD = 4.8
+"""z of one tolerance of some four hundred that is no chance."""
+
+
+def worth(family: str) -> float:
+    """[nats] that an effect of `family` must bring to be named."""
+    return WORTH_OF.get(family, WORTH)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """How a fit stands against those of nulls.
+
+    Attributes
+    ----------
+    misfit : chi² per degree of freedom
+    limit : up to which it is that of a null
+    price : sum of z² over what is due
+    largest : |z| of the tolerance that moved farthest
+    likely : probability of such a sum of z², where nothing is wrong
+    """
+
+    misfit: float
+    limit: float
+    price: float
+    largest: float
+    likely: float
+
+    @property
+    def null(self) -> bool:
+        """Whether nothing more need be missing."""
+        return self.misfit <= self.limit and self.likely >= UNLIKELY and self.largest < ABSURD
+
+    @property
+    def text(self) -> str:
+        """Why not, in words; empty where nothing more need be missing."""
+        said = []
+        if self.misfit > self.limit:
+            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {self.limit:.2g}")
+        if self.likely < UNLIKELY:
+            said.append(f"the tolerances pay {self.price:.3g} times what is due")
+        if self.largest >= ABSURD:
+            said.append(f"one of them stands at {self.largest:.1f} z")
+        return "; ".join(said)
+
+
+def standing(fit: Fit, problem: Problem) -> Standing:
+    """Of a `fit` of all tolerances of `problem`."""
+    from scipy.stats import chi2
+
+    due = max(expected_z2(fit), 1.0)
+    return Standing(
+        misfit=misfit(fit),
+        limit=max(MISFIT, BEYOND * of_noise(problem) + AT_LEAST),
+        price=fit.tolerance_z2 / due,
+        largest=largest_z(fit),
+        likely=float(chi2.sf(fit.tolerance_z2, due)),
+    )
+
+
+def excess(fit: Fit, at: Standing) -> float:
+    """How much the cost of a fit lies above that of a null [nats]."""
+    chi2, z2 = fit.chi2 - at.limit * fit.degrees_of_freedom, fit.tolerance_z2 - expected_z2(fit)
+    return 0.5 * (max(chi2, 0.0) + max(z2, 0.0))
+
+
+def of_noise(problem: Problem) -> float:
+    """Chi² per degree of freedom that noise alone would come to: its share of the variance that the likelihood allows for."""
+    shares = []
+    for one in problem.predictions:
+        seen = observed(one.measured, problem.lines_of(one))
+        noise = np.square(seen.noise)
+        shares.append((noise / np.maximum(noise + np.square(FLOOR * seen.floor), np.finfo(np.float64).tiny)).ravel())
+    return float(np.mean(np.concatenate(shares)))

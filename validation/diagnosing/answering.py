@@ -1,0 +1,179 @@
+"""From the hypothesis that a search ended at to the answer: verdict, causes, class, errors before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
+
+import numpy as np
+
+from validation.diagnosing import accepting
+from validation.diagnosing.accepting import standing, worth
+from validation.diagnosing.advisor.advised import advised
+from validation.diagnosing.against_facts import contradictions
+from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.detecting import detectable
+from validation.diagnosing.diagnosis import (
+    AMBIGUOUS,
+    MISSING,
+    NORMAL_90,
+    NOTHING,
+    SEVERAL,
+    UNKNOWN,
+    Advice,
+    Cause,
+    Diagnosis,
+    Size,
+    Step,
+)
+from validation.diagnosing.errors import errors
+from validation.diagnosing.leftover.described import described
+from validation.diagnosing.searching import Round, Tried, alike
+from validation.engine.parameter import EFFECT
+from validation.models.model import Added
+from validation.prediction.applied import name
+
+RIVALS = 2
+"""Explanations between which a test is looked for."""
+
+Progress = Callable[[str, float], None]
+
+
+def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[Round], progress: Progress) -> Diagnosis:
+    """The diagnosis that the `rounds` from `base` to `found` lead to."""
+    verdict = _verdict(found, rounds)
+    named = () if verdict == UNKNOWN else found.effects
+    best = next((one for one in reversed(rounds) if one.added), rounds[-1])
+    before = errors(bench, base, lambda share: progress("errors of the model as it is", share))
+    after = before
+    if named:
+        after = errors(bench, found, lambda share: progress("errors with what was found", share))
+    return Diagnosis(
+        verdict=verdict,
+        text=_text(verdict, found, best),
+        accepted=tuple(_accepted(one, base, found, rounds) for one in named),
+        ranking=tuple(_cause(one) for one in best.tried),
+        equivalence_class=tuple(one.id for one in alike(best)) if named else (),
+        advice=_advice(bench, verdict, best, lambda share: progress("looking for the next measurement", share)),
+        leftover=described(base) if verdict == UNKNOWN else None,
+        detectable=detectable(rounds[-1].screened),
+        before=before,
+        after=after,
+        steps=tuple(_step(one) for one in rounds),
+        hold_out=before.held_out_names,
+        remarks=contradictions(bench, base, found),
+        settings=_settings(bench, rounds),
+    )
+
+
+def _verdict(found: Hypothesis, rounds: Sequence[Round]) -> str:
+    if not standing(found.fit, found.problem).null:
+        return UNKNOWN
+    if not found.effects:
+        return NOTHING
+    if len(found.effects) > 1:
+        return SEVERAL
+    last = next(one for one in reversed(rounds) if one.added)
+    return AMBIGUOUS if len(alike(last)) > 1 else MISSING
+
+
+def _advice(bench: Bench, verdict: str, best: Round, progress: Callable[[float], None]) -> tuple[Advice, ...]:
+    """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
+    if verdict == AMBIGUOUS:
+        return advised(bench, [one.hypothesis for one in alike(best)[:RIVALS]], progress)
+    if verdict == MISSING:
+        return (Advice(test=_cause(best.tried[0]).confirmed_by, gain=0.0),)
+    return ()
+
+
+def _text(verdict: str, found: Hypothesis, best: Round) -> str:
+    ids = " and ".join(one.named.id for one in found.effects)
+    if verdict == NOTHING:
+        return "Nothing is missing at the resolution of these data"
+    if verdict == MISSING:
+        return f"This is missing: {ids}"
+    if verdict == SEVERAL:
+        return f"Several effects are missing: {ids}"
+    if verdict == AMBIGUOUS:
+        return f"One of these is missing, which the data cannot tell apart: {', '.join(one.id for one in alike(best))}"
+    why = standing(found.fit, found.problem).text
+    closest = f"; the closest, {best.tried[0].id}, leaves that" if best.tried else ""
+    return f"Something is wrong that is none of the effects known: {why}{closest}"
+
+
+def _accepted(added: Added, base: Hypothesis, found: Hypothesis, rounds: Sequence[Round]) -> Cause:
+    evidence = next((one.tried[0].evidence for one in reversed(rounds) if one.added == added.named.id), 0.0)
+    if len(found.effects) == 1:  # whatever was there on the way
+        evidence = found.fit.log_evidence - base.fit.log_evidence
+    of = standing(found.fit, found.problem)
+    return Cause(
+        named=added.named,
+        sizes=sizes(added, found),
+        evidence=evidence,
+        misfit=of.misfit,
+        price=of.price,
+        null=of.null,
+    )
+
+
+def _cause(one: Tried) -> Cause:
+    added = one.hypothesis.effects[-1]
+    return Cause(
+        named=added.named,
+        sizes=sizes(added, one.hypothesis),
+        evidence=one.evidence,
+        misfit=one.standing.misfit,
+        price=one.standing.price,
+        null=one.standing.null,
+    )
+
+
+def sizes(added: Added, of: Hypothesis) -> tuple[Size, ...]:
+    """The sizes of an effect of the hypothesis `of`, with their 90 % intervals; that of a logarithm is lopsided."""
+    spread = np.sqrt(np.maximum(np.diag(of.fit.covariance), 0.0))
+    found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, spread, strict=True)}
+    made = []
+    for size in added.named.sizes:
+        value = added.named.values[size.key]
+        low = high = value
+        which = found.get(name(added.named, size.key))
+        if which is not None and which[0].kind == EFFECT and not added.fixed:
+            one, x, sd = which
+            low, high = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))
+        made.append(Size(key=size.key, value=value, unit=size.unit, low=low, high=high))
+    return tuple(made)
+
+
+def _step(one: Round) -> Step:
+    return Step(
+        added=one.added,
+        ranking=tuple(_cause(each) for each in one.tried),
+        misfit=one.standing.misfit,
+        price=one.standing.price,
+        text=_why(one),
+    )
+
+
+def _why(one: Round) -> str:
+    if one.added:
+        return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {worth(one.tried[0].family):g} are asked for"
+    if not one.tried:
+        return "no candidate promises anything"
+    asked = worth(one.tried[0].family)
+    return f"the best, {one.tried[0].id}, brings {one.tried[0].evidence:.1f} nats, where {asked:g} are asked for"
+
+
+def _settings(bench: Bench, rounds: Sequence[Round]) -> Mapping[str, object]:
+    problem = rounds[0].at.problem
+    return {
+        "version": version("massline"),
+        "worth_nats": accepting.WORTH,
+        "alike_nats": accepting.ALIKE,
+        "misfit_limit": accepting.MISFIT,
+        "unlikely": accepting.UNLIKELY,
+        "absurd_z": accepting.ABSURD,
+        "candidates": len(rounds[0].screened),
+        "lines": {one.measured.name: len(problem.lines_of(one)) for one in problem.predictions},
+        "parameters": len(rounds[0].at.fit.parameters),
+        "method": bench.made[0].tested.method,
+    }

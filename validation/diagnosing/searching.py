@@ -1,0 +1,214 @@
+"""The search: screen all candidates, fit the best few, take the one with the most evidence, and again; then backward.
+
+A straight line finds the way and the fit decides. Where the model bends, so that a line misleads, the fits come from afar, over
+a coarse floor. Effects that were found first are asked once more when others are there: what explained a little of everything
+goes when what is really missing is named.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from validation.diagnosing.accepting import ALIKE, Standing, excess, standing, worth
+from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.classes import aliases
+from validation.diagnosing.menu import is_resonator
+from validation.diagnosing.refitting import refitted, roughly, settled
+from validation.diagnosing.screening import Screened, screen
+from validation.engine.evaluation import Fit
+from validation.engine.fit import nearby
+from validation.engine.parameter import FITTED
+from validation.models.model import Added
+
+MOST = 3
+"""Effects that are looked for."""
+
+TRIED, OF_A_FAMILY, STRUCTURAL = 6, 3, 2
+"""Fits of a round at most; of one family; and of the structure at least, where any promises something."""
+
+PROMISING = 4.0
+"""[nats] that a straight line must promise for a fit."""
+
+SOUND = 7.0
+"""[nats] that it must promise where nothing need be missing: there a straight line is right."""
+
+BEHIND, ERRS = 12.0, 0.15
+"""[nats] behind the promise of the best, and share of it that a line may err, at which another is not worth a fit, once that
+best is all that is needed."""
+
+BENT, FINISHED = 1.5, 3
+"""Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar; and how many of these
+rough fits are finished."""
+
+LEAST = 0.25
+"""Share of what is too much of cost that an effect must explain for others to be looked for beside it."""
+
+ALIASES, FAR = 3, 0.3
+"""Rivals that are fitted though no line promised them, and the greatest share of what the best does that may be its own."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tried:
+    """A candidate and its fit.
+
+    Attributes
+    ----------
+    id : of the effect
+    hypothesis : with it
+    evidence : [nats] against the hypothesis without it
+    standing : of the fit
+    """
+
+    id: str
+    hypothesis: Hypothesis
+    evidence: float
+    standing: Standing
+
+    @property
+    def family(self) -> str:
+        """Of the effect."""
+        return self.hypothesis.effects[-1].named.family
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Round:
+    """One step forward.
+
+    Attributes
+    ----------
+    at : where it began
+    standing : there
+    screened : all candidates, the most promising first
+    tried : those that were fitted, the most evidence first
+    added : id of what was accepted; empty for nothing
+    """
+
+    at: Hypothesis
+    standing: Standing
+    screened: tuple[Screened, ...]
+    tried: tuple[Tried, ...]
+    added: str
+
+
+def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Progress) -> tuple[Hypothesis, tuple[Round, ...]]:
+    """The hypothesis that explains the data of `bench` with the fewest effects of `menu`, and how it was found."""
+    at, rounds = base, []
+    while len(at.effects) < MOST:
+        one = _round(bench, at, menu, progress)
+        rounds.append(one)
+        if not one.added:
+            break
+        best = one.tried[0]
+        at = _again(bench, best.hypothesis)
+        if not best.standing.null and one.at.fit.cost - best.hypothesis.fit.cost < LEAST * excess(one.at.fit, one.standing):
+            break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
+    return at, tuple(rounds)
+
+
+def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progress) -> Round:
+    progress(f"screening {len(menu)} effects", 0.0)
+    here, found = standing(at.fit, at.problem), screen(bench, at, menu)
+    tried = (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, found, progress)
+    tried.sort(key=lambda each: -each.evidence)
+    good = bool(tried) and tried[0].evidence >= worth(tried[0].family)
+    if good:
+        rivals = _rivals(tried, menu, found)
+        progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
+        tried += [_tried(bench, at, one.added) for one in rivals]
+        tried.sort(key=lambda each: -each.evidence)
+    return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
+
+
+def _nearby(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
+    """Fits of the best, until one is all that is needed."""
+    tried: list[Tried] = []
+    for one in _promising(found):
+        if _settled(tried, one, found) or (here.null and one.evidence < SOUND):
+            break
+        progress(f"trying {one.id}", len(tried) / TRIED)
+        tried.append(_tried(bench, at, one.added))
+    return tried
+
+
+def _from_afar(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
+    """Rough fits of all that promise something, and of the best of these good ones."""
+    rough, promising = [], _promising(found)
+    for done, one in enumerate(promising):
+        progress(f"trying {one.id} from afar", done / (len(promising) + FINISHED))
+        rough.append((one.added, roughly(bench, at, one.added)))
+    rough.sort(key=lambda each: -each[1].log_evidence)
+    return [_tried(bench, at, added, begin) for added, begin in rough[:FINISHED]]
+
+
+def _promising(found: Sequence[Screened]) -> list[Screened]:
+    """The best, not too many of one family, some of the structure."""
+    from validation.effects.catalogue import FAMILIES
+    from validation.effects.family import STRUCTURE
+
+    count: Counter[str] = Counter()
+    chosen: list[Screened] = []
+    for one in found:
+        family = one.added.named.family
+        if one.evidence >= PROMISING and count[family] < OF_A_FAMILY:
+            count[family] += 1
+            chosen.append(one)
+    best, rest = chosen[:TRIED], chosen[TRIED:]
+    structural = sum(FAMILIES[one.added.named.family].side == STRUCTURE for one in best)
+    more = [one for one in rest if FAMILIES[one.added.named.family].side == STRUCTURE][: max(STRUCTURAL - structural, 0)]
+    return [*best, *more]
+
+
+def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Screened]) -> list[Screened]:
+    """Candidates that were not fitted, and can do nearly all that the best of those that were does to the data."""
+    best, known = tried[0], {one.id for one in tried}
+    others = [one for one in menu if one.named.id not in known and not is_resonator(one.named)]
+    if is_resonator(best.hypothesis.effects[-1].named) or best.hypothesis.effects[-1].fixed:
+        return []
+    near = aliases(best.hypothesis, best.hypothesis.effects[-1], others, limit=min(ALIKE / best.evidence, FAR))
+    by_id = {one.id: one for one in found}
+    return [by_id[id] for id in near if id in by_id][:ALIASES]
+
+
+def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -> bool:
+    """Whether the best of the fits is all that is needed, and `one` promised less than that did by more than a line may err."""
+    best = max(tried, key=lambda each: each.evidence, default=None)
+    if best is None or not best.standing.null:
+        return False
+    promised = next(each.evidence for each in found if each.id == best.id)
+    return one.evidence < (1 - ERRS) * promised - BEHIND
+
+
+def _tried(bench: Bench, at: Hypothesis, added: Added, begin: Fit | None = None) -> Tried:
+    there = refitted(bench, at, added, begin=begin)
+    evidence = there.fit.log_evidence - at.fit.log_evidence
+    return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
+
+
+def _again(bench: Bench, at: Hypothesis) -> Hypothesis:
+    """`at` without the earlier effects that are not needed any more, the newest being there."""
+    for added in at.effects[:-1]:
+        rest = _without(bench, at, added)
+        if at.fit.log_evidence - rest.fit.log_evidence < worth(added.named.family):
+            at = rest
+    return at
+
+
+def _without(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:
+    """The fit of the other effects alone, from where it is with all."""
+    left = tuple(one for one in at.effects if one.named.id != added.named.id)
+    problem = bench.problem(left)
+    return settled(bench, Hypothesis(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
+
+
+def alike(of: Round) -> tuple[Tried, ...]:
+    """The explanations of a round that are as good as its best, the best first."""
+    if not of.tried:
+        return ()
+    best = of.tried[0]
+    return tuple(
+        one for one in of.tried if one.evidence >= best.evidence - ALIKE and (one.standing.null or not best.standing.null)
+    )

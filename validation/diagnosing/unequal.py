@@ -1,0 +1,48 @@
+"""The answer where two levels do not give the same: a linear fit of such data fails, and names nonsense."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from validation.diagnosing.accepting import ALIKE, WORTH
+from validation.diagnosing.bench import Bench
+from validation.diagnosing.diagnosis import NONLINEAR, Cause, Diagnosis, Level
+from validation.diagnosing.errors import as_it_stands
+from validation.diagnosing.nonlinear import nonlinear
+from validation.models.model import Added
+
+Progress = Callable[[str, float], None]
+
+
+def nonlinear_answer(bench: Bench, mistaken: Sequence[Cause], levels: Sequence[Level], progress: Progress) -> Diagnosis:
+    """Which axes depend on the level, and which effect that may be."""
+    ranking = nonlinear(bench, levels, lambda share: progress("two levels do not give the same", share))
+    alike = tuple(one.id for one in ranking if one.evidence >= max(ranking[0].evidence - ALIKE, WORTH))
+    named = ranking[:1] if len(alike) == 1 else ()
+    before = as_it_stands(bench, {})
+    after = before
+    if named:
+        model = replace(bench.model, effects=(*bench.model.effects, Added(named=named[0].named, fixed=True)))
+        after = as_it_stands(replace(bench, model=model), {})
+    return Diagnosis(
+        verdict=NONLINEAR,
+        text=_text(levels, named, mistaken),
+        accepted=(*mistaken, *named),
+        ranking=(*mistaken, *ranking),
+        equivalence_class=alike,
+        levels=tuple(levels),
+        before=before,
+        after=after,
+        hold_out=before.held_out_names,
+    )
+
+
+def _text(levels: Sequence[Level], named: Sequence[Cause], mistaken: Sequence[Cause]) -> str:
+    axes = ", ".join(dict.fromkeys(one.axis for one in levels))
+    said = f"Driven along {axes}, two levels do not give the same"
+    if named:
+        said += f": as {named[0].id} would"
+    if mistaken:
+        said += f"; beside that a mistake: {' and '.join(one.id for one in mistaken)}"
+    return said
