@@ -126,7 +126,7 @@ def _decided(every: Sequence[Heard], known: Sequence[_Known]) -> tuple[Taken, ..
     right = np.array([_likelihood(every, c, c, 1.0) for c in range(count)])
     stays = right >= np.diagonal(best)
     best[stays, stays] = right[stays]
-    for c in np.flatnonzero(stays):
+    for c in np.flatnonzero(stays).tolist():
         best[c, c], factors[c, c], units[c, c] = right[c], 1.0, -1
     _, plugs = linear_sum_assignment(-best)
     taken = [
@@ -195,7 +195,7 @@ def _apart(every: Sequence[Heard], one: Taken) -> float:
     """Distance, over all campaigns, of a reading from what it is said to hold; each line in units of its level."""
     y = np.concatenate([of.reading[:, one.channel] / of.level[:, one.plug] for of in every]) / one.factor
     p = np.concatenate([of.expected[:, one.plug] / of.level[:, one.plug] for of in every])
-    return float(np.linalg.norm(y - p) / max(np.linalg.norm(y) + np.linalg.norm(p), TINY))
+    return float(np.linalg.norm(y - p) / max(float(np.linalg.norm(y) + np.linalg.norm(p)), TINY))
 
 
 def _whole(taken: tuple[Taken, ...], of: Heard, known: Sequence[_Known]) -> tuple[Taken, ...]:

@@ -83,7 +83,7 @@ def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
             continue
         taken = np.abs(one.weights[:, column]) / of.share[other.run]
         brought += float(np.sum(taken[:, None] ** 2 * np.abs(other.whitened * other.deviation) ** 2))
-    return own < LEAKING * np.sqrt(brought)
+    return bool(own < LEAKING * np.sqrt(brought))
 
 
 def _level(of: Driven, one: Beyond, apart: Sequence[int]) -> Level:
