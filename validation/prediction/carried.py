@@ -12,13 +12,14 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Pose, rigid_transformation_6
 from geometry.inertia import Inertia
 from identification.self_calibration.structure import ten_matrices
-from validation.effects.stages import Mounted
+from validation.effects.stages import Matrices, Mounted
 from validation.engine.prediction import Offsets
 from validation.models.model import Added
 from validation.prediction import applied, condensation, damping_law, fmd
 from validation.prediction.amplitude import Drive
 from validation.prediction.nuisances import Nuisances
 from validation.prediction.set_up import Standing
+from validation.prediction.tangent import Tangent
 
 Tangents = dict[str, ComplexArray]
 """By parameter, d dynamic mass / d offset (n, 6, 6)."""
@@ -61,13 +62,29 @@ class Carried:
         T = rigid_transformation_6(mounted.seat)
         return H + T.T @ mounted.matrix @ T, {**found, **{name: T.T @ change @ T for name, change in changes.items()}}
 
+    def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
+        """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
+        beyond those of a rigid article.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError : no such body, or a line on an undamped mode.
+        """
+        if self.nuisances is None:
+            return {}
+        matrices, _ = _structure(self.nuisances, offsets, effects, derivatives=False)
+        answer = condensation.dynamic_mass(matrices, frequency).right.transpose(1, 0, 2)
+        turn, b = self.standing.pose.rotation, matrices.base
+        back = _turned(self.standing.pose).T @ rigid_transformation_6(self.standing.pose.position)
+        return {
+            name: (turn @ rows @ answer @ back, turn @ rows[:, b:] @ answer[:, b:] @ back)
+            for name, rows in matrices.places.items()
+        }
+
     def _mounted(
         self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[Mounted, Tangents]:
-        matrices, tangents = of.at(offsets, derivatives=derivatives)
-        matrices, tangents = applied.structure(matrices, tangents, effects, derivatives=derivatives)
-        if of.has_law:
-            matrices, tangents = damping_law.applied(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
+        matrices, tangents = _structure(of, offsets, effects, derivatives=derivatives)
         answered = condensation.dynamic_mass(matrices, frequency)
         changes = condensation.tangents(answered, tangents) if derivatives else {}
         R = _turned(self.standing.pose)
@@ -82,6 +99,17 @@ class Carried:
         )
         turned = {name: R @ change @ R.T for name, change in changes.items()}
         return applied.body(mounted, turned, effects, derivatives=derivatives)
+
+
+def _structure(
+    of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: bool
+) -> tuple[Matrices, dict[str, Tangent]]:
+    """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
+    matrices, tangents = of.at(offsets, derivatives=derivatives)
+    matrices, tangents = applied.structure(matrices, tangents, effects, derivatives=derivatives)
+    if of.has_law:
+        return damping_law.applied(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
+    return matrices, tangents
 
 
 def _turned(pose: Pose) -> Array:

@@ -160,6 +160,12 @@ class SeriesPrediction:
         reading = Reading(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
         return self._written(reading, {}, applied.at(self._reaching, at))[0].rows
 
+    def moved(self, offsets: Offsets, lines: Lines | None = None) -> dict[str, tuple[ComplexArray, ComplexArray]]:
+        """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
+        beyond those of a rigid article."""
+        at = self._at(offsets)
+        return self.tested.carried.moved(at, applied.at(self._reaching, at), self._lines(lines))
+
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 

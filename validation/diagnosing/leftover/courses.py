@@ -1,7 +1,7 @@
 """How a leftover may go with frequency: the few ways in which physics does.
 
-Of a pair of axes the course is that of its entry of the dynamic mass, dH = a c(omega); of a channel that of the share of its reading,
-dy = a c(omega) y. Coefficients a are real: a spring is no damper.
+Of a pair of axes the course is that of its entry of the dynamic mass, dH = a c(omega); of a channel that of the share of its
+reading, dy = a c(omega) y. Coefficients a are real: a spring is no damper.
 """
 
 from __future__ import annotations
@@ -57,9 +57,7 @@ AT = 2 * np.pi * REFERENCE
 
 OF_PAIRS = (
     Course(looks_like=MASS, text="is constant over frequency", of=_power(1, 0), unit="kg"),
-    Course(
-        looks_like=STIFFNESS, text="falls with the square of frequency, as of a spring to ground", of=_power(-1, -2), unit="N/m"
-    ),
+    Course(looks_like=STIFFNESS, text="falls with the square of frequency, as that of a spring", of=_power(-1, -2), unit="N/m"),
     Course(looks_like=DAMPING, text="falls with frequency and is out of phase, as of a damper", of=_power(-1j, -1), unit="N s/m"),
     Course(
         looks_like=STIFFNESS,
@@ -106,9 +104,25 @@ OF_PARTS = (
 )
 """Of a part whose stiffness or loss is not what the model says; what it looks like is said by the part."""
 
+OF_PLACES = (
+    Course(looks_like=MASS, text="a mass", of=_power(1, 0), unit="kg"),
+    Course(looks_like=STIFFNESS, text="a spring", of=_power(-1, -2), unit="N/m"),
+    Course(looks_like=DAMPING, text="a damper", of=_power(-1j, -1), unit="N s/m"),
+)
+"""Of what a place of the article is loaded with."""
+
+OF_JOINTS = (
+    Course(looks_like=STIFFNESS, text="a compliance", of=_power(1, 2), unit="m/N"),
+    Course(looks_like=DAMPING, text="a compliance that is out of phase, as of a loss", of=_power(-1j, 2), unit="m/N"),
+)
+"""Of what lies between cover plate and article."""
+
+TILTING = Course(looks_like=TILT, text="gravity that a tilt adds", of=_power(1, -2), unit="m/s^2")
+"""Of accelerometers that tilt with what they sit on: they read it once too often, or not at all."""
+
 HEARD_PLAINLY = Course(looks_like=GAIN, text="the same share at all frequencies", of=_power(1, 0))
 HEARD_FALLING = Course(
-    looks_like=TILT, text="falls with the square of frequency, as gravity does on a tilting sensor", of=_power(1, -2)
+    looks_like=TILT, text="falls with the square of frequency, as gravity on a tilting sensor", of=_power(1, -2)
 )
 
 

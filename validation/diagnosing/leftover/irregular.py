@@ -1,4 +1,4 @@
-"""A leftover that goes with frequency in no plain way: the channel that holds it, whatever it does there, or where it is worst."""
+"""A leftover that goes with frequency in no plain way: the channel that holds it, or where it is worst."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def irregular(data: Sequence[Whitened], excess: float, best: Explanation, share:
 
 
 def held(data: Sequence[Whitened]) -> list[Held]:
-    """What every channel holds: whitened residuals r_c with the share 1 - h_c that inputs leave free, sum of |r_c|² / (1 - h_c)."""
+    """What every channel holds: the sum of |r_c|² / (1 - h_c), whitened residuals of which inputs leave 1 - h_c free."""
     found: dict[str, tuple[float, complex, float]] = {}
     for one in data:
         free = np.maximum(one.free / 2, ALONE)

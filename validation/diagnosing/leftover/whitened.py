@@ -14,7 +14,7 @@ from identification.self_calibration.elimination import eliminated
 from validation.diagnosing.bench import Hypothesis
 from validation.engine.fit import FLOOR
 from validation.engine.likelihood import Observed, observed
-from validation.engine.prediction import Predicted, Prediction, Wanted
+from validation.engine.prediction import Lines, Predicted, Prediction, Wanted
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,8 +24,9 @@ class Whitened:
     Attributes
     ----------
     prediction : of it
+    lines : (m,) their indices
     frequency : (m,) [Hz]
-    predicted : at the fit
+    seen, predicted : at the fit
     weight : (r, m, c) one over the standard deviation of each of real and imaginary part
     values : (r, m, c) residuals times weight, latent inputs eliminated
     basis : (r, m, c, k) orthonormal columns of what inputs explain; None where inputs are known
@@ -33,7 +34,9 @@ class Whitened:
     """
 
     prediction: Prediction
+    lines: Lines
     frequency: Array
+    seen: Observed
     predicted: Predicted
     weight: Array
     values: ComplexArray
@@ -67,10 +70,10 @@ def whitened(of: Hypothesis, *, derivatives: Wanted = False) -> Iterator[Whitene
     for one in of.problem.predictions:
         lines = of.problem.lines_of(one)
         seen, predicted = observed(one.measured, lines), one.at(offsets, lines, derivatives=derivatives)
-        yield _whitened(one, one.measured.frequency[lines], seen, predicted)
+        yield _whitened(one, lines, seen, predicted)
 
 
-def _whitened(one: Prediction, frequency: Array, seen: Observed, predicted: Predicted) -> Whitened:
+def _whitened(one: Prediction, lines: Lines, seen: Observed, predicted: Predicted) -> Whitened:
     w = seen.weight(FLOOR, predicted.noise)
     A = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
     basis: ComplexArray | None = None
@@ -80,5 +83,13 @@ def _whitened(one: Prediction, frequency: Array, seen: Observed, predicted: Pred
     else:
         values, basis, u = (np.stack(each) for each in zip(*map(eliminated, A, seen.values, w), strict=True))
     return Whitened(
-        prediction=one, frequency=frequency, predicted=predicted, weight=w, values=values, basis=basis, inputs=np.asarray(u)
+        prediction=one,
+        lines=lines,
+        frequency=one.measured.frequency[lines],
+        seen=seen,
+        predicted=predicted,
+        weight=w,
+        values=values,
+        basis=basis,
+        inputs=np.asarray(u),
     )
