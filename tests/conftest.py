@@ -36,6 +36,18 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _nobodys_window() -> None:
+    """Pages are as wide as in a pipe, here and in processes of their own, in whatever window the tests were started.
+
+    The readline that pytest imports tells processes that are started afterwards, its workers among them, of 80 columns;
+    it does so behind the back of `os.environ`.
+    """
+    for name in ("COLUMNS", "LINES"):
+        os.environ.pop(name, None)
+        os.unsetenv(name)
+
+
 @pytest.fixture
 def keyboard() -> Iterator[None]:
     """Ctrl-C as a terminal has it: a shell that runs the tests in the background makes its children deaf to it."""

@@ -5,6 +5,7 @@ Convention: command lines stand in fenced blocks marked ``sh``, one a line.
 - Lines that begin with ``massline`` are run, those of one page in order and in one temporary directory, so a line may use what
   an earlier one wrote. A copy of ``examples`` lies there, as in the root of the repository where a reader stands. Lines end with
   exit code 0, or with the one that a comment at their end states: ``# exit 1``.
+- A line that names no file depends on no folder: where several pages show it, the first of them runs it for all.
 - Lines that begin with ``python examples/`` run that script of the repository, likewise. Where one names ``../shared/data``, the
   real data lie there; the page is skipped where they are absent.
 - Lines that begin with ``make`` must name a target that exists. They are not run here, since they run this.
@@ -39,6 +40,17 @@ def expected_exit(line: str) -> int:
     return int(stated.group(1)) if stated else 0
 
 
+def claim(line: str) -> tuple[str, ...]:
+    """What a line says: its words without the comment, and how it ends."""
+    return (*shlex.split(line, comments=True), str(expected_exit(line)))
+
+
+def run_before(page: Path) -> set[tuple[str, ...]]:
+    """What lines without a file on the pages before `page` say."""
+    lines = [line for earlier in PAGES[: PAGES.index(page)] for line in command_lines(earlier)]
+    return {claim(line) for line in lines if "/" not in "".join(claim(line))}
+
+
 def script(name: str, *arguments: str, code: Path, cwd: Path) -> subprocess.CompletedProcess[str]:
     """Run the repository's script `name` on the packages in `code`, in the folder `cwd`."""
     command, where = [sys.executable, str(ROOT / name), *arguments], {**os.environ, "PYTHONPATH": str(code)}
@@ -58,9 +70,10 @@ def test_every_massline_line_of_a_page_runs(
     if any("../shared/data" in line for line in command_lines(page)):
         (tmp_path / "shared").mkdir()
         (tmp_path / "shared" / "data").symlink_to(request.getfixturevalue("data").resolve())
+    known = run_before(page)
     for line in command_lines(page):
         program, *arguments = shlex.split(line, comments=True)
-        if program in ("massline", "python"):
+        if program in ("massline", "python") and claim(line) not in known:
             run = massline(*arguments, cwd=here) if program == "massline" else script(*arguments, code=code, cwd=here)
             assert run.returncode == expected_exit(line), f"$ {line}\n{run.stdout}{run.stderr}"
 

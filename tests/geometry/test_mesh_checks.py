@@ -73,7 +73,7 @@ def test_twenty_thousand_faces_are_judged_within_seconds() -> None:
     assert len(mesh.faces) > 20_000
     start = time.process_time()
     require_closed_volume(mesh, "sphere")
-    assert time.process_time() - start < 5.0  # a tenth of this; of the processor, which other tests share; the limit is the issue's
+    assert time.process_time() - start < 5.0  # a tenth of this; the processor's, since other tests run beside
 
 
 def test_pieces_apart_a_cavity_and_a_body_within_a_cavity_are_bodies() -> None:

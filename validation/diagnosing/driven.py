@@ -100,6 +100,7 @@ class Beyond:
     run : its index
     whitened : (n, c) complex, of unit variance for each that is free
     free : (n, c) share of each channel's noise that is left over, diagonal of 1 - Q Q^H
+    explained : (n, c, k) orthonormal, Q
     deviation : (n, c) standard deviation by which it was whitened
     weights : (n, h) c, what it takes of each of the stronger runs
     """
@@ -107,8 +108,14 @@ class Beyond:
     run: int
     whitened: ComplexArray
     free: Array
+    explained: ComplexArray
     deviation: Array
     weights: ComplexArray
+
+    def projected(self, values: ComplexArray) -> ComplexArray:
+        """(n, c) what of readings (n, c) the stronger runs do not explain, whitened."""
+        white = (values / self.deviation)[..., None]
+        return np.asarray((white - self.explained @ (self.explained.conj().transpose(0, 2, 1) @ white))[..., 0])
 
     @property
     def chi2(self) -> float:
@@ -239,7 +246,7 @@ def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond
     deviation = np.sqrt(variance)
     whitened, Q, _ = eliminated(columns, y, 1 / deviation)
     free = 1 - np.sum(np.abs(Q) ** 2, axis=2)
-    return Beyond(run=k, whitened=whitened, free=free, deviation=deviation, weights=weights)
+    return Beyond(run=k, whitened=whitened, free=free, explained=Q, deviation=deviation, weights=weights)
 
 
 def _motions(basis: ComplexArray, deviation: Array) -> tuple[ComplexArray, ComplexArray]:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import log
 
 import numpy as np
 
 from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.menu import is_resonator
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import OPENED
 from validation.engine.evaluation import Fit
 from validation.engine.fit import child, fit
 from validation.engine.parameter import EFFECT, FITTED
+from validation.engine.problem import Problem
 from validation.models.model import Added
 from validation.prediction.applied import name
 
@@ -41,7 +42,7 @@ def refitted(bench: Bench, at: Hypothesis, added: Added, *, from_afar: bool = Fa
     effects = (*at.effects, added)
     problem = bench.problem(effects)
     found = child(problem, FITTED, at.fit, _start(bench, added), from_afar=from_afar)
-    return settled(Hypothesis(effects=effects, fit=found, problem=problem))
+    return settled(bench, Hypothesis(effects=effects, fit=found, problem=problem))
 
 
 def _start(bench: Bench, added: Added) -> dict[str, float]:
@@ -53,9 +54,19 @@ def _start(bench: Bench, added: Added) -> dict[str, float]:
     return {which: parameters[which].start for key in keys if (which := name(added.named, key)) in parameters}
 
 
-def settled(of: Hypothesis) -> Hypothesis:
-    """`of` with its effects at the sizes that the fit found."""
-    return replace(of, effects=tuple(_sized(one, of.fit) for one in of.effects))
+def settled(bench: Bench, of: Hypothesis) -> Hypothesis:
+    """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
+    effects = tuple(_sized(one, of.fit) for one in of.effects)
+    problem = bench.problem(effects)
+    return Hypothesis(effects=effects, fit=_counted_from(problem, of.fit), problem=problem)
+
+
+def _counted_from(problem: Problem, fit: Fit) -> Fit:
+    """`fit` with its logarithms counted from the sizes that the models of `problem` have."""
+    parameters = tuple(problem.by_name[one.name] for one in fit.parameters)
+    pairs = zip(fit.parameters, parameters, fit.offsets, strict=True)
+    offsets = np.array([x + log(old.nominal / new.nominal) if new.logarithmic else x for old, new, x in pairs])
+    return replace(fit, parameters=parameters, offsets=offsets)
 
 
 def _sized(added: Added, fit: Fit) -> Added:
@@ -70,6 +81,3 @@ def _sized(added: Added, fit: Fit) -> Added:
             values[size.key] = min(max(one.value(x), size.low), size.high)
             deviation[size.key] = abs(one.slope(x)) * sd
     return replace(added, named=replace(added.named, values=values), deviation=deviation)
-
-
-__all__ = ["baseline", "is_resonator", "refitted", "settled"]

@@ -31,8 +31,9 @@ PROMISING = 4.0
 SOUND = 7.0
 """[nats] that it must promise where nothing need be missing: there a straight line is right."""
 
-BEHIND = 12.0
-"""[nats] behind the best fit at which a straight line's promise is not worth another, once that best is all that is needed."""
+BEHIND, ERRS = 12.0, 0.15
+"""[nats] behind the promise of the best, and share of it that a line may err, at which another is not worth a fit, once that
+best is all that is needed."""
 
 BENT = 1.5
 """Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar."""
@@ -98,7 +99,7 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
     here, found = standing(at.fit, at.problem), screen(bench, at, menu)
     tried: list[Tried] = []
     for one in _promising(found):
-        if _settled(tried, one) or (here.null and one.evidence < SOUND):
+        if _settled(tried, one, found) or (here.null and one.evidence < SOUND):
             break
         progress(f"trying {one.id}", len(tried) / TRIED)
         tried.append(_tried(bench, at, one.added, here))
@@ -141,9 +142,13 @@ def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Scree
     return [by_id[id] for id in near if id in by_id][:ALIASES]
 
 
-def _settled(tried: Sequence[Tried], one: Screened) -> bool:
-    best = max((each for each in tried), key=lambda each: each.evidence, default=None)
-    return best is not None and best.standing.null and one.evidence < best.evidence - BEHIND
+def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -> bool:
+    """Whether the best of the fits is all that is needed, and `one` promised less than that did by more than a line may err."""
+    best = max(tried, key=lambda each: each.evidence, default=None)
+    if best is None or not best.standing.null:
+        return False
+    promised = next(each.evidence for each in found if each.id == best.id)
+    return one.evidence < (1 - ERRS) * promised - BEHIND
 
 
 def _tried(bench: Bench, at: Hypothesis, added: Added, here: Standing) -> Tried:

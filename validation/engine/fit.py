@@ -106,7 +106,9 @@ def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Pro
 
 def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
     """The parameters of `kinds` where they stand at `offsets`, with what the data say there; nothing was fitted, nor converged."""
-    return fitted(ended(cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds), offsets, converged=False))
+    return fitted(
+        ended(cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds), offsets, converged=False)
+    )
 
 
 def _whole(end: End) -> float:

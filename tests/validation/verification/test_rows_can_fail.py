@@ -210,6 +210,7 @@ def coarse(monkeypatch: Patch) -> None:
     monkeypatch.setattr(fem.solid.model, "tetrahedra", cache(fem.solid.model.tetrahedra))  # gmsh once, not once a break
     monkeypatch.setattr(fem.solid.model, "bodies", cache(fem.solid.model.bodies))
     monkeypatch.setattr(rods, "article", cache(rods.article))
+    monkeypatch.setitem(rods.FINENESS, Mesh.FAST, 1.0)
     monkeypatch.setitem(exudyn_beams.ELEMENTS, Mesh.FAST, 6)
     monkeypatch.setitem(base_excitation.RATE, Mesh.FAST, 2048.0)
     monkeypatch.setattr(dynamic_mass, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
