@@ -154,6 +154,29 @@ def cross_check(folder: Path) -> None:
             (folder / f"{shown}.png").write_bytes(Path(place, f"{name}.png").read_bytes())
 
 
+HIDDEN = "force-gain:fmd-z2=0.15"
+
+
+def diagnosis(folder: Path) -> None:
+    """Draw the errors before and after the diagnosis of the demo's series into `folder`."""
+    from tempfile import TemporaryDirectory
+
+    from validation.cli import run
+
+    with TemporaryDirectory() as place:
+        series = ["fmd+disc+cuboid", "fmd+clumod-1"]
+        model, tests = f"{place}/model.toml", [f"{place}/test/{name}" for name in series]
+        hidden = ["--seed", "3", "--octaves-per-minute", "16", "--effect", HIDDEN]
+        for command in (
+            ["simulate", *series, *hidden, "--out", f"{place}/test"],
+            ["model", "fmd+clumod-1", "--out", model],
+            ["diagnose", model, *tests, "--out", place],
+        ):
+            if run(command):
+                raise SystemExit(f"`massline {' '.join(command)}` failed")
+        (folder / "diagnose-errors.png").write_bytes(Path(place, "diagnose-errors.png").read_bytes())
+
+
 def swing_setup() -> Setup:
     """The pendulum of the picture."""
     texts = {
@@ -200,4 +223,5 @@ if __name__ == "__main__":
     base_excitation(sheet.parent)
     pendulum(sheet.parent)
     cross_check(sheet.parent)
+    diagnosis(sheet.parent)
     three_storey_frame(sheet.parent, Path(os.environ.get("MASSLINE_DATA", "../shared/data")) / "three_storey_frame")

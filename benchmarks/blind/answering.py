@@ -12,12 +12,14 @@ import time
 import traceback
 from pathlib import Path
 
-from benchmarks.blind.answer import stated
 from benchmarks.blind.names import ANSWER, MODEL, SETTINGS, Json
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.comparing.gathered import gathered
 from validation.models import reading
+
+PARAMETERS = "parameters"
+"""Of fits: hundreds of figures that no score asks for."""
 
 
 def answered(folder: Path) -> Json:
@@ -31,6 +33,7 @@ def answered(folder: Path) -> Json:
 
 
 def _answered(folder: Path) -> Json:
+    from validation.diagnosing.as_json import as_json
     from validation.diagnosing.diagnosed import bench, diagnosed
 
     asked: Json = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
@@ -40,7 +43,13 @@ def _answered(folder: Path) -> Json:
     ready = bench(model, data, hold_out=tuple(asked["hold_out"]))
     read = time.process_time()
     found = diagnosed(ready, leave_out=tuple(asked["leave_out"]))
-    return {**stated(found), "seconds": {"reading": read - began, "diagnosis": time.process_time() - read}}
+    return {**without(as_json(found), PARAMETERS), "seconds": {"reading": read - began, "diagnosis": time.process_time() - read}}
+
+
+def without(content: Json, key: str) -> Json:
+    """`content` without `key`, wherever it stands."""
+    kept = {name: value for name, value in content.items() if name != key}
+    return {name: without(value, key) if isinstance(value, dict) else value for name, value in kept.items()}
 
 
 def main(folder: str) -> int:

@@ -44,7 +44,7 @@ def of_nulls(pairs: Sequence[tuple[Json, Json]]) -> dict[str, float]:
 
 def _sizes(id: str, answer: Json) -> Iterable[float]:
     """Of `id` in one answer: of a resonator the one at its most favourable frequency."""
-    sizes = [size for what, size in answer.get("detectable", {}).items() if what.partition(" ")[0] == id]
+    sizes = [one["size"] for one in answer.get("detectable", ()) if one["id"] == id and one["size"] is not None]
     return [min(sizes)] if sizes else []
 
 

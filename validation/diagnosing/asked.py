@@ -65,8 +65,7 @@ def ready(asked: Asked, progress: Callable[[str, float], None] | None = None) ->
 
     Raises
     ------
-    BadInput : see `validation.comparing.asked.ready`; too few runs; a candidate that nobody knows, that acts on nothing here, or
-        that needs two levels where there is one.
+    BadInput : see `validation.comparing.asked.ready`; too few runs; a candidate that nobody knows or that acts on nothing here.
     OSError : a file cannot be read.
     """
     for text in asked.candidates:
@@ -111,32 +110,12 @@ def _require_family(text: str) -> None:
 
 
 def _require_here(text: str, model: Model, campaigns: Sequence[Campaign]) -> None:
-    """Refuse a target that these `campaigns` do not have, and what a single level cannot show."""
-    family, colon, _ = text.partition(":")
-    if colon:
+    """Refuse a target that these `campaigns` do not have."""
+    if ":" in text:
         named = parse(completed(text)[0], vocabulary(model, campaigns), source=OPTION)
         require_target(model, campaigns, named, OPTION)
-    if FAMILIES[family.strip()].side == AMPLITUDE:
-        require_levels(campaigns, text)
 
 
-def require_levels(campaigns: Sequence[Campaign], text: str) -> None:
-    """Refuse to look for what depends on the level where every axis was driven at one.
-
-    Raises
-    ------
-    BadInput : no two runs of one campaign drive the same axis.
-    """
-    if any(_twice(one) for one in campaigns):
-        return
-    raise BadInput(
-        source=OPTION,
-        field=text,
-        problem="there is one level where two are needed: what depends on the amplitude shows in the difference alone",
-        remedy="Drive an axis again at another level (`massline simulate --levels 1,0.5`), or leave this candidate out",
-    )
-
-
-def _twice(campaign: Campaign) -> bool:
-    axes = [run.axis for run in campaign.runs if run.axis]
-    return len(set(axes)) < len(axes)
+def of_levels(asked: Asked) -> tuple[str, ...]:
+    """The candidates that only two levels show."""
+    return tuple(text for text in asked.candidates if FAMILIES[text.partition(":")[0].strip()].side == AMPLITUDE)

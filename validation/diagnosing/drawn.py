@@ -16,7 +16,7 @@ BARS = 10
 
 EVIDENCE, ERRORS = "diagnose-evidence.png", "diagnose-errors.png"
 
-THRESHOLD = "threshold_nats"
+THRESHOLD = "worth_nats"
 """Key of the settings by which a diagnosis says what it asked for."""
 
 

@@ -48,9 +48,7 @@ ALIKE = 5.0
 """[nats] of evidence within which two kinds cannot be told apart."""
 
 
-def nonlinear(
-    bench: Bench, levels: Sequence[Level], progress: Callable[[float], None] | None = None
-) -> tuple[Cause, ...]:
+def nonlinear(bench: Bench, levels: Sequence[Level], progress: Callable[[float], None] | None = None) -> tuple[Cause, ...]:
     """What could let the axes of `levels` differ, the likeliest first; none where runs do not state their level.
 
     `misfit` of a cause is what it leaves per degree of freedom, and `null` says whether it explains the difference.

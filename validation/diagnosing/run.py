@@ -11,10 +11,11 @@ import click
 from geometry.atomic import probe, write_text
 from validation.comparing.gathered import only_files
 from validation.diagnosing import as_json as written
-from validation.diagnosing import automatic, table
-from validation.diagnosing.asked import Asked, ready
+from validation.diagnosing import automatic, diagnosed, table
+from validation.diagnosing.asked import Asked, of_levels, ready
 from validation.diagnosing.bench import Bench
-from validation.diagnosing.classical import run as alone
+from validation.diagnosing.classical import run as classical
+from validation.diagnosing.levels import require_levels
 from validation.ladders import run as ladders
 from validation.ladders.nouns import Rung
 from validation.output import json_text
@@ -40,7 +41,7 @@ def answer(asked: Asked, *, auto: bool, as_json: bool, folder: Path | None) -> N
     OSError : with `auto`, the model file cannot be written.
     """
     if files := only_files(asked.data):
-        alone.answer(asked, files, auto=auto, as_json=as_json, folder=folder)
+        classical.answer(asked, files, auto=auto, as_json=as_json, folder=folder)
         return
     if auto and asked.model.is_file():
         probe(asked.model)  # what cannot be written at the end is said before minutes are spent
@@ -62,9 +63,10 @@ def prepared(asked: Asked, *, quiet: bool = True) -> Bench:
     """
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
-        from validation.diagnosing.diagnosed import bench
-
-        return bench(model, data, hold_out=asked.hold_out, band=asked.band, method=asked.method, progress=told)
+        made = diagnosed.bench(model, data, hold_out=asked.hold_out, band=asked.band, method=asked.method, progress=told)
+    for text in of_levels(asked):
+        require_levels(made, text)
+    return made
 
 
 def diagnosis(asked: Asked, bench: Bench, progress: Progress | None = None) -> Diagnosis:
@@ -74,9 +76,7 @@ def diagnosis(asked: Asked, bench: Bench, progress: Progress | None = None) -> D
     ------
     CheckFailed : a baseline that does not converge.
     """
-    from validation.diagnosing.diagnosed import diagnosed
-
-    return diagnosed(bench, only=asked.candidates, progress=progress)
+    return diagnosed.diagnosed(bench, only=asked.candidates, progress=progress)
 
 
 def _diagnosed(asked: Asked, bench: Bench, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
@@ -92,7 +92,7 @@ def _climbed(asked: Asked, bench: Bench, *, as_json: bool) -> tuple[Diagnosis, d
     """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
     pages = 0
 
-    def diagnosed(found: Diagnosis) -> None:
+    def first(found: Diagnosis) -> None:
         nonlocal pages
         if not pages and not as_json:
             click.echo(text(asked, bench, found))
@@ -100,10 +100,10 @@ def _climbed(asked: Asked, bench: Bench, *, as_json: bool) -> tuple[Diagnosis, d
 
     def added(rung: Rung) -> None:
         if not as_json:
-            click.echo(f"Rung {rung.number}: {rung.effect} added. {' '.join(rung.verdict)}\n")
+            click.echo(page(f"Rung {rung.number}: {rung.effect} added", (), rung.verdict))
 
     with stages("climbing", quiet=as_json) as told:
-        heard = automatic.Heard(diagnosed=diagnosed, added=added, progress=told)
+        heard = automatic.Heard(diagnosed=first, added=added, progress=told)
         found = automatic.climb(asked, bench, lambda at: diagnosis(asked, at, told), heard)
     if not as_json:
         click.echo(f"The climb ends: {found.ended}.\n")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from validation.comparing.verdicts import expected_z2, figure, misfit, percent
-from validation.diagnosing import detectable_table, figures, words
-from validation.diagnosing.diagnosis import NONLINEAR, NOTHING, Cause, Diagnosis, Size
+from validation.diagnosing import figures, words
+from validation.diagnosing.detectable_table import grid as smallest
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NONLINEAR, NOTHING, SEVERAL, Cause, Diagnosis, Size, Step
 from validation.engine.evaluation import Evaluation, Share
 from validation.rows import NONE
 from validation.tables.grid import Grid, aligned
@@ -14,8 +15,11 @@ from validation.tables.grid import Grid, aligned
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
-DETECTABLE = 12
-"""Smallest sizes that the page shows where something was found; all where nothing is missing."""
+CLOSE = 3.0
+"""[nats] from which what was not worth a name is worth a word: 20 to 1."""
+
+SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
+"""Verdicts of which the one sentence says all that a text would."""
 
 ERRORS: tuple[tuple[str, Callable[[Evaluation], str]], ...] = (
     ("nominal error", lambda e: percent(e.nominal.percent)),
@@ -40,8 +44,11 @@ def opening(found: Diagnosis) -> Iterator[str]:
     """The verdict in one sentence, and what there is to say of it."""
     first = words.headline(found)
     yield first
-    if found.text and found.text != first:
+    if found.text and found.verdict not in SAID_ALL:
         yield found.text
+    if found.verdict == NOTHING and found.ranking and found.ranking[0].evidence >= CLOSE:
+        one = found.ranking[0]
+        yield f"The closest is {words.cause(one)}: {one.evidence:.1f} nats, less than nulls may reach. Data that tell it better decide."
 
 
 def grids(found: Diagnosis) -> list[Grid]:
@@ -56,7 +63,7 @@ def grids(found: Diagnosis) -> list[Grid]:
         errors(found),
         *([ranking(found)] if found.ranking else []),
         *([steps(found)] if found.steps else []),
-        *([detectable(found)] if found.detectable and found.verdict == NOTHING else []),
+        *([smallest(found.detectable)] if found.detectable and found.verdict == NOTHING else []),
     ]
 
 
@@ -146,16 +153,8 @@ def ranking(found: Diagnosis) -> Grid:
 
 def steps(found: Diagnosis) -> Grid:
     """How it was found."""
-    lines = tuple(
-        (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", f"{one.added}: {one.text}" if one.added else one.text)
-        for k, one in enumerate(found.steps, start=1)
-    )
+    lines = tuple((f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _sentence(one)) for k, one in enumerate(found.steps, start=1))
     return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True)
-
-
-def detectable(found: Diagnosis) -> Grid:
-    """The smallest size at which effects would have been named, by family."""
-    return detectable_table.grid(found.detectable)
 
 
 def notes(found: Diagnosis) -> Iterator[str]:
@@ -182,6 +181,10 @@ def figure_of(one: Cause) -> str:
         return NONE
     value, _, _, unit = words.interval(one, one.sizes[0])
     return figures.with_unit(value, unit)
+
+
+def _sentence(of: Step) -> str:
+    return of.text if of.text.startswith(of.added) else f"{of.added}: {of.text}"
 
 
 def _sizes(one: Cause) -> list[tuple[str, ...]]:

@@ -18,20 +18,33 @@ def _said(answer: Json) -> str:
     if "verdict" not in answer:
         return " ".join(str(answer.get("refused") or answer.get("broken", "")).split())[-300:]
     claimed = ", ".join(_claim(one) for one in answer["accepted"]) or "-"
-    tried = ", ".join(f"{one['id']} {one['evidence_nats']:.3g}" for one in answer["ranking"][:SHOWN])
-    before, after = answer["before"], answer["after"]
-    return (
-        f"{answer['verdict'].upper()} {claimed} | class {', '.join(answer['equivalence_class']) or '-'} | tried {tried or '-'} | "
-        f"misfit {before['misfit']:.3f} -> {after['misfit']:.3f}, z2 {before['tolerance_z2']:.0f} -> {after['tolerance_z2']:.0f} "
-        f"of {after['tolerances']} | {answer['seconds']['diagnosis']:.1f} s"
-    )
+    alike = ", ".join(answer["equivalence_class"]) or "-"
+    tried = ", ".join(f"{one['id']} {_nats(one)}" for one in answer["ranking"][:SHOWN]) or "-"
+    seconds = answer["seconds"]["diagnosis"]
+    return f"{answer['verdict'].upper()} {claimed} | class {alike} | tried {tried} | {_fits(answer)} | {seconds:.1f} s"
+
+
+def _fits(answer: Json) -> str:
+    before, after = (answer[when]["fitted"] for when in ("before", "after"))
+    misfit = f"misfit {before['chi2_per_dof']:.3f} -> {after['chi2_per_dof']:.3f}"
+    return f"{misfit}, z2 {before['tolerance_z2']:.0f} -> {after['tolerance_z2']:.0f} of {after['tolerances']}"
 
 
 def _claim(one: Json) -> str:
-    sizes = ",".join(
-        f"{s['key']}{':' if s['key'] else ''}{s['value']:.3g} [{s['low']:.3g}, {s['high']:.3g}]" for s in one["sizes"]
-    )
-    return f"{one['id']}={sizes} ({one['evidence_nats']:.3g} nats)"
+    return f"{one['id']}={','.join(_size(size) for size in one['values'])} ({_nats(one)} nats)"
+
+
+def _size(size: Json) -> str:
+    key = f"{size['key']}:" if size["key"] else ""
+    return f"{key}{size['value']:.3g} {_interval(*size['interval90'])}"
+
+
+def _nats(one: Json) -> str:
+    return "-" if one["evidence_nats"] is None else f"{one['evidence_nats']:.3g}"
+
+
+def _interval(low: float, high: float) -> str:
+    return f"[{low:.3g}, {high:.3g}]"
 
 
 def _effect(id: str, sizes: dict[str, float]) -> str:

@@ -97,7 +97,6 @@ def outcome(truth: Json, answer: Json) -> Outcome:
     planted = {canonical(one["id"]): one for one in truth["planted"]}
     sized = all(one["multiple"] > 0 for one in truth["planted"])
     seconds = answer.get("seconds", {})
-    after = answer.get("after", {})
     return Outcome(
         name=truth["name"],
         kind=truth["kind"],
@@ -112,8 +111,8 @@ def outcome(truth: Json, answer: Json) -> Outcome:
         claimed=tuple(claims),
         alike=tuple(map(canonical, answer.get("equivalence_class", ()))) or tuple(claims)[:1],
         sizes=tuple(one for id, claim in claims.items() if id in planted for one in _measured(planted[id]["sizes"], claim)),
-        misfit=float(answer.get("before", {}).get("misfit", float("nan"))),
-        held_out=after.get("held_out_percent"),
+        misfit=float(answer.get("before", {}).get("fitted", {}).get("chi2_per_dof", float("nan"))),
+        held_out=answer.get("errors", {}).get("heldout_after_percent"),
         seconds=float(seconds.get("diagnosis", float("nan"))),
         reading=float(seconds.get("reading", float("nan"))),
     )
@@ -131,11 +130,11 @@ def _claims(verdict: str, answer: Json) -> dict[str, Json]:
     if accepted or verdict not in NAMING:
         return accepted
     first = [*answer.get("equivalence_class", ()), *(one["id"] for one in answer.get("ranking", ()))][:1]
-    return {canonical(id): {"id": id, "sizes": []} for id in first}
+    return {canonical(id): {"id": id, "values": []} for id in first}
 
 
 def _measured(true: Mapping[str, float], claim: Json) -> Iterator[Measured]:
-    for size in claim["sizes"]:
-        value = true.get(size["key"])
-        if value and size["low"] < size["high"]:  # what was not fitted has no interval, and what is zero no relative error
-            yield Measured(error=abs(size["value"] / value - 1), inside=size["low"] <= value <= size["high"])
+    for size in claim["values"]:
+        value, (low, high) = true.get(size["key"]), size["interval90"]
+        if value and low < high:  # what was not fitted has no interval, and what is zero no relative error
+            yield Measured(error=abs(size["value"] / value - 1), inside=low <= value <= high)

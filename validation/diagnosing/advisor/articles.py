@@ -66,7 +66,9 @@ def others(templates: Sequence[Template]) -> Iterator[Offer]:
     for other in OTHERS:
         if other.article in there or (other.article in FAMILY and not there & set(FAMILY)):
             continue
-        yield from _run(f"Run {named(other.article)}", other.hours, templates[0], _with(templates[0], other.article))
+        yield from _run(
+            other.article, f"Run {named(other.article)}", other.hours, templates[0], _with(templates[0], other.article)
+        )
 
 
 def turned(templates: Sequence[Template]) -> Iterator[Offer]:
@@ -76,23 +78,25 @@ def turned(templates: Sequence[Template]) -> Iterator[Offer]:
         if above_fmd(campaign.article):
             for angle, hours in TURNS:
                 words = f"Run {named(above_fmd(campaign.article))} turned by {angle:g} degrees about z"
-                yield from _run(words, hours, one, _posed(campaign, _about_z(campaign, angle)))
+                yield from _run("turned", words, hours, one, _posed(campaign, _about_z(campaign, angle)))
     if not any(CUBOID in one.tested.campaign.article for one in templates):
         campaign = _with(templates[0], TARE)
         words = f"Run {named(TARE)} turned by 90 degrees about z"
-        yield from _run(words, TURNS[0][1], templates[0], _posed(campaign, _about_z(campaign, TURNS[0][0])))
+        yield from _run("turned", words, TURNS[0][1], templates[0], _posed(campaign, _about_z(campaign, TURNS[0][0])))
 
 
 def lying(templates: Sequence[Template]) -> Iterator[Offer]:
     """The Cuboid on its broad side: the same mass at another height."""
     campaign = _with(templates[0], CUBOID)
-    yield from _run("Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, _on_its_side(campaign)))
+    yield from _run(
+        "lying", "Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, _on_its_side(campaign))
+    )
 
 
-def _run(words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[Offer]:
+def _run(kind: str, words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[Offer]:
     """The offer; none where the model cannot describe what would stand there."""
     try:
-        yield Offer(words=words, hours=hours, test=planned(of, campaign))
+        yield Offer(kind=kind, words=words, hours=hours, test=planned(of, campaign))
     except BadInput:
         return
 

@@ -54,7 +54,9 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
         for method in METHODS if what else ():
             facts = _facts(model, what, method)
             if any(not _is_known(one, known) for one in facts):
-                yield Offer(words=method.words.format(named(what)), hours=method.hours, facts=partial(_with, facts))
+                yield Offer(
+                    kind=method.words, words=method.words.format(named(what)), hours=method.hours, facts=partial(_with, facts)
+                )
 
 
 def _facts(model: Model, what: str, method: Method) -> tuple[ArticleFact, ...]:

@@ -32,7 +32,7 @@ class _Differences:
 
 
 def told(offer: Offer, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
-    """Nats that `offer` is expected to tell of `first` against each of `others`: on average over which of the two is right.
+    """Nats that `offer` is expected to tell of `first` against each of `others`, as far as a straight line goes.
 
     Raises
     ------
@@ -42,18 +42,22 @@ def told(offer: Offer, first: Knowledge, others: Sequence[Knowledge]) -> tuple[f
     found = _of_facts(offer, here, there) if offer.test is None else _of_lines(offer.test, here, there)
     own = first.spread(found.parameters, offer.moved)
     return tuple(
-        _either(first.odds(one), nats(difference, one.spread(found.parameters, offer.moved)), nats(difference, own))
+        either(first.odds(one), nats(difference, one.spread(found.parameters, offer.moved)), nats(difference, own))
         for difference, one in zip(found.others, others, strict=True)
     )
 
 
-def _either(probability: float, first: float, other: float) -> float:
-    """What is expected where the first is right with `probability`."""
-    return probability * first + (1 - probability) * other
+def either(probability: float, first: float, other: float) -> float:
+    """What is expected where the first is right with `probability`: the geometric mean, which follows the smaller of the two.
+
+    What would be plain in the one case is no reason to expect it in the other.
+    """
+    least = np.finfo(np.float64).tiny
+    return float(max(first, least) ** probability * max(other, least) ** (1 - probability))
 
 
 def _of_lines(test: Planned, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
-    lines, worth = lines_of(reading(test, first, first.offsets))
+    lines, worth = lines_of(test, reading(test, first, first.offsets))
     mine = test.prediction.with_effects(first.effects)
     predicted = mine.at(first.offsets, lines)
     parameters = {one.name: one for one in mine.parameters if one.tolerance > 0}

@@ -28,16 +28,16 @@ def lower(templates: Sequence[Template]) -> Iterator[Offer]:
         lines = np.arange(LOWEST, of.frequency[0] - FINER / 2, FINER)
         if len(lines):
             words = f"Run {_what(of)} in a slow sweep from {LOWEST:g} to {of.frequency[0]:g} Hz"
-            yield Offer(words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
+            yield Offer(kind="lower", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
 
 
 def higher(templates: Sequence[Template]) -> Iterator[Offer]:
-    """A sweep above what was driven."""
-    for of in templates:
+    """A sweep above what was driven, of what has modes."""
+    for of in (one for one in templates if one.tested.carried.standing.modes):
         lines = np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)
         if len(lines):
             words = f"Run {_what(of)} in a sweep from {of.frequency[-1]:g} to {HIGHEST:g} Hz"
-            yield Offer(words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
+            yield Offer(kind="higher", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
 
 
 def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[Offer]:
@@ -45,7 +45,7 @@ def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[O
     if any(FAMILIES[one].side == AMPLITUDE for one in families):
         for of in templates:
             words = f"Run {_what(of)} at half the level"
-            yield Offer(words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF))
+            yield Offer(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF))
 
 
 def _what(of: Template) -> str:

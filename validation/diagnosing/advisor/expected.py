@@ -1,7 +1,7 @@
 """How many nats a test is expected to give for the right one of two explanations, in closed form.
 
 By explanation a the test reads A_a u + n, the tolerances within what the present data left of them: whitened and with the latent
-inputs taken out, a Gaussian with mean m_a and covariance S_a = 1 + J C_a J^T. If a is true, its evidence grows against that of b by
+inputs taken out, a Gaussian with mean m_a and covariance S_a = 1 + J C_a J^T. If a is true, it gains on b
 
     1/2 d^T S_b^-1 d ,        d = m_a - m_b ,
 
@@ -10,8 +10,8 @@ the mean of the logarithm of a ratio of Gaussians). With C = L L^T and N = J^T J
 
     d^T S^-1 d = d^T d - |K^-1/2 L^T J^T d|² ,    K = 1 + L^T N L .
 
-What a itself does not know, 1/2 [tr S_b^-1 (S_a - S_b) + ln det S_b - ln det S_a], is left out: it is never negative, so the figure
-is a cautious one, and it would ask for J of both explanations where resonances are narrow and small differences of J are none.
+What a itself does not know, 1/2 [tr S_b^-1 (S_a - S_b) + ln det S_b - ln det S_a], is left out. It is never negative, so that
+the figure is a cautious one; and it would ask for J of both: at a narrow resonance no difference of J is small.
 """
 
 from __future__ import annotations

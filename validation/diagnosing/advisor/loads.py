@@ -27,8 +27,8 @@ ON_ARTICLE = 0.5
 
 HOURS = 1.0
 
-MOST = 3
-"""Places of an article at which a mass is offered."""
+MOST = 2
+"""Places of an article at which a mass is offered at most."""
 
 
 def on_plate(templates: Sequence[Template]) -> Iterator[Offer]:
@@ -40,7 +40,7 @@ def on_plate(templates: Sequence[Template]) -> Iterator[Offer]:
     made = _carrying(test, replace(bare, moving=bare.moving + _point(ON_PLATE, place)))
     beside = named(above_fmd(of.tested.campaign.article))
     words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
-    yield Offer(words=words, hours=HOURS, test=made)
+    yield Offer(kind="load on the plate", words=words, hours=HOURS, test=made)
 
 
 def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[Offer]:
@@ -48,9 +48,10 @@ def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[
     of = max(templates, key=lambda one: len(_places(one)))
     there = _places(of)
     chosen = dict.fromkeys((*(place for place in asked if place in there), *there[::-1]))
-    for place in list(chosen)[:MOST]:
+    asked_about = sum(place in there for place in asked)
+    for place in list(chosen)[: min(max(asked_about, 1), MOST)]:
         words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
-        yield Offer(words=words, hours=HOURS, test=_with_mass(of, place))
+        yield Offer(kind="load on the article", words=words, hours=HOURS, test=_with_mass(of, place))
 
 
 def _with_mass(of: Template, place: str) -> Planned:

@@ -16,6 +16,7 @@ from validation.models.model import Added
 def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequence[Fact]) -> Iterator[Offer]:
     """Of a laboratory that has done the campaigns of `templates` and knows `facts`, and wonders about `effects`."""
     asked = tuple(target for one in effects for target in one.named.targets)
+    families = [one.named.family for one in effects]
     yield from classical(templates, facts)
     yield from articles.others(templates)
     yield from articles.turned(templates)
@@ -25,8 +26,8 @@ def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequenc
     yield from sensors.exchanged(templates, asked)
     yield from sensors.moved(templates, asked)
     yield from sensors.more(templates)
-    yield from sensors.without_tilt(templates)
+    yield from sensors.without_tilt(templates, families)
     yield from undone(templates, effects)
     yield from drives.lower(templates)
     yield from drives.higher(templates)
-    yield from drives.levels(templates, [one.named.family for one in effects])
+    yield from drives.levels(templates, families)

@@ -25,6 +25,7 @@ class Offer:
 
     Attributes
     ----------
+    kind : of several of one kind only the best is named
     words : what to do
     hours : of work, roughly; assumed, to compare tests by
     test : the campaign; None for other measurements
@@ -33,6 +34,7 @@ class Offer:
     gone : families or ids of effects that the test takes away
     """
 
+    kind: str
     words: str
     hours: float
     test: Planned | None = None

@@ -30,7 +30,7 @@ from validation.prediction.set_up import standing
 SPACING = 0.2
 """[Hz] between the lines at which a test is predicted at all: the width over which levels are smoothed."""
 
-LINES = 30
+LINES = 20
 """At which it is compared; they stand for the lines that a fit would use."""
 
 RUNS = 6
@@ -47,12 +47,14 @@ class Template:
     frequency : (n,) [Hz], `SPACING` apart
     inputs : (r, n, 6) base motions
     noise : by channel (r, n)
+    spacing : [Hz] between the lines that were measured
     """
 
     prediction: SeriesPrediction
     frequency: Array
     inputs: ComplexArray
     noise: Mapping[str, Array]
+    spacing: float
 
     @property
     def tested(self) -> Tested:
@@ -68,10 +70,12 @@ class Planned:
     ----------
     prediction : of its campaign, which has no readings yet
     inputs : (r, n, 6) base motions
+    lines : that a fit of it would use
     """
 
     prediction: SeriesPrediction
     inputs: ComplexArray
+    lines: int
 
     @property
     def measured(self) -> Measured:
@@ -82,7 +86,8 @@ class Planned:
 def template(of: SeriesPrediction, by: Knowledge) -> Template:
     """The campaign of `of`, its base motions as the hypothesis `by` tells them."""
     some = of.on(of.measured.runs[:RUNS]).with_effects(by.effects)
-    lines = _apart(some.measured.frequency)
+    spacing = _spacing(some.measured.frequency)
+    lines = np.arange(0, len(some.measured.frequency), max(1, round(SPACING / spacing)), dtype=np.int64)
     predicted, seen = some.at(by.offsets, lines, derivatives=False), likelihood.observed(some.measured, lines)
     weight = seen.weight(FLOOR, predicted.noise)
     rows = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
@@ -92,13 +97,12 @@ def template(of: SeriesPrediction, by: Knowledge) -> Template:
         frequency=some.measured.frequency[lines],
         inputs=np.stack(inputs),
         noise={name: seen.noise[..., k] for k, name in enumerate(some.measured.channels)},
+        spacing=spacing,
     )
 
 
-def _apart(frequency: Array) -> Lines:
-    """(n,) indices of lines about `SPACING` apart."""
-    step = max(1, round(SPACING / float(np.median(np.diff(frequency))))) if len(frequency) > 1 else 1
-    return np.arange(0, len(frequency), step, dtype=np.int64)
+def _spacing(frequency: Array) -> float:
+    return float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
 
 
 def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None, level: float = 1.0) -> Planned:
@@ -124,7 +128,8 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
         drives=drives,
     )
     inputs = level * of.inputs[:, near] * np.sqrt(of.frequency[near] / lines)[:, None]
-    return Planned(prediction=SeriesPrediction(tested=tested), inputs=inputs)
+    measured = 1 + round(float(lines[-1] - lines[0]) / of.spacing)
+    return Planned(prediction=SeriesPrediction(tested=tested), inputs=inputs, lines=min(AT_MOST, measured))
 
 
 def _unread(of: Template, campaign: Campaign, was: Tested, lines: Array, near: Lines) -> Measured:
@@ -169,7 +174,7 @@ def _each(rows: ComplexArray, test: Planned) -> ComplexArray:
     return np.asarray((rows @ test.inputs[..., None])[..., 0])
 
 
-def lines_of(measured: Measured) -> tuple[Lines, float]:
-    """Indices of the lines at which a test is compared, and how many lines of a fit each stands for."""
+def lines_of(test: Planned, measured: Measured) -> tuple[Lines, float]:
+    """Indices of the lines at which `test` is compared by what was `measured` in it, and for how many of a fit each stands."""
     lines = chosen(measured, at_most=LINES)
-    return lines, max(1.0, AT_MOST / len(lines))
+    return lines, test.lines / len(lines)

@@ -26,6 +26,9 @@ INWARDS = 0.6
 PARALLEL = 0.99
 """Cosine between two directions that are the same to a hand."""
 
+TILTED = ("gravity", "accelerometer-tilt", "cable")
+"""Families that look like a tilt."""
+
 COVER = "cover"
 
 MOUNTED = (COVER, "table")
@@ -42,7 +45,7 @@ def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[O
             pairs = ((one.name, other.name), (other.name, one.name))
             moved = {f"{family}:{a}": Origin(name=f"{family}:{b}") for family in ITS_OWN for a, b in pairs}
             words = f"Run {_beneath(of)} with the accelerometers {one.name} and {other.name} exchanged"
-            yield Offer(words=words, hours=1.0, test=planned(of, of.tested.campaign), moved=moved)
+            yield Offer(kind="exchanged", words=words, hours=1.0, test=planned(of, of.tested.campaign), moved=moved)
 
 
 def moved(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[Offer]:
@@ -52,7 +55,9 @@ def moved(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[Offer
         anew = tuple(f"{family}:{one.name}:{axis}" for family in WHERE for axis in AXES)
         campaign = replace(of.tested.campaign, table=_changed(of, [replace(one, places=_inwards(of, one))]))
         words = f"Run {_beneath(of)} with the accelerometer {one.name} moved inwards, and its place measured again"
-        yield Offer(words=words, hours=1.0, test=planned(of, campaign), moved=dict.fromkeys(anew, Origin()), gone=anew)
+        yield Offer(
+            kind="moved", words=words, hours=1.0, test=planned(of, campaign), moved=dict.fromkeys(anew, Origin()), gone=anew
+        )
 
 
 def more(templates: Sequence[Template]) -> Iterator[Offer]:
@@ -62,17 +67,17 @@ def more(templates: Sequence[Template]) -> Iterator[Offer]:
     if beside:
         campaign = replace(of.tested.campaign, table=_changed(of, beside))
         words = f"Run {_beneath(of)} with {len(beside)} more accelerometers on the cover plate"
-        yield Offer(words=words, hours=2.0, test=planned(of, campaign))
+        yield Offer(kind="more", words=words, hours=2.0, test=planned(of, campaign))
 
 
-def without_tilt(templates: Sequence[Template]) -> Iterator[Offer]:
-    """The motion of the cover plate is measured by what feels no tilt."""
-    for of in templates:
+def without_tilt(templates: Sequence[Template], families: Sequence[str]) -> Iterator[Offer]:
+    """The motion of the cover plate is measured by what feels no tilt, where one of `families` is about that."""
+    for of in templates if set(TILTED) & set(families) else ():
         kinematic = [replace(one, senses_gravity=False) for one in _on(of, COVER) if one.senses_gravity]
         if kinematic:
             campaign = replace(of.tested.campaign, table=_changed(of, kinematic))
             words = f"Run {_beneath(of)} with the motion of the cover plate measured by vibrometers, which feel no tilt"
-            yield Offer(words=words, hours=8.0, test=planned(of, campaign))
+            yield Offer(kind="tilt", words=words, hours=8.0, test=planned(of, campaign))
 
 
 def _beneath(of: Template) -> str:

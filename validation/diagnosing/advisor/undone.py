@@ -52,4 +52,4 @@ def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[
         gone = (family,) if family in GONE else ()
         names = () if gone else (applied.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic)
         moved = {name: Origin(name=name, factor=LEFT) for name in names}
-        yield Offer(words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)
+        yield Offer(kind=added.named.family, words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)

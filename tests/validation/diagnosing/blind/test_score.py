@@ -32,14 +32,15 @@ def answer(
         "accepted": accepted,
         "ranking": accepted,
         "equivalence_class": list(alike or claims[:1]),
-        "before": {"misfit": misfit, "tolerance_z2": 100.0, "plain_percent": 1.0, "held_out_percent": 2.0, "tolerances": 150},
-        "after": {"misfit": misfit, "tolerance_z2": 100.0, "plain_percent": 1.0, "held_out_percent": left, "tolerances": 150},
+        "before": {"fitted": {"chi2_per_dof": misfit, "tolerance_z2": 100.0, "tolerances": 150}},
+        "after": {"fitted": {"chi2_per_dof": misfit, "tolerance_z2": 100.0, "tolerances": 150}},
+        "errors": {"heldout_before_percent": 2.0, "heldout_after_percent": left},
         "seconds": {"reading": 2.0, "diagnosis": 6.0},
     }
 
 
 def _claim(id: str, value: float) -> Json:
-    return {"id": id, "evidence_nats": 50.0, "sizes": [{"key": "", "value": value, "low": value - 0.01, "high": value + 0.01}]}
+    return {"id": id, "evidence_nats": 50.0, "values": [{"key": "", "value": value, "interval90": [value - 0.01, value + 0.01]}]}
 
 
 def row(outcomes: list[Outcome], what: str) -> Row:

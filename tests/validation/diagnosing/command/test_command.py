@@ -28,6 +28,8 @@ Made = Callable[[str], Diagnosis]
 def answers(monkeypatch: pytest.MonkeyPatch, run: Run) -> Callable[[Diagnosis], None]:
     """``answers(diagnosis)``: what every diagnosis comes to, of a model file where the command runs."""
     Path("model.toml").write_text(model_text(Model(source="model.toml", title="m", article="fmd+clumod-1")), encoding="utf-8")
+    for name in ("one", "two"):
+        Path(name).mkdir()
     monkeypatch.setattr(left, "draw_left", lambda found, bench, folder, progress: (folder / "left.png",))
 
     def prepared(asked: Any, *, quiet: bool = True) -> Bench:
@@ -137,7 +139,7 @@ def test_auto_finds_out_before_it_begins_that_the_model_cannot_be_written(
 
 
 def test_words_of_a_user_are_no_markup(answers, made: Made, run: Run) -> None:
-    answers(replace(made("missing"), text="[red]spring[/red] :bomb:", remarks=("[bold]x",)))
+    answers(replace(made("unknown"), text="[red]spring[/red] :bomb:", remarks=("[bold]x",)))
     out = run("diagnose", "model.toml", "one")[1]
     assert "[red]spring[/red] :bomb:" in out
     assert "warning: [bold]x." in out

@@ -1,0 +1,1 @@
+"""What `examples/table_2.py` is told with."""
