@@ -64,7 +64,7 @@ def test_what_is_missing_beside_a_mistake_is_told_apart(made: Made) -> None:
 
 
 def test_a_name_that_was_nearly_found_is_said_where_nothing_is_missing(made: Made) -> None:
-    assert "The closest is point-mass:mast-top, +198 g" in " ".join(printed(made("nothing")).split())
+    assert "The closest is point-mass:mast-top, +198.0 g" in " ".join(printed(made("nothing")).split())
     far = replace(made("nothing"), ranking=tuple(replace(one, evidence=1.0) for one in made("nothing").ranking))
     assert "The closest" not in printed(far)
 
