@@ -210,7 +210,8 @@ def _alike(id: str, known: Cause | None) -> str:
 
 
 def _advised(test: str, separates: Sequence[str]) -> str:
-    apart = f" It tells {words.listed(separates)} apart." if len(separates) > 1 else ""
+    names = ["no effect at all" if one == NOTHING else one for one in separates]
+    apart = f" It tells {words.listed(names)} apart." if len(names) > 1 else ""
     return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
 
 
