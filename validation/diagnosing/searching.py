@@ -11,12 +11,15 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from validation.diagnosing.accepting import ALIKE, WORTH, Standing, standing
+from validation.diagnosing.accepting import ALIKE, Standing, excess, standing, worth
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
 from validation.diagnosing.menu import is_resonator
-from validation.diagnosing.refitting import refitted
+from validation.diagnosing.refitting import refitted, roughly, settled
 from validation.diagnosing.screening import Screened, screen
+from validation.engine.evaluation import Fit
+from validation.engine.fit import nearby
+from validation.engine.parameter import FITTED
 from validation.models.model import Added
 
 MOST = 3
@@ -35,8 +38,12 @@ BEHIND, ERRS = 12.0, 0.15
 """[nats] behind the promise of the best, and share of it that a line may err, at which another is not worth a fit, once that
 best is all that is needed."""
 
-BENT = 1.5
-"""Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar."""
+BENT, FINISHED = 1.5, 3
+"""Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar; and how many of these
+rough fits are finished."""
+
+LEAST = 0.25
+"""Share of what is too much of cost that an effect must explain for others to be looked for beside it."""
 
 ALIASES, FAR = 3, 0.3
 """Rivals that are fitted though no line promised them, and the greatest share of what the best does that may be its own."""
@@ -60,6 +67,11 @@ class Tried:
     hypothesis: Hypothesis
     evidence: float
     standing: Standing
+
+    @property
+    def family(self) -> str:
+        """Of the effect."""
+        return self.hypothesis.effects[-1].named.family
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -90,27 +102,46 @@ def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Pr
         rounds.append(one)
         if not one.added:
             break
-        at = _again(bench, one.tried[0].hypothesis, menu, base)
+        best = one.tried[0]
+        at = _again(bench, best.hypothesis)
+        if not best.standing.null and one.at.fit.cost - best.hypothesis.fit.cost < LEAST * excess(one.at.fit, one.standing):
+            break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     return at, tuple(rounds)
 
 
 def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progress) -> Round:
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = standing(at.fit, at.problem), screen(bench, at, menu)
+    tried = (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, found, progress)
+    tried.sort(key=lambda each: -each.evidence)
+    good = bool(tried) and tried[0].evidence >= worth(tried[0].family)
+    if good:
+        rivals = _rivals(tried, menu, found)
+        progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
+        tried += [_tried(bench, at, one.added) for one in rivals]
+        tried.sort(key=lambda each: -each.evidence)
+    return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
+
+
+def _nearby(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
+    """Fits of the best, until one is all that is needed."""
     tried: list[Tried] = []
     for one in _promising(found):
         if _settled(tried, one, found) or (here.null and one.evidence < SOUND):
             break
         progress(f"trying {one.id}", len(tried) / TRIED)
-        tried.append(_tried(bench, at, one.added, here))
-    tried.sort(key=lambda each: -each.evidence)
-    good = bool(tried) and tried[0].evidence >= WORTH
-    if good:
-        rivals = _rivals(tried, menu, found)
-        progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        tried += [_tried(bench, at, one.added, here) for one in rivals]
-        tried.sort(key=lambda each: -each.evidence)
-    return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
+        tried.append(_tried(bench, at, one.added))
+    return tried
+
+
+def _from_afar(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
+    """Rough fits of all that promise something, and of the best of these good ones."""
+    rough, promising = [], _promising(found)
+    for done, one in enumerate(promising):
+        progress(f"trying {one.id} from afar", done / (len(promising) + FINISHED))
+        rough.append((one.added, roughly(bench, at, one.added)))
+    rough.sort(key=lambda each: -each[1].log_evidence)
+    return [_tried(bench, at, added, begin) for added, begin in rough[:FINISHED]]
 
 
 def _promising(found: Sequence[Screened]) -> list[Screened]:
@@ -135,7 +166,7 @@ def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Scree
     """Candidates that were not fitted, and can do nearly all that the best of those that were does to the data."""
     best, known = tried[0], {one.id for one in tried}
     others = [one for one in menu if one.named.id not in known and not is_resonator(one.named)]
-    if is_resonator(best.hypothesis.effects[-1].named):
+    if is_resonator(best.hypothesis.effects[-1].named) or best.hypothesis.effects[-1].fixed:
         return []
     near = aliases(best.hypothesis, best.hypothesis.effects[-1], others, limit=min(ALIKE / best.evidence, FAR))
     by_id = {one.id: one for one in found}
@@ -151,28 +182,26 @@ def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -
     return one.evidence < (1 - ERRS) * promised - BEHIND
 
 
-def _tried(bench: Bench, at: Hypothesis, added: Added, here: Standing) -> Tried:
-    there = refitted(bench, at, added, from_afar=here.misfit > BENT)
+def _tried(bench: Bench, at: Hypothesis, added: Added, begin: Fit | None = None) -> Tried:
+    there = refitted(bench, at, added, begin=begin)
     evidence = there.fit.log_evidence - at.fit.log_evidence
     return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
 
 
-def _again(bench: Bench, at: Hypothesis, menu: Sequence[Added], base: Hypothesis) -> Hypothesis:
+def _again(bench: Bench, at: Hypothesis) -> Hypothesis:
     """`at` without the earlier effects that are not needed any more, the newest being there."""
     for added in at.effects[:-1]:
-        rest = _without(bench, at, added, base)
-        if at.fit.log_evidence - rest.fit.log_evidence < WORTH:
+        rest = _without(bench, at, added)
+        if at.fit.log_evidence - rest.fit.log_evidence < worth(added.named.family):
             at = rest
     return at
 
 
-def _without(bench: Bench, at: Hypothesis, added: Added, base: Hypothesis) -> Hypothesis:
-    """The fit of the other effects alone, on the way that leads to it from nothing."""
-    here = base
-    for one in at.effects:
-        if one.named.id != added.named.id:
-            here = refitted(bench, here, one, from_afar=standing(here.fit, here.problem).misfit > BENT)
-    return here
+def _without(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:
+    """The fit of the other effects alone, from where it is with all."""
+    left = tuple(one for one in at.effects if one.named.id != added.named.id)
+    problem = bench.problem(left)
+    return settled(bench, Hypothesis(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
 
 
 def alike(of: Round) -> tuple[Tried, ...]:

@@ -24,10 +24,6 @@ from validation.engine.problem import Problem
 NEAR = 3.0
 """Standard deviations, as far as the data fit, to which the quadratic model is taken at its word."""
 
-QUICK = 30.0
-"""The same where it must be quick: of a series of three configurations, folds then come out within 0.02 per cent of an error, but
-for one in eighteen that no eight evaluations bring to an end either, and in a third of the time."""
-
 FEW = 8
 """Evaluations that a fold may take beyond that."""
 
@@ -59,15 +55,17 @@ def solved(problem: Problem, plain: Fit, floor: float) -> Solved:
 
 
 def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]:
-    """Offsets of all parameters that fit best without what `fold` holds out, declared ones within their bounds."""
+    """Offsets of all parameters that fit best without what `fold` holds out, declared ones within their bounds.
+
+    Where it must be `quick` the quadratic model is taken at its word wherever it leads.
+    """
     rest = replace(at.cost, problem=hold_out.without(at.cost.problem, fold), observed=())
     left = _left(at, rest, fold)
     away, rows = rest.knowledge(at.x)
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
     step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
     offsets = rest.offsets(at.x + step)
-    near = QUICK if quick else NEAR
-    if float(step @ matrix @ step) < (near * excess(left, rest.size(at.x))) ** 2:
+    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
         return offsets
     return _further(rest, offsets)
 
