@@ -8,7 +8,7 @@ from importlib.metadata import version
 import numpy as np
 
 from validation.diagnosing import accepting
-from validation.diagnosing.accepting import standing
+from validation.diagnosing.accepting import standing, worth
 from validation.diagnosing.advisor.advised import advised
 from validation.diagnosing.against_facts import contradictions
 from validation.diagnosing.bench import Bench, Hypothesis
@@ -51,7 +51,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
     return Diagnosis(
         verdict=verdict,
         text=_text(verdict, found, best),
-        accepted=tuple(_accepted(one, found, rounds) for one in named),
+        accepted=tuple(_accepted(one, base, found, rounds) for one in named),
         ranking=tuple(_cause(one) for one in best.tried),
         equivalence_class=tuple(one.id for one in alike(best)) if named else (),
         advice=_advice(bench, verdict, best, lambda share: progress("looking for the next measurement", share)),
@@ -78,11 +78,12 @@ def _verdict(found: Hypothesis, rounds: Sequence[Round]) -> str:
 
 
 def _advice(bench: Bench, verdict: str, best: Round, progress: Callable[[float], None]) -> tuple[Advice, ...]:
-    """Tests that would tell apart what is as good as the best; where nothing is, that would tell it from its runner-up."""
-    if verdict not in (AMBIGUOUS, MISSING):
-        return ()
-    rivals = alike(best) if verdict == AMBIGUOUS else best.tried[:RIVALS]
-    return advised(bench, [one.hypothesis for one in rivals[:RIVALS]], progress)
+    """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
+    if verdict == AMBIGUOUS:
+        return advised(bench, [one.hypothesis for one in alike(best)[:RIVALS]], progress)
+    if verdict == MISSING:
+        return (Advice(test=_cause(best.tried[0]).confirmed_by, gain=0.0),)
+    return ()
 
 
 def _text(verdict: str, found: Hypothesis, best: Round) -> str:
@@ -100,11 +101,10 @@ def _text(verdict: str, found: Hypothesis, best: Round) -> str:
     return f"Something is wrong that is none of the effects known: {why}{closest}"
 
 
-def _accepted(added: Added, found: Hypothesis, rounds: Sequence[Round]) -> Cause:
-    evidence = next(
-        (one.tried[0].evidence for one in reversed(rounds) if one.added == added.named.id),
-        0.0,
-    )
+def _accepted(added: Added, base: Hypothesis, found: Hypothesis, rounds: Sequence[Round]) -> Cause:
+    evidence = next((one.tried[0].evidence for one in reversed(rounds) if one.added == added.named.id), 0.0)
+    if len(found.effects) == 1:  # whatever was there on the way
+        evidence = found.fit.log_evidence - base.fit.log_evidence
     of = standing(found.fit, found.problem)
     return Cause(
         named=added.named,
@@ -156,10 +156,11 @@ def _step(one: Round) -> Step:
 
 def _why(one: Round) -> str:
     if one.added:
-        return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {accepting.WORTH:g} are asked for"
+        return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {worth(one.tried[0].family):g} are asked for"
     if not one.tried:
         return "no candidate promises anything"
-    return f"the best, {one.tried[0].id}, brings {one.tried[0].evidence:.1f} nats, where {accepting.WORTH:g} are asked for"
+    asked = worth(one.tried[0].family)
+    return f"the best, {one.tried[0].id}, brings {one.tried[0].evidence:.1f} nats, where {asked:g} are asked for"
 
 
 def _settings(bench: Bench, rounds: Sequence[Round]) -> Mapping[str, object]:

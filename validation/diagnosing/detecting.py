@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isfinite
 
-from validation.diagnosing.accepting import WORTH
+from validation.diagnosing.accepting import worth
 from validation.diagnosing.diagnosis import Detectable
 from validation.diagnosing.dictionary import smallest_mass
 from validation.diagnosing.menu import is_resonator
@@ -19,8 +19,8 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
 
 
 def _of(one: Screened) -> Detectable:
-    size = one.added.named.sizes[0]
+    size, wanted = one.added.named.sizes[0], worth(one.added.named.family)
     if is_resonator(one.added.named):
         f = one.added.named.values["f"]
-        return Detectable(id=one.id, size=smallest_mass(one.told, WORTH), unit=size.unit, at=f"{f:.3g} Hz")
-    return Detectable(id=one.id, size=one.told.detectable(one.plausible, WORTH), unit=size.unit)
+        return Detectable(id=one.id, size=smallest_mass(one.told, wanted), unit=size.unit, at=f"{f:.3g} Hz")
+    return Detectable(id=one.id, size=one.told.detectable(one.plausible, wanted), unit=size.unit)

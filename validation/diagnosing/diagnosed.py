@@ -20,6 +20,7 @@ from validation.diagnosing.menu import candidates
 from validation.diagnosing.mistaken import with_mistakes, without_mistakes
 from validation.diagnosing.refitting import baseline
 from validation.diagnosing.searching import searched
+from validation.diagnosing.unequal import nonlinear_answer
 from validation.engine.prediction import Fact
 from validation.models.model import Added, Model
 from validation.prediction.facts import facts
@@ -79,8 +80,6 @@ def diagnosed(
     right = without_mistakes(of, mistaken)
     menu = candidates(right, only=only, leave_out=leave_out)
     if differing := levels(right):
-        from validation.diagnosing.unequal import nonlinear_answer
-
         return nonlinear_answer(right, mistaken, differing, tell)
     tell("fitting the model as it is", 0.0)
     base = baseline(right, lambda share: tell("fitting the model as it is", share))

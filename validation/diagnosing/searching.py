@@ -11,12 +11,14 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from validation.diagnosing.accepting import ALIKE, WORTH, Standing, standing
+from validation.diagnosing.accepting import ALIKE, Standing, standing, worth
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
 from validation.diagnosing.menu import is_resonator
-from validation.diagnosing.refitting import refitted
+from validation.diagnosing.refitting import refitted, settled
 from validation.diagnosing.screening import Screened, screen
+from validation.engine.fit import nearby
+from validation.engine.parameter import FITTED
 from validation.models.model import Added
 
 MOST = 3
@@ -61,6 +63,11 @@ class Tried:
     evidence: float
     standing: Standing
 
+    @property
+    def family(self) -> str:
+        """Of the effect."""
+        return self.hypothesis.effects[-1].named.family
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Round:
@@ -90,7 +97,7 @@ def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Pr
         rounds.append(one)
         if not one.added:
             break
-        at = _again(bench, one.tried[0].hypothesis, menu, base)
+        at = _again(bench, one.tried[0].hypothesis)
     return at, tuple(rounds)
 
 
@@ -104,7 +111,7 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
         progress(f"trying {one.id}", len(tried) / TRIED)
         tried.append(_tried(bench, at, one.added, here))
     tried.sort(key=lambda each: -each.evidence)
-    good = bool(tried) and tried[0].evidence >= WORTH
+    good = bool(tried) and tried[0].evidence >= worth(tried[0].family)
     if good:
         rivals = _rivals(tried, menu, found)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
@@ -135,7 +142,7 @@ def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Scree
     """Candidates that were not fitted, and can do nearly all that the best of those that were does to the data."""
     best, known = tried[0], {one.id for one in tried}
     others = [one for one in menu if one.named.id not in known and not is_resonator(one.named)]
-    if is_resonator(best.hypothesis.effects[-1].named):
+    if is_resonator(best.hypothesis.effects[-1].named) or best.hypothesis.effects[-1].fixed:
         return []
     near = aliases(best.hypothesis, best.hypothesis.effects[-1], others, limit=min(ALIKE / best.evidence, FAR))
     by_id = {one.id: one for one in found}
@@ -157,22 +164,20 @@ def _tried(bench: Bench, at: Hypothesis, added: Added, here: Standing) -> Tried:
     return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
 
 
-def _again(bench: Bench, at: Hypothesis, menu: Sequence[Added], base: Hypothesis) -> Hypothesis:
+def _again(bench: Bench, at: Hypothesis) -> Hypothesis:
     """`at` without the earlier effects that are not needed any more, the newest being there."""
     for added in at.effects[:-1]:
-        rest = _without(bench, at, added, base)
-        if at.fit.log_evidence - rest.fit.log_evidence < WORTH:
+        rest = _without(bench, at, added)
+        if at.fit.log_evidence - rest.fit.log_evidence < worth(added.named.family):
             at = rest
     return at
 
 
-def _without(bench: Bench, at: Hypothesis, added: Added, base: Hypothesis) -> Hypothesis:
-    """The fit of the other effects alone, on the way that leads to it from nothing."""
-    here = base
-    for one in at.effects:
-        if one.named.id != added.named.id:
-            here = refitted(bench, here, one, from_afar=standing(here.fit, here.problem).misfit > BENT)
-    return here
+def _without(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:
+    """The fit of the other effects alone, from where it is with all."""
+    left = tuple(one for one in at.effects if one.named.id != added.named.id)
+    problem = bench.problem(left)
+    return settled(bench, Hypothesis(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
 
 
 def alike(of: Round) -> tuple[Tried, ...]:

@@ -40,7 +40,7 @@ def evaluate(
     parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
         that of all parameters
     fitted : the fit of all parameters, where it is known already; the plain one then begins there
-    quick : whether errors are those of the lines that fits use, and no configuration is held out
+    quick : whether errors are those of the lines that fits use, no configuration is held out, and folds are a single step away
     progress : told the share of the work that is done, 0 to 1
 
     Raises
@@ -64,7 +64,7 @@ def evaluate(
     else:
         turns = every_block(problem, blocks) if blocks else folds(problem)
         turns = tuple(one for one in turns if not (quick and one.configuration))
-        parts = _turns(thinned, plain, turns, lambda share: tell(0.8 + 0.2 * share))
+        parts = _turns(thinned, plain, turns, quick, lambda share: tell(0.8 + 0.2 * share))
     problem = thinned if quick else problem
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
@@ -98,14 +98,14 @@ def _squares(problem: Problem, offsets: Offsets, *, quick: bool) -> list[Squares
     ]
 
 
-def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], tell: Progress) -> list[tuple[Fold, Offsets]]:
+def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], quick: bool, tell: Progress) -> list[tuple[Fold, Offsets]]:
     """Every fold with the offsets of the plain fit without it."""
     if not turns:
         return []
     whole = solved(problem, plain, PLAIN_FLOOR)
     found: list[tuple[Fold, Offsets]] = []
     for done, fold in enumerate(turns):
-        found.append((fold, {**problem.start, **refitted(whole, fold)}))
+        found.append((fold, {**problem.start, **refitted(whole, fold, quick=quick)}))
         tell((done + 1) / len(turns))
     return found
 

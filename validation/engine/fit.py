@@ -31,7 +31,7 @@ FLOOR = 0.0015
 """Model-error floor relative to the level of a channel at which fits are compared."""
 
 TRIAL = 20
-"""Evaluations after which a trial stops, and begins once more if it still gained: most trials are of effects that are not there."""
+"""Evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not there."""
 
 PLAIN_FLOOR = 0.01
 """The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
@@ -105,7 +105,7 @@ def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Pro
 
 
 def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
-    """The parameters of `kinds` where they stand at `offsets`, with what the data say there; nothing was fitted, nor converged."""
+    """The parameters of `kinds` as they stand at `offsets`, with what the data say there; nothing was fitted, nor converged."""
     return fitted(
         ended(cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds), offsets, converged=False)
     )

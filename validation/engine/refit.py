@@ -54,15 +54,18 @@ def solved(problem: Problem, plain: Fit, floor: float) -> Solved:
     return Solved(cost=cost, x=x, by_run=cost.by_run(x))
 
 
-def refitted(at: Solved, fold: Fold) -> dict[str, float]:
-    """Offsets of all parameters that fit best without what `fold` holds out, declared ones within their bounds."""
+def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]:
+    """Offsets of all parameters that fit best without what `fold` holds out, declared ones within their bounds.
+
+    Where it must be `quick` the quadratic model is taken at its word wherever it leads.
+    """
     rest = replace(at.cost, problem=hold_out.without(at.cost.problem, fold), observed=())
     left = _left(at, rest, fold)
     away, rows = rest.knowledge(at.x)
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
     step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
     offsets = rest.offsets(at.x + step)
-    if float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
+    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
         return offsets
     return _further(rest, offsets)
 
