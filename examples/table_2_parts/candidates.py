@@ -21,8 +21,8 @@ from validation.effects.targets import Vocabulary
 PARTS = ("mast", "lower-1")
 
 SWINGING = (6.0,)
-"""[Hz] of resonators that are tried, above the band of the reading: below its own frequency a resonator is a mass, which is all that
-seven numbers see of it."""
+"""[Hz] of resonators that are tried, above the band of the reading: below its own frequency a resonator is a mass, and seven
+numbers see no more of it."""
 
 SWINGING_MASS = 0.5
 """[kg] standard deviation of their mass, assumed."""

@@ -6,6 +6,7 @@ The figures behind them are those of `python -m benchmarks.blind --draw developm
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -24,13 +25,9 @@ WORTH_OF = {"structural-damping": 20.0, "layer-damping": 20.0}
 ALIKE = 5.0
 """[nats] within which two explanations are as good as each other."""
 
-MISFIT = 0.95
-"""Chi² per degree of freedom up to which a model may always miss nothing: the model-error floor is a bound, and a null stays
-below 1."""
-
-BEYOND, AT_LEAST = 1.08, 0.02
-"""Where noise counts more than that floor, a null comes near what noise alone predicts: this many times as much, and so much
-more, may be."""
+BEYOND, SCATTER = 1.01, 3.0
+"""Chi² per degree of freedom of a null, as a multiple of what noise alone predicts, and standard deviations of that beyond. The
+model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise."""
 
 UNLIKELY = 1e-4
 """Probability of a sum of z² below which tolerances pay for something."""
@@ -88,11 +85,17 @@ def standing(fit: Fit, problem: Problem) -> Standing:
     due = max(expected_z2(fit), 1.0)
     return Standing(
         misfit=misfit(fit),
-        limit=max(MISFIT, BEYOND * of_noise(problem) + AT_LEAST),
+        limit=of_noise(problem) * (BEYOND + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1))),
         price=fit.tolerance_z2 / due,
         largest=largest_z(fit),
         likely=float(chi2.sf(fit.tolerance_z2, due)),
     )
+
+
+def excess(fit: Fit, at: Standing) -> float:
+    """How much the cost of a fit lies above that of a null [nats]."""
+    chi2, z2 = fit.chi2 - at.limit * fit.degrees_of_freedom, fit.tolerance_z2 - expected_z2(fit)
+    return 0.5 * (max(chi2, 0.0) + max(z2, 0.0))
 
 
 def of_noise(problem: Problem) -> float:

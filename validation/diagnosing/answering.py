@@ -169,7 +169,7 @@ def _settings(bench: Bench, rounds: Sequence[Round]) -> Mapping[str, object]:
         "version": version("massline"),
         "worth_nats": accepting.WORTH,
         "alike_nats": accepting.ALIKE,
-        "misfit_limit": accepting.MISFIT,
+        "misfit_limit": standing(rounds[0].at.fit, problem).limit,
         "unlikely": accepting.UNLIKELY,
         "absurd_z": accepting.ABSURD,
         "candidates": len(rounds[0].screened),

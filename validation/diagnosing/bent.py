@@ -1,7 +1,8 @@
 """`Bent`: what an amplitude-dependent effect makes of the readings of runs at several levels, by the catalogue's equations.
 
-The equations say what a channel reads of a sine of given amplitude, or what a body weighs that is shaken so hard. They are applied
-to the readings themselves, whose amplitude in time follows from the level that a run states and what its accelerometers read,
+The equations say what a channel reads of a sine of given amplitude, or what a body weighs that is shaken so hard. They are
+applied to the readings themselves, whose amplitude in time follows from the level that a run states and from what its
+accelerometers read,
 
     a_c(f) = |y_c(f)| level / |u(f)|
 
@@ -10,7 +11,7 @@ and undone by iteration: readings z that the effect would turn into those found.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -20,6 +21,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import rigid_transformation_6
+from identification.recording import Recording
 from validation.diagnosing.driven import Driven, Indices
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import AMPLITUDE, BODY_STAGE
@@ -46,11 +48,13 @@ class Bent:
     one : the prediction that knows how they were driven and what they drove
     of : the runs at some lines
     lines : indices of these lines
+    peak : (r, c) largest reading in time of every channel in the run at the strongest level of the same axis
     """
 
     one: SeriesPrediction
     of: Driven
     lines: Indices
+    peak: Array
 
     def bent(self, named: Named, run: int) -> ComplexArray:
         """(n, c) what `named` has added to the readings of the run with index `run`."""
@@ -59,22 +63,28 @@ class Bent:
         return self._of_channels(named, run)
 
     def _of_channels(self, named: Named, run: int) -> ComplexArray:
-        change = FAMILIES[named.family].change
-        y = self.of.values[run]
-        if change is None:
-            return np.zeros_like(y)
-        z = y
-        for _ in range(ROUNDS):
+        partner = int(self.of.partner[run])
+        straight = self._straight(named, partner, self.peak[partner], rising=True)[1]
+        return np.asarray(self.of.values[run] - self._straight(named, run, straight, rising=False)[0])
+
+    def _straight(self, named: Named, run: int, peak: Array, *, rising: bool) -> tuple[ComplexArray, Array]:
+        """Readings (n, c) of a run that `named` would turn into those found, and the peak (c,) that goes with them.
+
+        Where the peak is that of this run (`rising`), it was bent as well: what a cubic takes of a peak is 4/3 of what it takes
+        of the fundamental.
+        """
+        change, y = FAMILIES[named.family].change, self.of.values[run]
+        loudest = np.argmax(np.abs(y), axis=0), np.arange(y.shape[1])
+        z, found = y, peak
+        for _ in range(ROUNDS if change is not None else 0):
+            amplitude = self._per_unit[run][:, None] * np.abs(z)
             reading = Reading(
-                frequency=self.of.frequency,
-                channels=self.of.channels,
-                rows=z[..., None],
-                amplitude=self._per_unit[run][:, None] * np.abs(z),
-                peak=self._peak[run],
+                frequency=self.of.frequency, channels=self.of.channels, rows=z[..., None], amplitude=amplitude, peak=found
             )
-            left = y - change(reading, named.targets, named.values).rows[..., 0]
-            z = z + left
-        return np.asarray(y - z)
+            z = z + y - change(reading, named.targets, named.values).rows[..., 0]  # type: ignore[misc]
+            if rising:
+                found = peak * (np.abs(z[loudest]) / np.maximum(np.abs(y[loudest]), TINY)) ** (4 / 3)
+        return np.asarray(z), np.asarray(found)
 
     def _of_body(self, named: Named, run: int) -> ComplexArray:
         change = FAMILIES[named.family].change
@@ -87,26 +97,13 @@ class Bent:
 
     @cached_property
     def _motion(self) -> ComplexArray:
-        """(r, n, 6) of the base, by the accelerometers."""
-        moved = ~self.of.judged
-        return np.asarray((np.linalg.pinv(self.of.rows[:, moved]) @ self.of.values[..., moved, None])[..., 0])
+        """(r, n, 6) of the base."""
+        return _motion(self.of)
 
     @cached_property
     def _per_unit(self) -> Array:
         """(r, n) amplitude in time for a unit of a line."""
-        levels = np.stack([drive.amplitude for drive in self.one.tested.drives])
-        found = np.zeros(self.of.values.shape[:2])
-        for k, level in enumerate(levels):
-            driven = level > 0
-            share = np.abs(self._motion[k][:, driven]) / level[driven]
-            found[k] = np.sqrt(driven.sum()) / np.maximum(np.linalg.norm(share, axis=1), TINY)
-        return found
-
-    @cached_property
-    def _peak(self) -> Array:
-        """(r, c) largest amplitude of every channel in the run at the strongest level of the same axis."""
-        peak = np.max(self._per_unit[..., None] * np.abs(self.of.values), axis=1)
-        return np.asarray(peak[self.of.partner])
+        return _per_unit(self.one, self._motion)
 
     @cached_property
     def _felt(self) -> ComplexArray:
@@ -140,6 +137,37 @@ class Bent:
         own = fmd.at(self.one.tested.carried.moving, start).mass_matrix
         G = np.linalg.inv(rigid_transformation_6(self.one.tested.carried.standing.pose.position))
         return np.asarray(G.T @ (self.one.dynamic_mass(start, self.lines) - own) @ G)
+
+
+def bent(one: SeriesPrediction, of: Driven, lines: Indices, recordings: Mapping[str, Recording]) -> Bent:
+    """The runs `of` the prediction `one` at `lines`; peaks by its `recordings`, or by its spectra where these are not in time."""
+    amplitude = _per_unit(one, _motion(of))[..., None] * np.abs(of.values)
+    peak = np.stack([_peak(recordings.get(run), of.channels, amplitude[k]) for k, run in enumerate(of.runs)])
+    return Bent(one=one, of=of.at(lines), lines=lines, peak=peak[of.partner])
+
+
+def _peak(recorded: Recording | None, channels: Sequence[str], amplitude: Array) -> Array:
+    """(c,) largest reading of one run."""
+    if recorded is None or recorded.is_spectrum or len(recorded) == 0:
+        return np.asarray(amplitude.max(axis=0))
+    values = recorded.values[:, [recorded.names.index(name) for name in channels]]
+    return np.asarray(np.abs(values - values.mean(axis=0)).max(axis=0))
+
+
+def _motion(of: Driven) -> ComplexArray:
+    """(r, n, 6) of the base, by the accelerometers: at a resonance these need no structure."""
+    moved = ~of.judged
+    return np.asarray((np.linalg.pinv(of.rows[:, moved]) @ of.values[..., moved, None])[..., 0])
+
+
+def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
+    """(r, n) amplitude in time for a unit of a line."""
+    found = np.zeros(motion.shape[:2])
+    for k, drive in enumerate(one.tested.drives):
+        driven = drive.amplitude > 0
+        share = np.abs(motion[k][:, driven]) / drive.amplitude[driven]
+        found[k] = np.sqrt(driven.sum()) / np.maximum(np.linalg.norm(share, axis=1), TINY)
+    return found
 
 
 def could_act(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Sequence[str]) -> tuple[Named, ...]:

@@ -34,7 +34,7 @@ SIGN, UNIT, FACTOR, PLUG = 8.0, 10.0, 16.0, 6.0
 """[nats] Price of a wrong sign, a known unit, a factor that is none, and of a channel that reads another's plug."""
 
 SURE = 20.0
-"""[nats] Evidence below which a mistake is none, and that one campaign must have against a mistake of another to contradict it."""
+"""[nats] Evidence below which a mistake is none, and that one campaign has against a mistake of another to contradict it."""
 
 USUAL = 2.5
 """Factors nearer to 1 than this are gains."""
@@ -126,7 +126,7 @@ def _decided(every: Sequence[Heard], known: Sequence[_Known]) -> tuple[Taken, ..
     right = np.array([_likelihood(every, c, c, 1.0) for c in range(count)])
     stays = right >= np.diagonal(best)
     best[stays, stays] = right[stays]
-    for c in np.flatnonzero(stays):
+    for c in np.flatnonzero(stays).tolist():
         best[c, c], factors[c, c], units[c, c] = right[c], 1.0, -1
     _, plugs = linear_sum_assignment(-best)
     taken = [
@@ -195,20 +195,20 @@ def _apart(every: Sequence[Heard], one: Taken) -> float:
     """Distance, over all campaigns, of a reading from what it is said to hold; each line in units of its level."""
     y = np.concatenate([of.reading[:, one.channel] / of.level[:, one.plug] for of in every]) / one.factor
     p = np.concatenate([of.expected[:, one.plug] / of.level[:, one.plug] for of in every])
-    return float(np.linalg.norm(y - p) / max(np.linalg.norm(y) + np.linalg.norm(p), TINY))
+    return float(np.linalg.norm(y - p) / max(float(np.linalg.norm(y) + np.linalg.norm(p)), TINY))
 
 
 def _whole(taken: tuple[Taken, ...], of: Heard, known: Sequence[_Known]) -> tuple[Taken, ...]:
-    """What all load cells share and no unit explains may be the inverse of what all accelerometers share, if a unit explains that.
+    """What all load cells share and no unit explains may be the inverse of what all accelerometers share.
 
-    H alone cannot tell the two; a unit can.
+    H alone cannot tell the two; a unit that explains the latter can.
     """
     moved = [c for c, quantity in enumerate(of.quantities) if quantity == "acceleration"]
     felt = [c for c in range(len(taken)) if c not in moved]
-    shared = {round(float(np.log(abs(taken[c].factor))), 1) for c in felt}
-    if len(shared) != 1 or any(taken[c].units[0] for c in felt) or any(taken[c].factor != 1 for c in moved):
+    sizes = np.log([abs(taken[c].factor) for c in felt])
+    if np.ptp(sizes) > SNAP or any(taken[c].units[0] for c in felt) or any(taken[c].factor != 1 for c in moved):
         return taken
-    size = float(np.median([abs(taken[c].factor) for c in felt]))
+    size = float(np.exp(np.median(sizes)))
     if size == 1:
         return taken
     off = np.abs(np.log(known[moved[0]].values * size))

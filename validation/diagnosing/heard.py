@@ -79,7 +79,7 @@ class Heard:
     @property
     def level(self) -> Array:
         """(m, c) what each channel should read, never nothing."""
-        return level(self.expected[None])[0]
+        return np.asarray(level(self.expected[None])[0])
 
 
 def heard(one: SeriesPrediction) -> Heard:

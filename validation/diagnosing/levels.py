@@ -18,7 +18,8 @@ from validation.diagnosing.diagnosis import Level
 from validation.diagnosing.driven import FREE, Beyond, Driven, beyond, driven
 
 SURE = 12.0
-"""Standard deviations of the sum over all lines from which a channel answers differently; see `docs` for how nulls scatter."""
+"""Standard deviations of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32
+series with nothing planted the worst reached 7.0: noise is estimated, and its estimate scatters, too."""
 
 VISIBLE = 2e-3
 """Share of what a channel reads that must differ."""
@@ -83,7 +84,7 @@ def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
             continue
         taken = np.abs(one.weights[:, column]) / of.share[other.run]
         brought += float(np.sum(taken[:, None] ** 2 * np.abs(other.whitened * other.deviation) ** 2))
-    return own < LEAKING * np.sqrt(brought)
+    return bool(own < LEAKING * np.sqrt(brought))
 
 
 def _level(of: Driven, one: Beyond, apart: Sequence[int]) -> Level:

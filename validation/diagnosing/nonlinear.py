@@ -1,9 +1,9 @@
-"""Which kind of nonlinearity lets two levels differ: friction, a gap, saturation, or whatever else of that side the catalogue has.
+"""Which kind of nonlinearity lets two levels differ: friction, a gap, saturation, or what else the catalogue has.
 
 Every candidate is taken off the readings of all runs (`validation.diagnosing.bent`), at sizes from a grid and then at the best;
-the right one leaves weaker runs that the stronger ones explain (`validation.diagnosing.driven`). First to first order, in what the
-stronger runs cannot explain as they are; the best then as they would be without it. No model of the structure is fitted, so none
-can swallow what does not belong to it.
+the right one leaves weaker runs that the stronger ones explain (`validation.diagnosing.driven`). First to first order, in what
+the stronger runs cannot explain as they are; the best then as they would be without it. No model of the structure is fitted, so
+none can swallow what does not belong to it.
 
 Evidence is the fall of the sum of squares at the lines that are looked at, divided by what is left per degree of freedom by the
 best of all: equations for the fundamental alone are good to some per cent and not to noise.
@@ -19,7 +19,7 @@ import numpy as np
 
 from geometry.errors import BadInput
 from validation.diagnosing.bench import Bench
-from validation.diagnosing.bent import Bent, could_act
+from validation.diagnosing.bent import Bent, bent, could_act
 from validation.diagnosing.diagnosis import NORMAL_90, Cause, Level, Size
 from validation.diagnosing.driven import Beyond, beyond, driven
 from validation.effects.family import Size as OfFamily
@@ -41,11 +41,19 @@ PER_DECADE = 3
 AGAIN = 4
 """Candidates, the best by first order, whose size is found once more."""
 
-EXPLAINED = 0.9
+EXPLAINED = 0.8
 """Share of the surplus that a kind must explain to be the right one."""
+
+EQUATIONS = 0.04
+"""Standard deviation by which the equations themselves are off in the size, as a share."""
+
+BY_CHANCE = 4.0
+"""Standard deviations of a sum of squares within which what is left over is noise."""
 
 ALIKE = 5.0
 """[nats] of evidence within which two kinds cannot be told apart."""
+
+TINY = float(np.finfo(np.float64).tiny)
 
 
 def nonlinear(bench: Bench, levels: Sequence[Level], progress: Callable[[float], None] | None = None) -> tuple[Cause, ...]:
@@ -88,11 +96,11 @@ class _Seen:
 
     def first_order(self, named: Named) -> float:
         """Sum of squares without `named`, the stronger runs explaining what they do as they are."""
-        bent = {run: self.bent.bent(named, run) for run in self.used}
+        by_run = {run: self.bent.bent(named, run) for run in self.used}
         found = 0.0
         for one in self.left:
-            taken = sum(one.weights[:, [h]] * bent[run] for h, run in enumerate(self.bent.of.stronger))
-            found += float(np.sum(np.abs(one.whitened - one.projected(bent[one.run] - taken)) ** 2))
+            taken = sum(one.weights[:, [h]] * by_run[run] for h, run in enumerate(self.bent.of.stronger))
+            found += float(np.sum(np.abs(one.whitened - one.projected(by_run[one.run] - taken)) ** 2))
         return found
 
     def exact(self, named: Named) -> float:
@@ -122,7 +130,8 @@ def _seen(bench: Bench, levels: Sequence[Level]) -> Iterator[_Seen]:
         of = driven(model)
         lines = np.unique(np.linspace(0, len(of.frequency) - 1, LINES).round().astype(np.int64))
         runs = tuple(of.runs.index(level.runs[0]) for level in told[:WORST])
-        yield _Seen(bent=Bent(one=model, of=of.at(lines), lines=lines), runs=runs)
+        recordings = next((raw.recordings for raw, made in zip(bench.campaigns, bench.made, strict=False) if made is one), {})
+        yield _Seen(bent=bent(model, of, lines, recordings), runs=runs)
 
 
 def _suspected(levels: Sequence[Level]) -> tuple[str, ...]:
@@ -182,14 +191,15 @@ def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:
         if evidence <= 0:
             continue
         rivals = [other.named.id for j, other in enumerate(found) if j != k and abs(other.chi2 - one.chi2) / scale < ALIKE]
-        share = (before - one.chi2) / max(before - count, count)
+        share = min((before - one.chi2) / max(before - count, TINY), 1.0)
+        enough = share > EXPLAINED or one.chi2 < count + BY_CHANCE * np.sqrt(count)
         yield Cause(
             named=one.named,
             sizes=(_size(one, scale),),
             evidence=evidence,
             misfit=one.chi2 / count,
-            null=share > EXPLAINED,
-            note=_in_words(share, rivals if best - evidence < ALIKE else []),
+            null=bool(enough),
+            note=_in_words(share, rivals if best - evidence < ALIKE else [], enough=bool(enough)),
         )
 
 
@@ -197,14 +207,15 @@ def _size(one: _Found, scale: float) -> Size:
     """With the 90 % interval of the curvature: -log L is the sum of squares over `scale`."""
     of = next(size for size in one.named.sizes if size.plausible > 0)
     value = one.named.values[of.key]
-    half = NORMAL_90 * float(np.sqrt(scale / one.curvature)) if one.curvature > 0 else np.inf
+    of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
+    half = NORMAL_90 * float(np.hypot(np.sqrt(scale / one.curvature), of_equations)) if one.curvature > 0 else np.inf
     low, high = (value * np.exp(-half), value * np.exp(half)) if of.logarithmic else (value - half, value + half)
     return Size(key=of.key, value=value, unit=of.unit, low=max(float(low), of.low), high=min(float(high), of.high))
 
 
-def _in_words(share: float, rivals: Sequence[str]) -> str:
+def _in_words(share: float, rivals: Sequence[str], *, enough: bool) -> str:
     """What is to be said beside the size."""
-    explains = f"it explains {100 * share:.0f} % of what differs between the levels"
-    if share <= EXPLAINED:
+    explains = f"it explains {100 * share:.0f} % of what differs between the levels beyond noise"
+    if not enough:
         explains += ", so another kind, or more than one, is at work"
     return f"{explains}; these levels cannot tell it from {' and '.join(rivals)}" if rivals else explains

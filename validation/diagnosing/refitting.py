@@ -18,6 +18,9 @@ from validation.engine.problem import Problem
 from validation.models.model import Added
 from validation.prediction.applied import name
 
+SPARSE = 3
+"""A rough fit takes every so many lines of the others."""
+
 Progress = Callable[[float], None]
 
 
@@ -32,16 +35,23 @@ def baseline(bench: Bench, progress: Progress | None = None) -> Hypothesis:
     return Hypothesis(effects=(), fit=fit(problem, FITTED, progress=progress), problem=problem)
 
 
-def refitted(bench: Bench, at: Hypothesis, added: Added, *, from_afar: bool = False) -> Hypothesis:
+def roughly(bench: Bench, at: Hypothesis, added: Added) -> Fit:
+    """`at` with the effect `added` as well, fitted from afar and on few lines: for effects that bend the model."""
+    problem = bench.problem((*at.effects, added)).sparser(SPARSE)
+    return child(problem, FITTED, at.fit, _start(bench, added), from_afar=True)
+
+
+def refitted(bench: Bench, at: Hypothesis, added: Added, *, begin: Fit | None = None) -> Hypothesis:
     """`at` with the effect `added` as well, all sizes free; it never costs more.
 
     Parameters
     ----------
-    from_afar : whether the way leads over a coarse floor, for effects that bend the model
+    begin : a rough fit of the same, where the way begins; by default it is straight down from `at`
     """
     effects = (*at.effects, added)
     problem = bench.problem(effects)
-    found = child(problem, FITTED, at.fit, _start(bench, added), from_afar=from_afar)
+    start = _start(bench, added) if begin is None else begin.by_name
+    found = child(problem, FITTED, at.fit, start)
     return settled(bench, Hypothesis(effects=effects, fit=found, problem=problem))
 
 

@@ -11,12 +11,13 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from validation.diagnosing.accepting import ALIKE, Standing, standing, worth
+from validation.diagnosing.accepting import ALIKE, Standing, excess, standing, worth
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
 from validation.diagnosing.menu import is_resonator
-from validation.diagnosing.refitting import refitted, settled
+from validation.diagnosing.refitting import refitted, roughly, settled
 from validation.diagnosing.screening import Screened, screen
+from validation.engine.evaluation import Fit
 from validation.engine.fit import nearby
 from validation.engine.parameter import FITTED
 from validation.models.model import Added
@@ -37,8 +38,12 @@ BEHIND, ERRS = 12.0, 0.15
 """[nats] behind the promise of the best, and share of it that a line may err, at which another is not worth a fit, once that
 best is all that is needed."""
 
-BENT = 1.5
-"""Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar."""
+BENT, FINISHED = 1.5, 3
+"""Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar; and how many of these
+rough fits are finished."""
+
+LEAST = 0.25
+"""Share of what is too much of cost that an effect must explain for others to be looked for beside it."""
 
 ALIASES, FAR = 3, 0.3
 """Rivals that are fitted though no line promised them, and the greatest share of what the best does that may be its own."""
@@ -97,27 +102,46 @@ def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Pr
         rounds.append(one)
         if not one.added:
             break
-        at = _again(bench, one.tried[0].hypothesis)
+        best = one.tried[0]
+        at = _again(bench, best.hypothesis)
+        if not best.standing.null and one.at.fit.cost - best.hypothesis.fit.cost < LEAST * excess(one.at.fit, one.standing):
+            break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     return at, tuple(rounds)
 
 
 def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progress) -> Round:
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = standing(at.fit, at.problem), screen(bench, at, menu)
-    tried: list[Tried] = []
-    for one in _promising(found):
-        if _settled(tried, one, found) or (here.null and one.evidence < SOUND):
-            break
-        progress(f"trying {one.id}", len(tried) / TRIED)
-        tried.append(_tried(bench, at, one.added, here))
+    tried = (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, found, progress)
     tried.sort(key=lambda each: -each.evidence)
     good = bool(tried) and tried[0].evidence >= worth(tried[0].family)
     if good:
         rivals = _rivals(tried, menu, found)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        tried += [_tried(bench, at, one.added, here) for one in rivals]
+        tried += [_tried(bench, at, one.added) for one in rivals]
         tried.sort(key=lambda each: -each.evidence)
     return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
+
+
+def _nearby(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
+    """Fits of the best, until one is all that is needed."""
+    tried: list[Tried] = []
+    for one in _promising(found):
+        if _settled(tried, one, found) or (here.null and one.evidence < SOUND):
+            break
+        progress(f"trying {one.id}", len(tried) / TRIED)
+        tried.append(_tried(bench, at, one.added))
+    return tried
+
+
+def _from_afar(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
+    """Rough fits of all that promise something, and of the best of these good ones."""
+    rough, promising = [], _promising(found)
+    for done, one in enumerate(promising):
+        progress(f"trying {one.id} from afar", done / (len(promising) + FINISHED))
+        rough.append((one.added, roughly(bench, at, one.added)))
+    rough.sort(key=lambda each: -each[1].log_evidence)
+    return [_tried(bench, at, added, begin) for added, begin in rough[:FINISHED]]
 
 
 def _promising(found: Sequence[Screened]) -> list[Screened]:
@@ -158,8 +182,8 @@ def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -
     return one.evidence < (1 - ERRS) * promised - BEHIND
 
 
-def _tried(bench: Bench, at: Hypothesis, added: Added, here: Standing) -> Tried:
-    there = refitted(bench, at, added, from_afar=here.misfit > BENT)
+def _tried(bench: Bench, at: Hypothesis, added: Added, begin: Fit | None = None) -> Tried:
+    there = refitted(bench, at, added, begin=begin)
     evidence = there.fit.log_evidence - at.fit.log_evidence
     return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
 

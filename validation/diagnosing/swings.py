@@ -7,7 +7,7 @@ there, and the answer says so, with the size that each would need and the measur
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +27,7 @@ from validation.diagnosing.classical.readings import readings
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Leftover, Size
 from validation.ladders.verdict import WORTH
 from validation.models.model import Model
+from validation.prediction import swung
 from validation.prediction.facts import ArticleFact, facts
 
 __all__ = ["only_classical", "pendulum_candidates"]
@@ -84,7 +85,7 @@ def only_classical(
         readings=readings(of),
         chi2=verdict.chi2,
         measurements=len(of.facts),
-        remarks=against,
+        remarks=(*against, *_switched_off(of, verdict)),
         settings={"threshold_nats": WORTH, "class_nats": ALIKE, "misfit_probability": UNLIKELY},
     )
 
@@ -133,6 +134,16 @@ def _rivals(of: Judged) -> tuple[Tried, ...]:
         return of.alike
     best = of.tried[0].found.evidence if of.tried else 0.0
     return tuple(one for one in of.tried if explains(one, of.measurements) and one.found.evidence > best - OTHERS)
+
+
+def _switched_off(of: Observed, verdict: Judged) -> Iterator[str]:
+    """A size that a file states, and does not correct for, of what explains the measurements."""
+    named = {one.candidate.added.named.family for one in (*verdict.alike, *verdict.pair)}
+    for family in swung.TERMS.keys() & named:
+        stated = [fact.name for fact in of.facts if fact.swing is not None and getattr(fact.swing.stated, swung.TERMS[family])]
+        if stated:
+            term = swung.TERMS[family].replace("_", "-")
+            yield f"the {term} is stated in {', '.join(stated)} and not corrected for: [corrections] {term} = true takes it off"
 
 
 def _otherwise(of: Judged, beside: Sequence[Beside]) -> tuple[Advice, ...]:

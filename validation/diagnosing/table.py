@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from validation.comparing.verdicts import expected_z2, figure, misfit, percent
 from validation.diagnosing import figures, words
 from validation.diagnosing.detectable_table import grid as smallest
-from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NONLINEAR, NOTHING, SEVERAL, Cause, Diagnosis, Size, Step
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, MISTAKE, NONLINEAR, NOTHING, SEVERAL, Cause, Diagnosis, Size, Step
 from validation.engine.evaluation import Evaluation, Share
 from validation.rows import NONE
 from validation.tables.grid import Grid, aligned
@@ -48,7 +48,7 @@ def opening(found: Diagnosis) -> Iterator[str]:
         yield found.text
     if found.verdict == NOTHING and found.ranking and found.ranking[0].evidence >= CLOSE:
         one = found.ranking[0]
-        yield f"The closest is {words.cause(one)}: {one.evidence:.1f} nats, less than nulls may reach. Data that tell it better decide."
+        yield f"The closest is {words.cause(one)}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
 
 
 def grids(found: Diagnosis) -> list[Grid]:
@@ -134,7 +134,7 @@ def errors(found: Diagnosis) -> Grid:
     both = (found.before,) if found.before is found.after else (found.before, found.after)
     kept = [(name, cells) for name, tell in ERRORS if set(cells := [tell(one) for one in both]) != {NONE}]
     gain = found.after.fitted.log_evidence - found.before.fitted.log_evidence
-    if len(both) > 1:
+    if len(both) > 1 and found.verdict != MISTAKE:  # of the fit with a mistake in the data there is no evidence
         kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
     columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
     header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
@@ -210,7 +210,8 @@ def _alike(id: str, known: Cause | None) -> str:
 
 
 def _advised(test: str, separates: Sequence[str]) -> str:
-    apart = f" It tells {words.listed(separates)} apart." if len(separates) > 1 else ""
+    names = ["no effect at all" if one == NOTHING else one for one in separates]
+    apart = f" It tells {words.listed(names)} apart." if len(names) > 1 else ""
     return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
 
 

@@ -19,6 +19,7 @@ from validation.diagnosing.diagnosis import (
     Size,
 )
 from validation.effects.catalogue import FAMILIES
+from validation.effects.family import MISTAKE as OF_MISTAKES
 from validation.rows import NONE
 
 NAMED = 4
@@ -100,7 +101,10 @@ def _nonlinear(found: Diagnosis) -> str:
 
 
 def _mistake(found: Diagnosis) -> str:
-    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in found.accepted)}."
+    wrong = [one for one in found.accepted if FAMILIES[one.named.family].side == OF_MISTAKES]
+    rest = [cause(one) for one in found.accepted if one not in wrong]
+    beside = f"; and missing beside it: {listed(rest)}" if rest else ""
+    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in wrong)}{beside}."
 
 
 HEADLINES: Mapping[str, Callable[[Diagnosis], str]] = MappingProxyType(

@@ -39,6 +39,10 @@ from validation.prediction.series import SeriesPrediction, predictions
 Progress = Callable[[str, float], None]
 
 
+ALONE = "Without it no fit of these data converges, so that its errors have none to be held against."
+"""Of a rung above one without figures."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Asked:
     """The options of `massline add` as typed; None where the ladder's own are meant.
@@ -180,7 +184,7 @@ def _next(at: Standing, before: Rung, of: Judged, chosen: Candidate, asked: Aske
     old, new = before.errors, rung.errors
     gain = new.log_evidence - old.log_evidence if old is not None and new is not None else None
     rung = replace(rung, gain=gain)
-    told = verdict(before, rung, chosen.tolerances, chosen.nulls)
+    told = verdict(before, rung, chosen.tolerances, chosen.nulls) or (ALONE,)
     return replace(rung, verdict=(*told, *(sentence(one) for one in (*chosen.said, *asked.remarks))))
 
 

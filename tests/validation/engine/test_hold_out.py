@@ -76,6 +76,21 @@ def test_a_fold_never_sees_what_it_holds_out(lab):
     assert_allclose(answers[1], 0.0, atol=0.3)
 
 
+def test_a_quick_fold_is_where_the_whole_way_leads_and_not_where_it_began(lab):
+    """Nothing is wrong with the runs: a single step goes nearly all of the way that leaving one out takes."""
+    problem = Problem((lab.toy({**lab.drawn(1), **TRUTH}),))
+    whole = fit(problem, PLAIN)
+    at = solved(problem, whole, PLAIN_FLOOR)
+    for fold in folds(problem):
+        far, quick = (refitted(at, fold, quick=one) for one in (False, True))
+        alone = fit(without(problem, fold), PLAIN)
+        sd = dict(zip([p.name for p in alone.parameters], np.sqrt(np.diag(alone.covariance)), strict=True))
+        apart = np.array([(quick[name] - far[name]) / sd[name] for name in sd])
+        way = np.array([(far[name] - whole.by_name[name]) / sd[name] for name in sd])
+        assert np.linalg.norm(apart) < 0.3  # in standard deviations, of which the last step of a fit leaves a tenth
+        assert np.linalg.norm(way) > np.linalg.norm(apart)
+
+
 def test_of_a_configuration_that_is_held_out_only_knowledge_beforehand_is_left(series):
     plain = fit(series, PLAIN)
     fold = folds(series)[-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from validation.diagnosing.classical.advised import SURE
 from validation.diagnosing.classical.nouns import Needed, Reading, SwingAnswer
 from validation.diagnosing.detectable_table import grid as smallest
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN
@@ -53,9 +54,10 @@ def grids(found: SwingAnswer) -> list[Grid]:
 
 def facts(found: SwingAnswer) -> Grid:
     """Every measurement beside the model."""
+    several = len({one.name.removesuffix(one.quantity) for one in found.facts}) > 1
     lines = [
         (
-            f"{one.quantity} [{_unit(one.unit)}]",
+            f"{one.name if several else one.quantity} [{_unit(one.unit)}]",
             rounded(one.measured, one.deviation),
             rounded(one.deviation, one.deviation),
             rounded(one.predicted, one.deviation),
@@ -87,10 +89,7 @@ def readings(found: SwingAnswer) -> Grid:
 
 def advice(found: SwingAnswer) -> Grid:
     """What to measure next, the best first."""
-    lines = tuple(
-        (f"{k}", significant(one.gain, 2) if one.gain else NONE, _sentence(one.test))
-        for k, one in enumerate(found.advice[:MOST], start=1)
-    )
+    lines = tuple((f"{k}", _nats(one.gain), _sentence(one.test)) for k, one in enumerate(found.advice[:MOST], start=1))
     return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
 
 
@@ -122,6 +121,13 @@ def _thought(of: Sequence[Needed]) -> str:
     least = min(of, key=lambda one: abs(one.value))
     places = f"at any of {len(of)} places {said(low.value, low.unit)} to {said(high.value, high.unit)}"
     return f"{places}; at {least.id.partition(':')[2]} {least.text}"
+
+
+def _nats(gain: float) -> str:
+    """Of a test; where it decides anyway, no more than that."""
+    if gain == 0:
+        return NONE
+    return f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
 
 
 def _sentence(text: str) -> str:

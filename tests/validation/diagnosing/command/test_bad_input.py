@@ -157,7 +157,7 @@ def test_options_are_read_as_everywhere(more: list[str], said: str, made: Path, 
     assert said in refused(run, "cuboid", *more)
 
 
-@pytest.mark.parametrize("more", [["--candidate", "force-gain"], ["--hold-out", "z"], ["--band", "4", "16"], ["--auto"]])
+@pytest.mark.parametrize("more", [["--hold-out", "z"], ["--band", "4", "16"], ["--auto"]])
 def test_what_needs_a_campaign_is_refused_without_one(more: list[str], made: Path, run: Run_) -> None:
     said = refused(run, "clumod-4-weighing", *more)
     assert "there is no campaign among DATA" in said

@@ -54,6 +54,21 @@ def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made: M
     assert said.endswith("point-mass:mast-top or rigid-inertia:m.")
 
 
+def test_what_is_missing_beside_a_mistake_is_told_apart(made: Made) -> None:
+    found = made("mistake")
+    said = words.headline(replace(found, accepted=(*found.accepted, *made("missing").accepted)))
+    assert said == (
+        "A MISTAKE in the data: polarity:fmd-z2: a channel is inverted; and missing beside it: "
+        "force-gain:fmd-z2, +7.93 % (+7.69 to +8.17)."
+    )
+
+
+def test_a_name_that_was_nearly_found_is_said_where_nothing_is_missing(made: Made) -> None:
+    assert "The closest is point-mass:mast-top, +198.0 g" in " ".join(printed(made("nothing")).split())
+    far = replace(made("nothing"), ranking=tuple(replace(one, evidence=1.0) for one in made("nothing").ranking))
+    assert "The closest" not in printed(far)
+
+
 def test_sentences_name_a_few_and_count_the_rest() -> None:
     assert words.listed(["a"]) == "a"
     assert words.listed(["a", "b"], "or") == "a or b"
