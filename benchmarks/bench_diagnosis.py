@@ -12,14 +12,14 @@ from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
-from validation.diagnosing.diagnosed import diagnosed
-from validation.diagnosing.refitting import baseline, refitted
 
 from benchmarks.ratios import Timing, measure, show
 from geometry.arrays import Array
 from identification.campaign import Campaign
 from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.diagnosed import diagnosed
 from validation.diagnosing.menu import candidates
+from validation.diagnosing.refitting import baseline, refitted
 from validation.diagnosing.screening import screen
 from validation.effects.identifiers import parse
 from validation.models.model import Model

@@ -34,6 +34,7 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.effects.identifiers import Named, parse
 from validation.effects.targets import Vocabulary, built_in_places
+from validation.effects.worth import WORTH
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation
 from validation.engine.hold_out import named, without
@@ -41,7 +42,6 @@ from validation.engine.parameter import EFFECT
 from validation.engine.problem import Problem
 from validation.ladders import candidate as candidates
 from validation.ladders.beginning import begun
-from validation.ladders.verdict import WORTH
 from validation.models.model import Model
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.effects.planting import planted

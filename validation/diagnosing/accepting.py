@@ -16,12 +16,6 @@ from validation.engine.fit import FLOOR
 from validation.engine.likelihood import observed
 from validation.engine.problem import Problem
 
-WORTH = 10.0
-"""[nats] of evidence that an effect must bring to be named."""
-
-WORTH_OF = {"structural-damping": 20.0, "layer-damping": 20.0}
-"""The same of families whose tolerance has a longer tail than a normal deviate: loss factors scatter by their logarithm."""
-
 ALIKE = 5.0
 """[nats] within which two explanations are as good as each other."""
 
@@ -34,11 +28,6 @@ UNLIKELY = 1e-4
 
 ABSURD = 4.8
 """z of one tolerance of some four hundred that is no chance."""
-
-
-def worth(family: str) -> float:
-    """[nats] that an effect of `family` must bring to be named."""
-    return WORTH_OF.get(family, WORTH)
 
 
 @dataclass(frozen=True, kw_only=True)

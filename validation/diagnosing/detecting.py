@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isfinite
 
-from validation.diagnosing.accepting import worth
 from validation.diagnosing.diagnosis import Detectable
 from validation.diagnosing.dictionary import smallest_mass
 from validation.diagnosing.menu import is_resonator
-from validation.diagnosing.screening import Screened
+from validation.diagnosing.screened import Screened
+from validation.effects.worth import worth
 
 
 def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:

@@ -21,6 +21,8 @@ from validation.diagnosing.mistaken import with_mistakes, without_mistakes
 from validation.diagnosing.refitting import baseline
 from validation.diagnosing.searching import searched
 from validation.diagnosing.unequal import nonlinear_answer
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import AMPLITUDE
 from validation.engine.prediction import Fact
 from validation.models.model import Added, Model
 from validation.prediction.facts import facts
@@ -78,11 +80,12 @@ def diagnosed(
     tell("looking for mistakes", 0.0)
     mistaken = mistakes(of)
     right = without_mistakes(of, mistaken)
-    menu = candidates(right, only=only, leave_out=leave_out)
+    linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != AMPLITUDE]
+    menu = candidates(right, only=linear, leave_out=leave_out) if linear or not only else ()
     if differing := levels(right):
         return nonlinear_answer(right, mistaken, differing, tell)
     tell("fitting the model as it is", 0.0)
     base = baseline(right, lambda share: tell("fitting the model as it is", share))
     found, rounds = searched(right, base, menu, tell)
-    linear = answering.answer(right, base, found, rounds, tell)
-    return with_mistakes(of, linear, mistaken) if mistaken else linear
+    answer = answering.answer(right, base, found, rounds, tell)
+    return with_mistakes(of, answer, mistaken) if mistaken else answer

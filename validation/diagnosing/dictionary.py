@@ -12,19 +12,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.menu import TINY
+from validation.diagnosing.menu import TINY, TINY_AT
+from validation.diagnosing.screened import Screened
 from validation.engine.screening import Screen, Told, screened
 from validation.models.model import Added
-
-if TYPE_CHECKING:
-    from validation.diagnosing.screening import Screened
 
 DAMPING = (0.005, 0.02, 0.08)
 
@@ -47,13 +44,8 @@ def looked_up(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Scree
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
     frequency = _frequencies(of)
-    own = next(iter(menu)).named.values
-    shapes = {(f, zeta): None for zeta in DAMPING for f in frequency}
-    places = list(shapes)
-    by_set = {
-        k: np.stack([_answer(one.frequency, f, zeta) / _answer(one.frequency, own["f"], own["zeta"]) for f, zeta in places])
-        for k, one in enumerate(of.products)
-    }
+    places = [(float(f), zeta) for zeta in DAMPING for f in frequency]
+    by_set = {k: np.stack([_shape(one.frequency, f, zeta) for f, zeta in places]) for k, one in enumerate(of.products)}
     return [found for name, one in names.items() if (found := _best(of, name, one, places, by_set)) is not None]
 
 
@@ -65,8 +57,6 @@ def smallest_mass(told: Told, evidence: float) -> float:
 def _best(
     of: Screen, name: str, added: Added, places: Sequence[tuple[float, float]], shapes: dict[int, ComplexArray]
 ) -> Screened | None:
-    from validation.diagnosing.screening import Screened
-
     if not any(name in one.names for one in of.products):
         return None
     told = of.shapes(name, shapes)
@@ -88,3 +78,8 @@ def _frequencies(of: Screen) -> Array:
 def _answer(frequency: Array, own: float, zeta: float) -> ComplexArray:
     spring = own**2 + 2j * zeta * own * frequency
     return np.asarray(spring / (spring - frequency**2))
+
+
+def _shape(frequency: Array, own: float, zeta: float) -> ComplexArray:
+    """The answer of a resonator over that of those of the menu, (m,)."""
+    return np.asarray(_answer(frequency, own, zeta) / _answer(frequency, TINY_AT["f"], TINY_AT["zeta"]))

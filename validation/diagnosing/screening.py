@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from validation.diagnosing import dictionary, swinging
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.menu import is_resonator
+from validation.diagnosing.screened import Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import PERIOD_STAGE, Size
 from validation.engine.parameter import Parameter
@@ -20,29 +21,6 @@ from validation.prediction import applied
 
 SWITCHED = 1.0
 """Offset of a switch: from on to off."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Screened:
-    """What a straight line says of a candidate.
-
-    Attributes
-    ----------
-    added : at the size that it says
-    evidence : [nats]
-    told : its parameter; of a resonator the mass at the best frequency
-    plausible : standard deviation of a plausible fault, in the offset of the parameter
-    """
-
-    added: Added
-    evidence: float
-    told: Told
-    plausible: float
-
-    @property
-    def id(self) -> str:
-        """Of the effect."""
-        return self.added.named.id
 
 
 def screen(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> tuple[Screened, ...]:

@@ -25,7 +25,7 @@ from validation.diagnosing.classical.nouns import UNITS, Beside, Needed, SwingAn
 from validation.diagnosing.classical.observed import Observed, observed
 from validation.diagnosing.classical.readings import readings
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Leftover, Size
-from validation.ladders.verdict import WORTH
+from validation.effects.worth import WORTH
 from validation.models.model import Model
 from validation.prediction import swung
 from validation.prediction.facts import ArticleFact, facts

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from validation.diagnosing.accepting import ALIKE, WORTH
+from validation.diagnosing.accepting import ALIKE
 from validation.diagnosing.bench import Bench
 from validation.diagnosing.diagnosis import NONLINEAR, Cause, Diagnosis, Level
 from validation.diagnosing.errors import as_it_stands
 from validation.diagnosing.nonlinear import nonlinear
+from validation.effects.worth import WORTH
 from validation.models.model import Added
 
 Progress = Callable[[str, float], None]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from validation.engine import errors
 from validation.engine.descent import Progress
 from validation.engine.errors import Squares
@@ -13,7 +11,7 @@ from validation.engine.evaluation import Evaluation, Fit, Share
 from validation.engine.fit import PLAIN_FLOOR, fit, nearby
 from validation.engine.hold_out import Fold, every_block, folds, held, named, without
 from validation.engine.parameter import FITTED, PLAIN
-from validation.engine.prediction import Lines, Offsets, Prediction
+from validation.engine.prediction import Offsets
 from validation.engine.problem import Problem
 from validation.engine.refit import refitted, solved
 
@@ -40,7 +38,7 @@ def evaluate(
     parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
         that of all parameters
     fitted : the fit of all parameters, where it is known already; the plain one then begins there
-    quick : whether errors are those of the lines that fits use, no configuration is held out, and folds are a single step away
+    quick : whether no configuration is held out, and folds are a single step away
     progress : told the share of the work that is done, 0 to 1
 
     Raises
@@ -65,12 +63,11 @@ def evaluate(
         turns = every_block(problem, blocks) if blocks else folds(problem)
         turns = tuple(one for one in turns if not (quick and one.configuration))
         parts = _turns(thinned, plain, turns, quick, lambda share: tell(0.8 + 0.2 * share))
-    problem = thinned if quick else problem
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
     return Evaluation(
-        nominal=errors.share(_squares(known, problem.start, quick=quick)),
-        plain=errors.share(_squares(known, offsets, quick=quick)),
+        nominal=errors.share(_squares(known, problem.start)),
+        plain=errors.share(_squares(known, offsets)),
         held_out=_held_out(problem, runs),
         held_out_nominal=_held_out(problem, _at(runs, problem.start)),
         plain_fit=plain,
@@ -89,13 +86,9 @@ def _fitted(parent: Evaluation | Fit | None) -> Fit | None:
     return parent.fitted if isinstance(parent, Evaluation) else parent
 
 
-def _squares(problem: Problem, offsets: Offsets, *, quick: bool) -> list[Squares]:
-    """Of all lines of all data sets of `problem`, fitted to or not; of those that fits use where it must be `quick`."""
-    return [
-        one
-        for prediction in problem.predictions
-        for one in errors.squares(prediction, offsets, problem.lines_of(prediction) if quick else None)
-    ]
+def _squares(problem: Problem, offsets: Offsets) -> list[Squares]:
+    """Of all lines of all data sets of `problem`, fitted to or not."""
+    return [one for prediction in problem.predictions for one in errors.squares(prediction, offsets)]
 
 
 def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], quick: bool, tell: Progress) -> list[tuple[Fold, Offsets]]:
@@ -120,14 +113,6 @@ def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]]) -> Share 
         one
         for fold, offsets in parts
         for prediction, lines in held(problem, fold)
-        for one in errors.squares(prediction, offsets, _lines(problem, prediction, lines), fold=fold.name)
+        for one in errors.squares(prediction, offsets, lines, fold=fold.name)
     ]
     return errors.share(found) if found else None
-
-
-def _lines(problem: Problem, prediction: Prediction, held: Lines | None) -> Lines | None:
-    """What is held out of a data set, of the lines of which `problem` speaks; None for all."""
-    if prediction.measured.name not in problem.lines:
-        return held
-    of = problem.lines_of(prediction)
-    return of if held is None else np.intersect1d(held, of)

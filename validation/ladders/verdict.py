@@ -7,10 +7,8 @@ from math import isfinite
 
 from identification.quality import NORMAL_95
 from validation.comparing.verdicts import ABSURD, costly
+from validation.effects.worth import worth as worth_of
 from validation.ladders.nouns import Errors, Rung, Size
-
-WORTH = 6.0
-"""Evidence [nats] that an effect must gain: in the study before the program, two of sixteen nulls gained as much by chance."""
 
 FALLS = 0.02
 """Share of an error by which it must change for us to say so."""
@@ -18,7 +16,12 @@ FALLS = 0.02
 
 def worth(rung: Rung) -> bool:
     """Whether the evidence speaks for the effect of `rung`."""
-    return rung.gain is not None and rung.gain > WORTH
+    return rung.gain is not None and rung.gain > _asked(rung)
+
+
+def _asked(rung: Rung) -> float:
+    """[nats] that the effect of `rung` must bring."""
+    return worth_of(rung.effect.partition(":")[0])
 
 
 def verdict(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> tuple[str, ...]:
@@ -40,7 +43,7 @@ def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls
         yield "A fit did not converge: none of these figures is the last word."
     if not all(body.converged for body in after.bodies):
         yield "The fit of the identified inertia did not converge: its figures are not the last word."
-    yield _evidence(after.gain)
+    yield _evidence(after.gain, _asked(after))
     yield _fall(old, new)
     yield from _most(old, new)
     yield from _held_out(old, new)
@@ -49,12 +52,12 @@ def _sentences(before: Rung, after: Rung, tolerances: Mapping[str, float], nulls
     yield from _price(new)
 
 
-def _evidence(gain: float | None) -> str:
+def _evidence(gain: float | None, asked: float) -> str:
     if gain is None or not isfinite(gain):
         return "Evidence cannot be compared: the rung before stands on other data."
-    if gain > WORTH:
-        return f"It is worth a parameter: the evidence rises by {gain:.1f} nats, where {WORTH:g} are asked for."
-    told = f"the evidence {'falls' if gain < 0 else 'rises'} by {abs(gain):.1f} nats, where a rise of {WORTH:g} is asked for"
+    if gain > asked:
+        return f"It is worth a parameter: the evidence rises by {gain:.1f} nats, where {asked:g} are asked for."
+    told = f"the evidence {'falls' if gain < 0 else 'rises'} by {abs(gain):.1f} nats, where a rise of {asked:g} is asked for"
     return f"It is not worth a parameter: {told}."
 
 

@@ -13,7 +13,8 @@ from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.diagnosed import bench
 from validation.diagnosing.menu import candidates
 from validation.diagnosing.refitting import baseline, refitted
-from validation.diagnosing.screening import Screened, screen
+from validation.diagnosing.screened import Screened
+from validation.diagnosing.screening import screen
 from validation.effects.identifiers import parse
 from validation.engine.evaluation import Fit
 from validation.models.model import Added, Model

@@ -11,7 +11,7 @@ from validation.diagnosing.classical.judged import Tried
 from validation.diagnosing.classical.observed import inverse
 from validation.diagnosing.classical.weighed import evidence
 from validation.diagnosing.diagnosis import Detectable
-from validation.ladders.verdict import WORTH
+from validation.effects.worth import WORTH
 
 HALVINGS = 12
 """Of the interval that holds it."""

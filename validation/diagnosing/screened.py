@@ -1,0 +1,31 @@
+"""`Screened`: what a straight line says of one candidate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from validation.engine.screening import Told
+from validation.models.model import Added
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screened:
+    """What a straight line says of a candidate.
+
+    Attributes
+    ----------
+    added : at the size that it says
+    evidence : [nats]
+    told : its parameter; of a resonator the mass at the best frequency
+    plausible : standard deviation of a plausible fault, in the offset of the parameter
+    """
+
+    added: Added
+    evidence: float
+    told: Told
+    plausible: float
+
+    @property
+    def id(self) -> str:
+        """Of the effect."""
+        return self.added.named.id

@@ -1,0 +1,18 @@
+"""How much evidence an effect must bring to be worth its parameters: limits that were set from tests in which nothing is wrong.
+
+The figures behind them are those of ``make blind``; docs/diagnosis-proven-blind.md tells them.
+"""
+
+from __future__ import annotations
+
+WORTH = 10.0
+"""[nats] of evidence that an effect must bring to be named."""
+
+WORTH_OF = {"modulus": 6.0, "structural-damping": 20.0, "layer-damping": 20.0}
+"""The same by family. Moduli are few, and known to scatter as they are said to. Loss factors scatter by their logarithm, and what
+is known of them has a longer tail than the normal deviate that a fit takes it for."""
+
+
+def worth(family: str) -> float:
+    """[nats] that an effect of `family` must bring to be named."""
+    return WORTH_OF.get(family, WORTH)
