@@ -107,7 +107,8 @@ class Swing:
 def _bare(noun: RopeSwing | CompoundSwing | TorsionSwing | Terms) -> Any:
     """The same in plain numbers, which are many times quicker than those that carry tolerances."""
     given = {each.name: getattr(noun, each.name) for each in fields(noun)}
-    return replace(noun, **{name: None if value is None else float(value.nominal_value) for name, value in given.items()})
+    bare: dict[str, Any] = {name: None if value is None else float(value.nominal_value) for name, value in given.items()}
+    return replace(noun, **bare)
 
 
 def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:
