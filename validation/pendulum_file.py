@@ -36,7 +36,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,8 +60,6 @@ _OWN_KEYS = {
     "torsion-rod": ("damping",),
 }
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_Noun = TypeVar("_Noun", RopeSwing, CompoundSwing, TorsionSwing, Terms)
-
 HONEST = (
     "One period is one number: it cannot separate amplitude, damping and rope mass, nor show that one of them is missing. "
     "Two amplitudes, two rope lengths and the decay can."
@@ -97,7 +95,8 @@ class Swing:
 
     def moment_at(self, period: float) -> float:
         """The same, had it swung with another `period` [s]."""
-        return float(replace(_bare(self.pendulum), period=period).inertia(_bare(self.terms)))  # type: ignore[arg-type]
+        bare: Any = _bare(self.pendulum)
+        return float(replace(bare, period=period).inertia(_bare(self.terms)))
 
     def effects(self) -> dict[str, float]:
         """Relative change of the result by each term, the others as they are."""
@@ -105,10 +104,11 @@ class Swing:
         return {name: whole / self.pendulum.inertia(self.terms.without(name)).nominal_value - 1 for name in self.terms.names}
 
 
-def _bare(noun: _Noun) -> _Noun:
-    """The same in plain numbers, which are a hundred times quicker than those that carry tolerances."""
+def _bare(noun: RopeSwing | CompoundSwing | TorsionSwing | Terms) -> Any:
+    """The same in plain numbers, which are many times quicker than those that carry tolerances."""
     given = {each.name: getattr(noun, each.name) for each in fields(noun)}
-    return replace(noun, **{name: None if value is None else float(value.nominal_value) for name, value in given.items()})
+    bare: dict[str, Any] = {name: None if value is None else float(value.nominal_value) for name, value in given.items()}
+    return replace(noun, **bare)
 
 
 def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:

@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from validation.diagnosing import accepting
+from validation.diagnosing import accepting, swinging
 from validation.diagnosing.accepting import standing
 from validation.diagnosing.advisor.advised import advised
 from validation.diagnosing.against_facts import contradictions
@@ -30,6 +30,8 @@ from validation.diagnosing.errors import errors
 from validation.diagnosing.leftover.described import described, unexplained
 from validation.diagnosing.leftover.ranking import Explanation
 from validation.diagnosing.searching import Round, Tried, alike
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import PENDULUM
 from validation.effects.worth import WORTH, WORTH_OF, worth
 from validation.engine.parameter import EFFECT
 from validation.models.model import Added
@@ -87,6 +89,9 @@ def _verdict(found: Hypothesis, rounds: Sequence[Round], left: Explanation) -> s
 def _advice(bench: Bench, verdict: str, best: Round, progress: Callable[[float], None]) -> tuple[Advice, ...]:
     """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
     if verdict == AMBIGUOUS:
+        swings = [one.id for one in alike(best) if FAMILIES[one.hypothesis.effects[-1].named.family].side == PENDULUM]
+        if len(swings) > 1:  # a shaker tells nothing of ropes
+            return swinging.advised(bench, best.at, swings)
         return advised(bench, [one.hypothesis for one in alike(best)[:RIVALS]], progress)
     if verdict == MISSING:
         return (Advice(test=_cause(best.tried[0]).confirmed_by, gain=0.0),)

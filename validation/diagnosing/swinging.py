@@ -14,10 +14,14 @@ from functools import partial
 import numpy as np
 
 from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.classical.advised import advised as swings_advised
+from validation.diagnosing.classical.answering import answering
 from validation.diagnosing.classical.candidates import Candidate, candidates, pendulum_candidates
 from validation.diagnosing.classical.curve import curve
+from validation.diagnosing.classical.judged import judged
 from validation.diagnosing.classical.observed import Observed, inverse, observed, shifted
 from validation.diagnosing.classical.weighed import Weighed, weighed
+from validation.diagnosing.diagnosis import Advice
 from validation.models.model import Added
 from validation.prediction.facts import ArticleFact
 
@@ -33,6 +37,15 @@ def told(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[tuple[Adde
     of = _independent(observed(_swings(bench, every), every))
     wanted = {one.named.id for one in menu}
     return [_told(of, one) for one in candidates(of.facts, every) if one.id in wanted]
+
+
+def advised(bench: Bench, at: Hypothesis, ids: Sequence[str]) -> tuple[Advice, ...]:
+    """Measurements on swings and balances that would tell the effects `ids`, tried on top of the hypothesis `at`, apart."""
+    every = (*bench.model.effects, *at.effects)
+    of = observed(_swings(bench, every), every)
+    answers = answering(of, [one for one in candidates(of.facts, every) if one.id in ids])
+    tried = judged(answers, of.left, of.precision, of.of_period).tried
+    return swings_advised(of, [one for one in tried if one.helps])
 
 
 def _told(of: Observed, one: Candidate) -> tuple[Added, Weighed]:

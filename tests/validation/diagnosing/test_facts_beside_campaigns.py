@@ -15,6 +15,7 @@ from validation.diagnosing.menu import candidates
 from validation.diagnosing.refitting import baseline, refitted
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.screening import screen
+from validation.diagnosing.swinging import advised
 from validation.effects.identifiers import parse
 from validation.engine.evaluation import Fit
 from validation.models.model import Added, Model
@@ -155,3 +156,6 @@ def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made: 
     # the integral over the size and Laplace's approximation of it differ by the normalisation of a half prior
     assert_allclose(child.fit.log_evidence - base.fit.log_evidence, wide.evidence, atol=1.0)
     assert not any(one.named.family.startswith("pendulum") for one in candidates(made()))
+    best = advised(of, base, ("pendulum-amplitude", "rope-mass"))[0]
+    assert set(best.separates) <= {"pendulum-amplitude", "rope-mass"}
+    assert best.gain > 5
