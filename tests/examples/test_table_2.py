@@ -182,7 +182,7 @@ def test_the_sentences_of_the_page_say_what_is_found_now(story: Any, page: str) 
     pairs: dict[str, list[float]] = {
         "makes # mm of CoG z and # % and # % of Θxx and Θyy": [right[3], right[4], right[5]],
         "Exchange x and y and it is # % and # %": [turned[4], turned[5]],
-        "Posterior #, whatever": [families["x and y exchanged"]],
+        "Posterior #, and": [families["x and y exchanged"]],
         "is the best guess (# and #)": [families["accelerometer-gain"], families["force-gain"]],
         "Two faults leave chi² #, three": [best.chi2],
         "within # sd, chi² #.": [np.abs(triple.left).max(), triple.chi2],
