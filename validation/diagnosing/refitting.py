@@ -8,18 +8,23 @@ from math import log
 
 import numpy as np
 
+from geometry.arrays import Array
 from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.menu import is_resonator
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import OPENED
 from validation.engine.evaluation import Fit
-from validation.engine.fit import child, fit
+from validation.engine.fit import child, fit, nearby
 from validation.engine.parameter import EFFECT, FITTED
 from validation.engine.problem import Problem
 from validation.models.model import Added
 from validation.prediction.applied import name
 
-SPARSE = 3
-"""A rough fit takes every so many lines of the others."""
+SPARSE, PART = 3, 0.25
+"""A rough fit takes every so many lines of the others, and begins at such a part of the size, too."""
+
+OUT = 2.0
+"""Standard deviations from no effect at which an effect is one."""
 
 Progress = Callable[[float], None]
 
@@ -36,9 +41,33 @@ def baseline(bench: Bench, progress: Progress | None = None) -> Hypothesis:
 
 
 def roughly(bench: Bench, at: Hypothesis, added: Added) -> Fit:
-    """`at` with the effect `added` as well, fitted from afar and on few lines: for effects that bend the model."""
+    """`at` with the effect `added` as well, fitted from afar and on few lines: for effects that bend the model.
+
+    A straight line overrates what bends it, so that the way begins at its size and at a part of that.
+    """
     problem = bench.problem((*at.effects, added)).sparser(SPARSE)
-    return child(problem, FITTED, at.fit, _start(bench, added), from_afar=True)
+    start = _start(bench, added)
+    begins = [start] if is_resonator(added.named) or not start else [start, {name: PART * x for name, x in start.items()}]
+    return min((child(problem, FITTED, at.fit, begin, from_afar=True) for begin in begins), key=lambda fit: fit.cost)
+
+
+def polished(bench: Bench, at: Hypothesis, begin: Fit) -> Hypothesis:
+    """`at` fitted again from where another fit ended, where that is cheaper."""
+    found = nearby(at.problem, FITTED, begin.by_name)
+    return at if found.cost >= at.fit.cost else settled(bench, replace(at, fit=found))
+
+
+def stands_out(of: Hypothesis) -> bool:
+    """Whether the newest effect is more than none: what is fitted of it lies off the size of no effect."""
+    added = of.effects[-1]
+    sizes = [] if added.fixed or is_resonator(added.named) else [size for size in added.named.sizes if size.plausible > 0]
+    known = {one.name: (x, sd) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, _spread(of.fit), strict=True)}
+    found = [known[which] for size in sizes if (which := name(added.named, size.key)) in known]
+    return not found or any(abs(x) > OUT * sd > 0 for x, sd in found)
+
+
+def _spread(fit: Fit) -> Array:
+    return np.asarray(np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)))
 
 
 def refitted(bench: Bench, at: Hypothesis, added: Added, *, begin: Fit | None = None) -> Hypothesis:
@@ -83,7 +112,7 @@ def _sized(added: Added, fit: Fit) -> Added:
     if added.fixed:
         return added
     values, deviation = dict(added.named.values), {}
-    spread = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
+    spread = _spread(fit)
     found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
     for size in added.named.sizes:
         one, x, sd = found.get(name(added.named, size.key), (None, 0.0, 0.0))

@@ -15,7 +15,7 @@ from validation.diagnosing.accepting import ALIKE, Standing, excess, standing
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
 from validation.diagnosing.menu import is_resonator
-from validation.diagnosing.refitting import refitted, roughly, settled
+from validation.diagnosing.refitting import polished, refitted, roughly, settled, stands_out
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.screening import screen
 from validation.effects.worth import worth
@@ -43,6 +43,9 @@ best is all that is needed."""
 BENT, FINISHED = 1.5, 3
 """Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar; and how many of these
 rough fits are finished."""
+
+AGAIN = 1
+"""Times that a fit is taken up again where one with a useless effect ended lower."""
 
 LEAST = 0.25
 """Share of what is too much of cost that an effect must explain for others to be looked for beside it."""
@@ -98,9 +101,12 @@ class Round:
 
 def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Progress) -> tuple[Hypothesis, tuple[Round, ...]]:
     """The hypothesis that explains the data of `bench` with the fewest effects of `menu`, and how it was found."""
-    at, rounds = base, []
+    at, rounds, again = base, [], AGAIN
     while len(at.effects) < MOST:
         one = _round(bench, at, menu, progress)
+        if again and one.tried and not one.added and one.tried[0].evidence > ALIKE and not stands_out(one.tried[0].hypothesis):
+            at, again = polished(bench, at, one.tried[0].hypothesis.fit), again - 1  # none of it, but a better way down
+            continue
         rounds.append(one)
         if not one.added:
             break
@@ -116,7 +122,7 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
     here, found = standing(at.fit, at.problem), screen(bench, at, menu)
     tried = (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, found, progress)
     tried.sort(key=lambda each: -each.evidence)
-    good = bool(tried) and tried[0].evidence >= worth(tried[0].family)
+    good = bool(tried) and tried[0].evidence >= worth(tried[0].family) and stands_out(tried[0].hypothesis)
     if good:
         rivals = _rivals(tried, menu, found)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
