@@ -62,7 +62,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
         text=_text(verdict, found, best, left),
         accepted=tuple(_accepted(one, base, found, rounds) for one in named),
         ranking=tuple(_cause(one) for one in best.tried),
-        equivalence_class=tuple(one.id for one in alike(best)) if named else (),
+        equivalence_class=_alike(named, rounds),
         advice=_advice(bench, verdict, best, lambda share: progress("looking for the next measurement", share)),
         leftover=described(base) if verdict == UNKNOWN else None,
         detectable=detectable(rounds[-1].screened),
@@ -84,6 +84,13 @@ def _verdict(found: Hypothesis, rounds: Sequence[Round], left: Explanation) -> s
         return SEVERAL
     last = next(one for one in reversed(rounds) if one.added)
     return AMBIGUOUS if len(alike(last)) > 1 else MISSING
+
+
+def _alike(named: Sequence[Added], rounds: Sequence[Round]) -> tuple[str, ...]:
+    """Ids that the data cannot tell apart; of several effects those of which each could be another."""
+    found = {one.named.id for one in named}
+    groups = [[each.id for each in alike(one)] for one in rounds if one.added in found]
+    return tuple(dict.fromkeys(id for group in groups for id in group if len(found) == 1 or len(group) > 1))
 
 
 def _advice(bench: Bench, verdict: str, best: Round, progress: Callable[[float], None]) -> tuple[Advice, ...]:
