@@ -215,8 +215,8 @@ class Diagnosis:
     text : the answer in words
     accepted : what is missing, in the order of acceptance
     ranking : all that was tried against the model without the effect that was found last, the best first
-    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects those
-        of which each could be another; none where there is no doubt
+    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects
+        those of which each could be another; none where there is no doubt
     advice : measurements that would tell them apart, or confirm, the best first
     leftover : of an unknown effect
     detectable : the smallest size at which each effect would have been named
