@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 
 import numpy as np
@@ -40,6 +41,9 @@ from validation.prediction.applied import name
 LEFT = 30.0
 """[nats] that a describable leftover may gain of a model that misses nothing; of nulls the best of thousands gains 10 to 17."""
 
+LINES = 200
+"""Lines of all data sets together at which a leftover is looked at."""
+
 RIVALS = 2
 """Explanations between which a test is looked for."""
 
@@ -49,7 +53,7 @@ Progress = Callable[[str, float], None]
 def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[Round], progress: Progress) -> Diagnosis:
     """The diagnosis that the `rounds` from `base` to `found` lead to."""
     progress("looking at what is left", 0.0)
-    left = unexplained(found)
+    left = unexplained(_sparse(found))
     verdict = _verdict(found, rounds, left)
     named = () if verdict == UNKNOWN else found.effects
     best = next((one for one in reversed(rounds) if one.added), rounds[-1])
@@ -73,6 +77,12 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
         remarks=contradictions(bench, base, found),
         settings=_settings(bench, rounds),
     )
+
+
+def _sparse(of: Hypothesis) -> Hypothesis:
+    """`of` with half of its lines where there are many: what is left of something unknown shows in few."""
+    lines = sum(len(of.problem.lines_of(one)) for one in of.problem.predictions)
+    return of if lines <= LINES else replace(of, problem=of.problem.sparser(2))
 
 
 def _verdict(found: Hypothesis, rounds: Sequence[Round], left: Explanation) -> str:

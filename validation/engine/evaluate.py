@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from validation.engine import errors
 from validation.engine.descent import Progress
 from validation.engine.errors import Squares
@@ -11,9 +13,12 @@ from validation.engine.evaluation import Evaluation, Fit, Share
 from validation.engine.fit import PLAIN_FLOOR, fit, nearby
 from validation.engine.hold_out import Fold, every_block, folds, held, named, without
 from validation.engine.parameter import FITTED, PLAIN
-from validation.engine.prediction import Offsets
+from validation.engine.prediction import Lines, Offsets, Prediction
 from validation.engine.problem import Problem
 from validation.engine.refit import refitted, solved
+
+EVEN = 3
+"""Quick errors are told at every so many lines."""
 
 
 def evaluate(
@@ -38,7 +43,7 @@ def evaluate(
     parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
         that of all parameters
     fitted : the fit of all parameters, where it is known already; the plain one then begins there
-    quick : whether no configuration is held out, and folds are a single step away
+    quick : whether every third line is enough, no configuration is held out, and folds are a single step away
     progress : told the share of the work that is done, 0 to 1
 
     Raises
@@ -66,15 +71,15 @@ def evaluate(
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
     return Evaluation(
-        nominal=errors.share(_squares(known, problem.start)),
-        plain=errors.share(_squares(known, offsets)),
-        held_out=_held_out(problem, runs),
-        held_out_nominal=_held_out(problem, _at(runs, problem.start)),
+        nominal=errors.share(_squares(known, problem.start, quick)),
+        plain=errors.share(_squares(known, offsets, quick)),
+        held_out=_held_out(problem, runs, quick),
+        held_out_nominal=_held_out(problem, _at(runs, problem.start), quick),
         plain_fit=plain,
         fitted=fitted,
         held_out_names=tuple(fold.name for fold, _ in parts),
-        held_out_configurations=_held_out(problem, whole),
-        held_out_configurations_nominal=_held_out(problem, _at(whole, problem.start)),
+        held_out_configurations=_held_out(problem, whole, quick),
+        held_out_configurations_nominal=_held_out(problem, _at(whole, problem.start), quick),
     )
 
 
@@ -86,9 +91,9 @@ def _fitted(parent: Evaluation | Fit | None) -> Fit | None:
     return parent.fitted if isinstance(parent, Evaluation) else parent
 
 
-def _squares(problem: Problem, offsets: Offsets) -> list[Squares]:
+def _squares(problem: Problem, offsets: Offsets, quick: bool) -> list[Squares]:
     """Of all lines of all data sets of `problem`, fitted to or not."""
-    return [one for prediction in problem.predictions for one in errors.squares(prediction, offsets)]
+    return [one for prediction in problem.predictions for one in errors.squares(prediction, offsets, _even(prediction, quick))]
 
 
 def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], quick: bool, tell: Progress) -> list[tuple[Fold, Offsets]]:
@@ -107,12 +112,17 @@ def _at(parts: Sequence[tuple[Fold, Offsets]], offsets: Offsets) -> list[tuple[F
     return [(fold, offsets) for fold, _ in parts]
 
 
-def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]]) -> Share | None:
+def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool) -> Share | None:
     """The error on what every fold holds out, at its offsets."""
     found = [
         one
         for fold, offsets in parts
         for prediction, lines in held(problem, fold)
-        for one in errors.squares(prediction, offsets, lines, fold=fold.name)
+        for one in errors.squares(prediction, offsets, _even(prediction, quick) if lines is None else lines, fold=fold.name)
     ]
     return errors.share(found) if found else None
+
+
+def _even(prediction: Prediction, quick: bool) -> Lines | None:
+    """Lines at which errors are told: all, or where it must be `quick` every so many, whatever happens there."""
+    return np.arange(0, len(prediction.measured.frequency), EVEN, dtype=np.int64) if quick else None
