@@ -74,7 +74,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
         after=after,
         steps=tuple(_step(one) for one in rounds),
         hold_out=before.held_out_names,
-        remarks=contradictions(bench, base, found),
+        remarks=(*contradictions(bench, base, found), *_unfinished(found)),
         settings=_settings(bench, rounds),
     )
 
@@ -94,6 +94,10 @@ def _verdict(found: Hypothesis, rounds: Sequence[Round], left: Explanation) -> s
         return SEVERAL
     last = next(one for one in reversed(rounds) if one.added)
     return AMBIGUOUS if len(alike(last)) > 1 else MISSING
+
+
+def _unfinished(found: Hypothesis) -> tuple[str, ...]:
+    return () if found.fit.converged else ("the fit of what was found did not converge: its sizes are not the last word",)
 
 
 def _alike(named: Sequence[Added], rounds: Sequence[Round]) -> tuple[str, ...]:
@@ -168,7 +172,8 @@ def sizes(added: Added, of: Hypothesis) -> tuple[Size, ...]:
         which = found.get(name(added.named, size.key))
         if which is not None and which[0].kind == EFFECT and not added.fixed:
             one, x, sd = which
-            low, high = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))
+            ends = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))
+            low, high = (min(max(end, size.low), size.high) for end in ends)
         made.append(Size(key=size.key, value=value, unit=size.unit, low=low, high=high))
     return tuple(made)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from identification.campaign import Campaign
 from validation.engine.evaluation import Fit
@@ -42,11 +42,6 @@ class Bench:
         """What fits see of it: fewer lines, and nothing that is held out."""
         thinned = self.whole(effects).thinned()
         return without(thinned, named(thinned, self.hold_out)) if self.hold_out else thinned
-
-    def without_campaign(self, name: str) -> Bench:
-        """The same without the data set `name`."""
-        kept = [k for k, one in enumerate(self.made) if one.measured.name != name]
-        return replace(self, made=tuple(self.made[k] for k in kept), campaigns=tuple(self.campaigns[k] for k in kept))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

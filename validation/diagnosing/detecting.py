@@ -7,7 +7,6 @@ from math import isfinite
 
 from validation.diagnosing.diagnosis import Detectable
 from validation.diagnosing.dictionary import smallest_mass
-from validation.diagnosing.menu import is_resonator
 from validation.diagnosing.screened import Screened
 from validation.effects.worth import worth
 
@@ -20,7 +19,7 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
 
 def _of(one: Screened) -> Detectable:
     size, wanted = one.added.named.sizes[0], worth(one.added.named.family)
-    if is_resonator(one.added.named):
-        f = one.added.named.values["f"]
-        return Detectable(id=one.id, size=smallest_mass(one.told, wanted), unit=size.unit, at=f"{f:.3g} Hz")
+    if one.clearest is not None:
+        mass = smallest_mass(one.clearest, wanted)
+        return Detectable(id=one.id, size=mass, unit=size.unit, at=f"{one.clearest_at:.3g} Hz")
     return Detectable(id=one.id, size=one.told.detectable(one.plausible, wanted), unit=size.unit)

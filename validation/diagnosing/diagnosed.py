@@ -18,7 +18,7 @@ from validation.diagnosing.discrete import mistakes
 from validation.diagnosing.levels import levels
 from validation.diagnosing.menu import candidates
 from validation.diagnosing.mistaken import with_mistakes, without_mistakes
-from validation.diagnosing.refitting import baseline
+from validation.diagnosing.refitting import baseline, finished
 from validation.diagnosing.searching import searched
 from validation.diagnosing.unequal import nonlinear_answer
 from validation.effects.catalogue import FAMILIES
@@ -87,5 +87,6 @@ def diagnosed(
     tell("fitting the model as it is", 0.0)
     base = baseline(right, lambda share: tell("fitting the model as it is", share))
     found, rounds = searched(right, base, menu, tell)
-    answer = answering.answer(right, base, found, rounds, tell)
+    found = finished(right, found) if found.effects else found
+    answer = answering.answer(right, rounds[0].at, found, rounds, tell)
     return with_mistakes(of, answer, mistaken) if mistaken else answer

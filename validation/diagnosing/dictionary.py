@@ -66,7 +66,15 @@ def _best(
     f, zeta = places[best]
     mass = max(TINY * told[best].estimate, TINY)  # the offset is that of ln m, at the mass TINY
     named = replace(added.named, values={"m": mass, "f": f, "zeta": zeta})
-    return Screened(added=replace(added, named=named), evidence=float(gains[best]) - OCCAM, told=told[best], plausible=np.inf)
+    clearest = int(np.argmax([one.information for one in told]))
+    return Screened(
+        added=replace(added, named=named),
+        evidence=float(gains[best]) - OCCAM,
+        told=told[best],
+        plausible=np.inf,
+        clearest=told[clearest],
+        clearest_at=places[clearest][0],
+    )
 
 
 def _frequencies(of: Screen) -> Array:

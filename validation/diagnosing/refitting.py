@@ -23,6 +23,9 @@ from validation.prediction.applied import name
 SPARSE, PART = 3, 0.25
 """A rough fit takes every so many lines of the others, and begins at such a part of the size, too."""
 
+SAME = 0.05
+"""[nats] that a fit which ended by itself may cost more than where its trial stopped: the last step is taken unseen."""
+
 OUT = 2.0
 """Standard deviations from no effect at which an effect is one."""
 
@@ -55,6 +58,12 @@ def polished(bench: Bench, at: Hypothesis, begin: Fit) -> Hypothesis:
     """`at` fitted again from where another fit ended, where that is cheaper."""
     found = nearby(at.problem, FITTED, begin.by_name)
     return at if found.cost >= at.fit.cost else settled(bench, replace(at, fit=found))
+
+
+def finished(bench: Bench, at: Hypothesis) -> Hypothesis:
+    """`at`, whose fit may be a trial, fitted to the end."""
+    found = nearby(at.problem, FITTED, at.fit.by_name)
+    return settled(bench, replace(at, fit=found)) if found.cost <= at.fit.cost + SAME else at
 
 
 def stands_out(of: Hypothesis) -> bool:

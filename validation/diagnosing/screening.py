@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 
@@ -61,11 +60,16 @@ def _of_tolerance(added: Added, told: Told, at: Hypothesis) -> Screened:
 def _of_new(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screened]:
     free = [replace(one, fixed=False) for one in menu]
     problem = bench.problem((*at.effects, *free))
-    names = [one.named.id for one in free if one.named.id in problem.by_name]
-    of = screened(problem, at.fit, names)
+    sized = {one.named.id: applied.name(one.named, _first(one).key) for one in free if one.named.sizes}
+    of = screened(problem, at.fit, [which for which in sized.values() if which in problem.by_name])
     told = of.told()
-    there = [(one, told[one.named.id]) for one in menu if one.named.id in told]
-    return [_sized(one, one.named.sizes[0], problem.by_name[one.named.id], what) for one, what in there]
+    there = [(one, which) for one in menu if (which := sized.get(one.named.id, "")) in told]
+    return [_sized(one, _first(one), problem.by_name[which], told[which]) for one, which in there]
+
+
+def _first(added: Added) -> Size:
+    """The size by which an effect of several is screened: the first that is fitted."""
+    return next((size for size in added.named.sizes if size.plausible > 0), added.named.sizes[0])
 
 
 def _sized(added: Added, size: Size, one: Parameter, told: Told) -> Screened:
@@ -76,8 +80,13 @@ def _sized(added: Added, size: Size, one: Parameter, told: Told) -> Screened:
         gain = told.information * (told.estimate * offset - 0.5 * offset**2)
         return Screened(added=_at(added, size, one.value(offset)), evidence=gain, told=told, plausible=SWITCHED)
     offset = float(np.clip(told.estimate, low, high))
-    evidence = told.evidence(size.plausible) if low < told.estimate < high else -inf
+    evidence = told.evidence(size.plausible) if low < told.estimate < high else _stopped(told, offset)
     return Screened(added=_at(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible)
+
+
+def _stopped(told: Told, offset: float) -> float:
+    """[nats] of an effect that stops at `offset`, the bound of what its family allows; 0 where that is none at all."""
+    return told.information * (told.estimate * offset - 0.5 * offset**2)
 
 
 def _at(added: Added, size: Size, value: float) -> Added:

@@ -33,8 +33,8 @@ TRIED, OF_A_FAMILY, STRUCTURAL = 6, 3, 2
 PROMISING = 4.0
 """[nats] that a straight line must promise for a fit."""
 
-SOUND = 7.0
-"""[nats] that it must promise where nothing need be missing: there a straight line is right."""
+SHORT = 1.0
+"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right."""
 
 BEHIND, ERRS = 12.0, 0.15
 """[nats] behind the promise of the best, and share of it that a line may err, at which another is not worth a fit, once that
@@ -135,7 +135,7 @@ def _nearby(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screen
     """Fits of the best, until one is all that is needed."""
     tried: list[Tried] = []
     for one in _promising(found):
-        if _settled(tried, one, found) or (here.null and one.evidence < SOUND):
+        if _settled(tried, one, found) or (here.null and one.evidence < worth(one.added.named.family) - SHORT):
             break
         progress(f"trying {one.id}", len(tried) / TRIED)
         tried.append(_tried(bench, at, one.added))

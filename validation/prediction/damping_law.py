@@ -45,8 +45,9 @@ def applied(
     if share:
         found = {name: _behind(tangent, share, W) for name, tangent in found.items()}
     if derivatives:
-        found[NAME] = of_arrays(len(W), viscous=turned, structural=-matrices.structural)
-    return replace(matrices, structural=(1 - share) * matrices.structural, viscous=matrices.viscous + share * turned), found
+        found[NAME] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * _own(W, W))
+    left = matrices.structural * (1 - share * _own(W, W))
+    return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
 
 
 def _weights(nominal: Matrices, size: int) -> Array:
@@ -60,5 +61,11 @@ def _weights(nominal: Matrices, size: int) -> Array:
 def _behind(tangent: Tangent, share: float, W: Array) -> Tangent:
     if not np.any(tangent.structural):
         return tangent
-    turned = W[tangent.at][:, None] * tangent.structural * W[tangent.at]
-    return replace(tangent, structural=(1 - share) * tangent.structural, viscous=tangent.viscous + share * turned)
+    at = W[tangent.at]
+    left = tangent.structural * (1 - share * _own(at, at))
+    return replace(tangent, structural=left, viscous=tangent.viscous + share * at[:, None] * tangent.structural * at)
+
+
+def _own(one: Array, other: Array) -> Array:
+    """1 where both coordinates lose by this law, 0 elsewhere."""
+    return np.outer(one > 0, other > 0).astype(np.float64)
