@@ -12,14 +12,18 @@ from validation.effects.identifiers import parse
 from validation.engine.screening import Told
 from validation.models.model import Added
 
-LOUD = tuple(f"{family}:{target}=0.1" for family in ("force-gain", "force-delay", "force-highpass") for target in ("fmd-z1", "fmd-z2"))
+LOUD = tuple(
+    f"{family}:{target}=0.1" for family in ("force-gain", "force-delay", "force-highpass") for target in ("fmd-z1", "fmd-z2")
+)
 """Of no structure."""
 
 
 def screened(*texts: str, evidence: float = 100.0) -> list[Screened]:
     """All of them, the first one promising the most."""
     return [
-        Screened(added=Added(named=parse(text)), evidence=evidence - k, told=Told(name="", estimate=0.0, information=0.0), plausible=1)
+        Screened(
+            added=Added(named=parse(text)), evidence=evidence - k, told=Told(name="", estimate=0.0, information=0.0), plausible=1
+        )
         for k, text in enumerate(texts)
     ]
 

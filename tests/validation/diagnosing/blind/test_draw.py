@@ -43,6 +43,9 @@ def test_there_are_as_many_of_each_kind_as_the_bars_ask_for(cases: tuple[Case, .
 
 def test_every_family_that_acts_in_a_linear_test_is_planted_alone(cases: tuple[Case, ...]) -> None:
     linear = {name for name, one in FAMILIES.items() if one.side not in (AMPLITUDE, PROCESSING, PENDULUM)}
+    hidden = {one.family for one in CHOICES if not one.words and all(2 * limits.limit(id) > one.largest for id in one.ids)}
+    assert hidden <= {"layer-damping"}  # whose own loss factor, known to 35 %, hides all that the family allows
+    linear -= hidden
     assert {one.planted[0].text.partition(":")[0].partition("=")[0] for one in cases if one.kind == SINGLE} == linear
 
 
