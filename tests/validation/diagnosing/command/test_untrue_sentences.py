@@ -79,7 +79,7 @@ def test_what_is_beside_a_mistake_is_said_in_words(made: Made, monkeypatch: pyte
 
 def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     (friction,) = made("nonlinear").accepted
-    gap = replace(friction, named=parse("gap:1"), evidence=118.0)
+    gap = replace(friction, named=parse("gap:1=500"), evidence=118.0)
     monkeypatch.setattr(unequal, "nonlinear", lambda bench, levels, progress: (friction, gap))
     monkeypatch.setattr(unequal, "as_it_stands", lambda bench, offsets: made("missing").before)
     monkeypatch.setattr(unequal.stated, "of_bench", lambda bench: {"method": "sine"})
