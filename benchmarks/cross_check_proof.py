@@ -34,7 +34,7 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.effects.identifiers import Named, parse
 from validation.effects.targets import Vocabulary, built_in_places
-from validation.effects.worth import WORTH
+from validation.effects.worth import worth
 from validation.engine.evaluate import evaluate
 from validation.engine.evaluation import Evaluation
 from validation.engine.hold_out import named, without
@@ -306,7 +306,7 @@ class Verdict:
     visible : before, it was not there
     inside : the size lies in its region; None where there is none to fit
     worth : the evidence speaks for the right effect
-    beaten : no wrong effect brings the plain error there, or the evidence prefers the right one by `WORTH`
+    beaten : no wrong effect brings the plain error there, or the evidence prefers the right one by what its family is asked for
     """
 
     falls: bool
@@ -339,17 +339,18 @@ def verdict(found: Json) -> Verdict:
     visible = times(before, null) > WITHIN
     if right is None:
         return Verdict(falls=False, visible=visible, inside=None, worth=False, beaten=False)
+    asked = worth(parse(found["planted"], words()).family)
     return Verdict(
         falls=times(right, null) <= WITHIN,
         visible=visible,
         inside=found["sizes"].get("inside"),
-        worth=right["log_evidence"] - before["log_evidence"] > WORTH,
-        beaten=all(one is None or _is_beaten(one, right, null) for one in found["wrong"].values()),
+        worth=right["log_evidence"] - before["log_evidence"] > asked,
+        beaten=all(one is None or _is_beaten(one, right, null, asked) for one in found["wrong"].values()),
     )
 
 
-def _is_beaten(wrong: Json, right: Json, null: Json) -> bool:
-    return times(wrong, null) > WITHIN or right["log_evidence"] - wrong["log_evidence"] > WORTH
+def _is_beaten(wrong: Json, right: Json, null: Json, asked: float) -> bool:
+    return times(wrong, null) > WITHIN or right["log_evidence"] - wrong["log_evidence"] > asked
 
 
 def kept(case: Case, seed: int) -> Json:

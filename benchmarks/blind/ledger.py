@@ -61,7 +61,10 @@ class Ledger:
         return replace(self, looks=(*others, look))
 
     def retired(self) -> Ledger:
-        """The ledger with the next test draw; the present one is for development from now on."""
+        """The ledger with the next test draw; the present one is for development from now on.
+
+        The next seed follows from the present one, so that nobody can choose it; it is secret only while nobody works it out.
+        """
         following = int.from_bytes(blake2b(f"{self.test}".encode(), digest_size=4).digest(), "little") % 2**31
         return replace(self, development=(*self.development, self.test), test=following)
 

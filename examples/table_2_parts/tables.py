@@ -107,7 +107,11 @@ def records(story: Story) -> Grid:
 def sizes(of: Refined) -> list[str]:
     """Of the faults, in their units and in plausible sizes."""
     pairs = zip(of.of.faults, of.sizes, strict=True)
-    return ["off" if one.switch else f"{size:.3g} {one.unit} ({abs(size) / one.plausible:.1f})" for one, size in pairs]
+    return ["off" if one.switch else f"{_size(size, one.unit)} ({abs(size) / one.plausible:.1f})" for one, size in pairs]
+
+
+def _size(size: float, unit: str) -> str:
+    return f"{100 * size:.3g} %" if unit == "1" else f"{size:.3g} {unit}"
 
 
 def gain(story: Story, of: Explanation) -> float:

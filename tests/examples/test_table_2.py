@@ -188,7 +188,10 @@ def test_the_sentences_of_the_page_say_what_is_found_now(story: Any, page: str) 
         "within # sd, chi² #.": [np.abs(triple.left).max(), triple.chi2],
         "the best has # %": [share],
         "do not do it**: chi² # of seven numbers, chance #;": [story.alone[1.0, False].chi2, story.alone[1.0, False].probability],
-        "three times as wide still #.": [story.alone[3.0, False].probability],
+        "three times as wide still # with the axes right, and # only if": [
+            story.alone[3.0, False].probability,
+            story.alone[3.0, True].probability,
+        ],
         "with nothing on it, # of # nats": [story.menu["FMD alone"], story.doubt],
         "has nearly as much, #.": [story.menu["same records: redundant channels"]],
         "by 90° has nothing, #.": [story.menu["Cuboid turned by 90° on the FMD"]],

@@ -85,6 +85,17 @@ class Outcome:
         return len(self.claimed) > len(self.planted)
 
     @property
+    def stray(self) -> bool:
+        """Whether a claim is none of what was planted, and stands in no class that holds some of it."""
+        near = set(self.alike) if set(self.alike) & set(self.planted) else set()
+        return bool({*self.claimed} - {*self.planted} - near)
+
+    @property
+    def answered(self) -> bool:
+        """Whether there is a verdict: the diagnosis neither refused nor broke down."""
+        return not (self.refused or self.broken)
+
+    @property
     def families(self) -> tuple[str, ...]:
         """Of what is planted."""
         return tuple(one.partition(":")[0] for one in self.planted)

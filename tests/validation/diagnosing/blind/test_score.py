@@ -86,6 +86,19 @@ def test_more_claims_than_effects_are_extra() -> None:
     assert not outcome(truth("pairs", GAIN, "modulus:mast"), answer("several", GAIN, "modulus:mast")).extra
 
 
+def test_a_wrong_claim_is_one_beside_a_right_one_and_in_place_of_it_but_not_in_a_class_that_holds_the_truth() -> None:
+    shunt, both = "load-path-shunt:z", (GAIN, "modulus:mast")
+    outcomes = scored(
+        (truth("singles", GAIN), answer("missing", shunt)),
+        (truth("pairs", *both, number=1), answer("several", GAIN, shunt)),
+        (truth("singles", GAIN, number=2), answer("ambiguous", shunt, alike=(shunt, GAIN))),
+        (truth("pairs", *both, number=3), answer("missing", GAIN)),
+    )
+    assert [one.stray for one in outcomes] == [True, True, False, False]
+    assert not any(one.extra for one in outcomes)
+    assert row(outcomes, "a claim that is wrong").figure.startswith("2 of 4")
+
+
 def test_a_refusal_and_a_breakdown_name_nothing_and_are_counted() -> None:
     outcomes = scored(
         (truth("singles", GAIN), {"refused": "CheckFailed: no"}), (truth("singles", GAIN, number=1), {"broken": "no"})
@@ -119,7 +132,7 @@ def test_a_false_alarm_is_anything_but_nothing_on_a_null() -> None:
         (truth("nulls", number=3), {"refused": "no"}),
     )
     found = row(outcomes, "false alarms")
-    assert found.figure.startswith("2 of 4")
+    assert found.figure.startswith("2 of 3")  # what was refused was not answered
     assert found.figure.endswith("1 of them without a name")
     assert found.met is False
 
@@ -172,6 +185,19 @@ def test_unknown_physics_counts_where_it_leaves_a_fifth_more_than_its_null() -> 
     assert row(outcomes, "where less is left").figure.startswith("1 of 1")
 
 
+@pytest.mark.parametrize("silent", [{"refused": "CheckFailed: no"}, {"broken": "no"}])
+def test_unknown_physics_that_is_refused_counts_as_a_miss(silent: Json) -> None:
+    outcomes = scored((truth("nulls"), answer("nothing")), (truth("foreign", "unknown-strain:cover-z1"), silent))
+    assert row(outcomes, "unknown physics").figure.startswith("0 of 1")
+    assert row(outcomes, "in no catalogue").figure.startswith("0 of 1")
+    assert row(outcomes, "where less is left").figure == "none yet"
+
+
+def test_unknown_physics_counts_where_its_null_was_refused() -> None:
+    outcomes = scored((truth("nulls"), {"refused": "no"}), (truth("left-out", GAIN), answer("missing", "modulus:mast")))
+    assert row(outcomes, "unknown physics").figure.startswith("0 of 1")
+
+
 def test_held_out_errors_are_held_against_the_null_of_the_same_laboratory() -> None:
     outcomes = scored(
         (truth("nulls", number=1), answer("nothing", left=0.5)),
@@ -181,7 +207,7 @@ def test_held_out_errors_are_held_against_the_null_of_the_same_laboratory() -> N
         (truth("singles", GAIN, number=3), answer("missing", GAIN, left=3.0)),
     )
     found = row(outcomes, "plain error after")
-    assert found.figure.startswith("median 2.10; within it 1 of 2")
+    assert found.figure.startswith("2.10; within 1.3 in 1 of 2")
     assert found.met is False
 
 

@@ -1,0 +1,94 @@
+"""How a fit stands against those of nulls: misfit, price and a single tolerance each refuse it alone."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from validation.comparing.verdicts import expected_z2
+from validation.diagnosing.accepting import ABSURD, BEYOND, SCATTER, UNLIKELY, excess, of_noise, standing
+from validation.engine.evaluation import Fit
+from validation.engine.fit import FLOOR
+from validation.engine.parameter import Parameter
+
+FREEDOM, COUNT = 5000, 100
+
+
+def fitted(*, misfit: float = 0.9, z: np.ndarray | None = None) -> Fit:
+    """All tolerances are told by the data, ten times better than beforehand, and moved by `z`."""
+    moved = np.ones(COUNT) if z is None else z
+    return Fit(
+        parameters=tuple(Parameter(name=f"gain:{k}", unit="1", tolerance=0.01) for k in range(COUNT)),
+        offsets=0.01 * moved,
+        covariance=0.001**2 * np.eye(COUNT),
+        cost=0.5 * (misfit * FREEDOM + float(moved @ moved)),
+        chi2=misfit * FREEDOM,
+        degrees_of_freedom=FREEDOM,
+        tolerance_z2=float(moved @ moved),
+        tolerances=COUNT,
+        log_evidence=0.0,
+        converged=True,
+    )
+
+
+@pytest.fixture
+def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A problem whose likelihood allows for noise and as much again of a floor."""
+    noise = np.ones((1, 4, 2))
+    seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
+    monkeypatch.setattr("validation.diagnosing.accepting.observed", lambda measured, lines: seen)
+    return SimpleNamespace(predictions=(SimpleNamespace(measured=None),), lines_of=lambda one: None)
+
+
+def one_far(z: float) -> np.ndarray:
+    return np.concatenate([[z], np.full(COUNT - 1, 0.9)])
+
+
+def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
+    assert_allclose(of_noise(noisy), 0.5, rtol=1e-12)
+    assert_allclose(standing(fitted(), noisy).limit, 0.5 * (BEYOND + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
+
+
+def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) -> None:
+    of = fitted(misfit=0.49)
+    found = standing(of, noisy)
+    assert found.null
+    assert found.text == ""
+    assert_allclose(found.price, COUNT / expected_z2(of), rtol=1e-12)
+    assert_allclose(expected_z2(of), 0.99 * COUNT, rtol=1e-12)  # each was told ten times better
+    assert excess(of, found) == pytest.approx(0.5 * 0.01 * COUNT)  # no misfit, and a hundredth more than is due
+
+
+def test_misfit_alone_refuses(noisy: Any) -> None:
+    limit = standing(fitted(), noisy).limit
+    below, above = (standing(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
+    assert (below.null, above.null) == (True, False)
+    assert above.text.startswith("chi² per degree of freedom")
+    assert ";" not in above.text
+
+
+def test_price_alone_refuses(noisy: Any) -> None:
+    """Every tolerance a little too far, none of them by much."""
+    from scipy.stats import chi2
+
+    z = np.sqrt(chi2.isf(UNLIKELY, 0.99 * COUNT) / COUNT)
+    below, above = (standing(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
+    assert (below.null, above.null) == (True, False)
+    assert above.largest < 2
+    assert above.text.startswith("the tolerances pay")
+    assert ";" not in above.text
+
+
+def test_one_tolerance_alone_refuses(noisy: Any) -> None:
+    below, above = (standing(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
+    assert (below.null, above.null) == (True, False)
+    assert above.likely > UNLIKELY
+    assert above.text.startswith("one of them stands at 4.8 z")
+
+
+def test_everything_that_refuses_is_said(noisy: Any) -> None:
+    found = standing(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
+    assert found.text.count(";") == 2
+    assert not found.null
