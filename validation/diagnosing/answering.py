@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import version
 
 import numpy as np
 
-from validation.diagnosing import accepting, swinging
+from validation.diagnosing import stated, swinging
 from validation.diagnosing.accepting import standing
 from validation.diagnosing.advisor.advised import advised
 from validation.diagnosing.against_facts import contradictions
 from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.confirming import confirming
 from validation.diagnosing.detecting import detectable
 from validation.diagnosing.diagnosis import (
     AMBIGUOUS,
@@ -33,7 +33,7 @@ from validation.diagnosing.leftover.ranking import Explanation
 from validation.diagnosing.searching import Round, Tried, alike
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import PENDULUM
-from validation.effects.worth import WORTH, WORTH_OF, worth
+from validation.effects.worth import worth
 from validation.engine.parameter import EFFECT
 from validation.models.model import Added
 from validation.prediction.applied import name
@@ -67,7 +67,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
         accepted=tuple(_accepted(one, base, found, rounds) for one in named),
         ranking=tuple(_cause(one) for one in best.tried),
         equivalence_class=_alike(named, rounds),
-        advice=_advice(bench, verdict, best, lambda share: progress("looking for the next measurement", share)),
+        advice=_advice(bench, verdict, best, found, lambda share: progress("looking for the next measurement", share)),
         leftover=described(base) if verdict == UNKNOWN else None,
         detectable=detectable(rounds[-1].screened),
         before=before,
@@ -107,31 +107,31 @@ def _alike(named: Sequence[Added], rounds: Sequence[Round]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(id for group in groups for id in group if len(found) == 1 or len(group) > 1))
 
 
-def _advice(bench: Bench, verdict: str, best: Round, progress: Callable[[float], None]) -> tuple[Advice, ...]:
+def _advice(bench: Bench, verdict: str, best: Round, found: Hypothesis, progress: Callable[[float], None]) -> tuple[Advice, ...]:
     """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
     if verdict == AMBIGUOUS:
         swings = [one.id for one in alike(best) if FAMILIES[one.hypothesis.effects[-1].named.family].side == PENDULUM]
         if len(swings) > 1:  # a shaker tells nothing of ropes
             return swinging.advised(bench, best.at, swings)
         return advised(bench, [one.hypothesis for one in alike(best)[:RIVALS]], progress)
-    if verdict == MISSING:
-        return (Advice(test=_cause(best.tried[0]).confirmed_by, gain=0.0),)
-    return ()
+    return confirming(one.named for one in found.effects) if verdict in (MISSING, SEVERAL) else ()
 
 
 def _text(verdict: str, found: Hypothesis, best: Round, left: Explanation) -> str:
-    ids = " and ".join(one.named.id for one in found.effects)
-    if verdict == NOTHING:
-        return "Nothing is missing at the resolution of these data"
-    if verdict == MISSING:
-        return f"This is missing: {ids}"
-    if verdict == SEVERAL:
-        return f"Several effects are missing: {ids}"
-    if verdict == AMBIGUOUS:
-        return f"One of these is missing, which the data cannot tell apart: {', '.join(one.id for one in alike(best))}"
-    why = standing(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that no effect explains"
-    closest = f"; the closest, {best.tried[0].id}, leaves that" if best.tried else ""
-    return f"Something is wrong that is none of the effects known: {why}{closest}"
+    """What the sentence of the verdict does not say: of an unknown effect why no name will do."""
+    if verdict != UNKNOWN:
+        return ""
+    why = standing(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that have no name"
+    if found.effects:
+        return f"With {' and '.join(one.named.id for one in found.effects)}, which comes closest, {why}"
+    if not best.tried:
+        return f"As the model is, {why}"
+    closest = best.tried[0]
+    return f"As the model is, {why}. With the closest, {closest.id}, {closest.standing.text or _too_little(closest)}"
+
+
+def _too_little(one: Tried) -> str:
+    return f"it is {one.evidence:.1f} nats better, which is not enough for a name"
 
 
 def _accepted(added: Added, base: Hypothesis, found: Hypothesis, rounds: Sequence[Round]) -> Cause:
@@ -200,15 +200,11 @@ def _why(one: Round) -> str:
 def _settings(bench: Bench, rounds: Sequence[Round]) -> Mapping[str, object]:
     problem = rounds[0].at.problem
     return {
-        "version": version("massline"),
-        "worth_nats": {"": WORTH, **WORTH_OF},
+        **stated.of_bench(bench),
+        **stated.of_search(),
         "left_nats": LEFT,
-        "alike_nats": accepting.ALIKE,
         "misfit_limit": standing(rounds[0].at.fit, problem).limit,
-        "unlikely": accepting.UNLIKELY,
-        "absurd_z": accepting.ABSURD,
         "candidates": len(rounds[0].screened),
         "lines": {one.measured.name: len(problem.lines_of(one)) for one in problem.predictions},
         "parameters": len(rounds[0].at.fit.parameters),
-        "method": bench.made[0].tested.method,
     }

@@ -17,7 +17,7 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
     """The diagnosis as one object."""
     return {
         "verdict": found.verdict,
-        "text": found.text,
+        "text": found.text or words.headline(found),
         "headline": words.headline(found),
         "accepted": [effect(one) for one in found.accepted],
         "ranking": [effect(one) for one in found.ranking],
@@ -54,6 +54,7 @@ def effect(one: Cause) -> dict[str, Any]:
         "chi2_per_dof": finite(one.misfit),
         "price": finite(one.price),
         "as_where_nothing_is_missing": one.null,
+        "note": one.note or None,
         "mistaken_for": list(one.mistaken_for),
         "confirmed_by": one.confirmed_by,
     }
@@ -83,7 +84,12 @@ def _size(one: Size) -> dict[str, Any]:
 
 def advice(one: Advice) -> dict[str, Any]:
     """A measurement that would decide."""
-    return {"test": one.test, "expected_evidence_nats": finite(one.gain), "separates": list(one.separates)}
+    return {
+        "test": one.test,
+        "expected_evidence_nats": finite(one.gain),
+        "separates": list(one.separates),
+        "hours": one.hours or None,
+    }
 
 
 def leftover(one: Leftover) -> dict[str, Any]:

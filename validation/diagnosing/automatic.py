@@ -4,7 +4,8 @@ A rung is made by `validation.ladders.adding`, as `massline add` makes it: fitte
 So an interruption loses no rung that was finished, and the next run begins where the model file stands. The rules:
 
     nothing      is missing any more: done
-    missing, several, mistake     every effect that was accepted becomes a rung, and the new model is diagnosed
+    missing, several    every effect that was accepted becomes a rung, and the new model is diagnosed
+    mistake      the mistakes alone become rungs; what there is beside them is for the diagnosis of the new model to say
     ambiguous    the first of those that cannot be told apart becomes a rung, which says so; only another measurement goes on
     nonlinear    likewise, and what a linear fit would say beyond that is nonsense
     unknown      no name is worth a rung
@@ -20,8 +21,11 @@ from typing import Any
 from validation.diagnosing.as_json import effect
 from validation.diagnosing.asked import Asked
 from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import AMBIGUOUS, NONLINEAR, NOTHING, UNKNOWN, Cause, Diagnosis
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISTAKE, NONLINEAR, NOTHING, UNKNOWN, Cause, Diagnosis
+from validation.diagnosing.words import asked as asked_for
 from validation.diagnosing.words import headline
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import MISTAKE as OF_MISTAKES
 from validation.ladders import adding
 from validation.ladders.as_json import of_ladder
 from validation.ladders.climbing import Standing, standing, undone
@@ -34,10 +38,10 @@ MOST_ROUNDS = 6
 """Diagnoses in a row, before something is wrong with the climb itself."""
 
 ENDED = {
-    NOTHING: "nothing more is missing at the resolution of these data",
+    NOTHING: "nothing more{asked} is missing at the resolution of these data",
     AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
     NONLINEAR: "what depends on the level is no matter of a linear fit",
-    UNKNOWN: "what is left is explained by no effect that massline knows",
+    UNKNOWN: "what is left is explained by no effect that was looked for",
 }
 """Why a climb ends, by the last verdict."""
 
@@ -95,7 +99,7 @@ def climb(asked: Asked, bench: Bench, diagnose: Diagnose, heard: Heard | None = 
         found = diagnose(bench)
         rounds.append(found)
         told.diagnosed(found)
-        ended = ENDED.get(found.verdict, "")
+        ended = ENDED.get(found.verdict, "").format(asked=asked_for(found))
         more = new(found, bench.model)
         for cause in more:
             rung, below = _added(asked, cause, found, told.progress)
@@ -114,8 +118,12 @@ def climb(asked: Asked, bench: Bench, diagnose: Diagnose, heard: Heard | None = 
 
 def new(found: Diagnosis, model: Model) -> tuple[Cause, ...]:
     """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing does."""
+    if found.verdict == UNKNOWN:
+        return ()
     known = {one.named.id for one in model.effects}
-    return () if found.verdict == UNKNOWN else tuple(one for one in found.accepted if one.id not in known)
+    more = tuple(one for one in found.accepted if one.id not in known)
+    wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)
+    return wrong if found.verdict == MISTAKE and wrong else more
 
 
 def _added(asked: Asked, cause: Cause, found: Diagnosis, progress: Progress) -> tuple[Rung, int]:

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 from validation.comparing.compared import meant
 from validation.comparing.gathered import Data
-from validation.diagnosing import answering
+from validation.diagnosing import answering, stated
 from validation.diagnosing.bench import Bench
 from validation.diagnosing.diagnosis import Diagnosis
 from validation.diagnosing.discrete import mistakes
 from validation.diagnosing.levels import levels
-from validation.diagnosing.menu import candidates
+from validation.diagnosing.menu import candidates, looked_for
 from validation.diagnosing.mistaken import with_mistakes, without_mistakes
 from validation.diagnosing.refitting import baseline, finished
 from validation.diagnosing.searching import searched
@@ -68,8 +68,8 @@ def diagnosed(
 
     Parameters
     ----------
-    only : families or ids that are looked for; all where nothing is said
-    leave_out : families or ids that are not
+    only : families or ids that are looked for beside mistakes; all where nothing is said
+    leave_out : families or ids that are not, mistakes among them
 
     Raises
     ------
@@ -78,15 +78,21 @@ def diagnosed(
     """
     tell = progress or (lambda what, share: None)
     tell("looking for mistakes", 0.0)
-    mistaken = mistakes(of)
+    mistaken = [one for one in mistakes(of) if looked_for(one.named, (), leave_out)]
     right = without_mistakes(of, mistaken)
+    found = _linear_or_not(right, only, leave_out, tell)
+    whole = with_mistakes(of, found, mistaken) if mistaken else found
+    return replace(whole, only=tuple(only), settings={**whole.settings, **stated.of_question(only, leave_out)})
+
+
+def _linear_or_not(right: Bench, only: Sequence[str], leave_out: Sequence[str], tell: Progress) -> Diagnosis:
+    """The diagnosis of data without mistakes: what two levels say, and where they say the same what a search finds."""
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != AMPLITUDE]
     menu = candidates(right, only=linear, leave_out=leave_out) if linear or not only else ()
     if differing := levels(right):
-        return nonlinear_answer(right, mistaken, differing, tell)
+        return nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     tell("fitting the model as it is", 0.0)
     base = baseline(right, lambda share: tell("fitting the model as it is", share))
     found, rounds = searched(right, base, menu, tell)
     found = finished(right, found) if found.effects else found
-    answer = answering.answer(right, rounds[0].at, found, rounds, tell)
-    return with_mistakes(of, answer, mistaken) if mistaken else answer
+    return answering.answer(right, rounds[0].at, found, rounds, tell)

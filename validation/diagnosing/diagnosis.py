@@ -212,7 +212,7 @@ class Diagnosis:
     Attributes
     ----------
     verdict : of `VERDICTS`
-    text : the answer in words
+    text : what the sentence of the verdict (`validation.diagnosing.words.headline`) does not say; empty where it says all
     accepted : what is missing, in the order of acceptance
     ranking : all that was tried against the model without the effect that was found last, the best first
     equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects
@@ -225,7 +225,8 @@ class Diagnosis:
     steps : how it was found
     hold_out : what was held out, in words
     remarks : warnings, about data that were left out and the like
-    settings : method, band, thresholds, lines, versions
+    only : families and ids that alone were looked for; empty where everything was
+    settings : method, band, limits, lines, version, what was asked; see `validation.diagnosing.stated`
     """
 
     verdict: str
@@ -242,6 +243,7 @@ class Diagnosis:
     steps: tuple[Step, ...] = ()
     hold_out: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
 
     @property

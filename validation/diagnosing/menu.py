@@ -67,6 +67,11 @@ def candidates(bench: Bench, *, only: Sequence[str] = (), leave_out: Sequence[st
     return tuple(one for one in found if not only or _is_any(one.named, only))
 
 
+def looked_for(named: Named, only: Sequence[str], leave_out: Sequence[str]) -> bool:
+    """Whether an effect is one of `only` (families or ids; all where nothing is said), and none of `leave_out`."""
+    return (not only or _is_any(named, only)) and not _is_any(named, leave_out)
+
+
 def _is_any(named: Named, names: Sequence[str]) -> bool:
     return any(_is(named, name) for name in names)
 

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import MISTAKE, NOTHING, Cause, Diagnosis
+from validation.diagnosing.confirming import confirming
+from validation.diagnosing.diagnosis import MISTAKE, NONLINEAR, NOTHING, Cause, Diagnosis
 from validation.diagnosing.errors import as_it_stands
+from validation.diagnosing.words import headline
 from validation.models.model import Added
 
 
@@ -19,14 +21,22 @@ def without_mistakes(bench: Bench, mistaken: Sequence[Cause]) -> Bench:
 
 def with_mistakes(bench: Bench, found: Diagnosis, mistaken: Sequence[Cause]) -> Diagnosis:
     """`found`, the diagnosis without the mistakes, as one of the data of `bench` as they are."""
-    which = " and ".join(one.id for one in mistaken)
-    beside = "" if found.verdict == NOTHING else f"; beside it: {found.text}"
     return replace(
         found,
-        verdict=MISTAKE,
-        text=f"A mistake in the measurement: {which}{beside}",
+        verdict=found.verdict if found.verdict == NONLINEAR else MISTAKE,
+        text=_text(found, mistaken),
         accepted=(*mistaken, *found.accepted),
         ranking=(*mistaken, *found.ranking),
         equivalence_class=found.equivalence_class or tuple(one.id for one in mistaken),
-        before=as_it_stands(bench, found.after.fitted.by_name),
+        advice=found.advice or confirming(one.named for one in mistaken),
+        before=as_it_stands(bench, {} if found.verdict == NONLINEAR else found.after.fitted.by_name),
     )
+
+
+def _text(found: Diagnosis, mistaken: Sequence[Cause]) -> str:
+    which = " and ".join(one.id for one in mistaken)
+    if found.verdict == NONLINEAR:
+        return f"{found.text}; beside that a mistake in the data: {which}"
+    if found.verdict == NOTHING:
+        return ""
+    return f"Beside {which}: {found.text or headline(found)}"

@@ -21,6 +21,9 @@ CLOSE = 3.0
 SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
 """Verdicts of which the one sentence says all that a text would."""
 
+NOT_FITTED = (MISTAKE, NONLINEAR)
+"""Verdicts of which the model as it was is held against the data without a fit, so that there is no evidence to compare."""
+
 ERRORS: tuple[tuple[str, Callable[[Evaluation], str]], ...] = (
     ("nominal error", lambda e: percent(e.nominal.percent)),
     ("plain error, fitted data", lambda e: percent(e.plain.percent)),
@@ -77,7 +80,12 @@ def causes(of: Sequence[Cause]) -> Grid:
 
 def explained(one: Cause) -> Grid:
     """One cause for somebody who never heard of it."""
-    lines = (("means", one.text), ("mistaken for", words.mistaken(one)), ("confirm it by", one.confirmed_by or NONE))
+    lines = (
+        ("means", one.text),
+        *((("these data say", one.note),) if one.note else ()),
+        ("mistaken for", words.mistaken(one)),
+        ("confirm it by", one.confirmed_by or NONE),
+    )
     return Grid(header=(one.id, one.named.what), lines=lines, words=True)
 
 
@@ -134,7 +142,7 @@ def errors(found: Diagnosis) -> Grid:
     both = (found.before,) if found.before is found.after else (found.before, found.after)
     kept = [(name, cells) for name, tell in ERRORS if set(cells := [tell(one) for one in both]) != {NONE}]
     gain = found.after.fitted.log_evidence - found.before.fitted.log_evidence
-    if len(both) > 1 and found.verdict != MISTAKE:  # of the fit with a mistake in the data there is no evidence
+    if len(both) > 1 and found.verdict not in NOT_FITTED:
         kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
     columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
     header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")

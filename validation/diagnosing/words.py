@@ -69,9 +69,14 @@ def what(id: str) -> str:
     return FAMILIES[id.partition(":")[0]].what
 
 
+def asked(found: Diagnosis) -> str:
+    """What alone was looked for, where not everything was."""
+    return f" of what was asked for ({listed(found.only)})" if found.only else ""
+
+
 def _nothing(found: Diagnosis) -> str:
     known = f", beside {listed([one.id for one in found.accepted])}" if found.accepted else ""
-    return f"NOTHING IS MISSING at the resolution of these data{known}."
+    return f"NOTHING IS MISSING{asked(found)} at the resolution of these data{known}."
 
 
 def _missing(found: Diagnosis) -> str:
@@ -90,7 +95,8 @@ def _several(found: Diagnosis) -> str:
 
 def _unknown(found: Diagnosis) -> str:
     known = f"; {listed([one.id for one in found.accepted])} alone leaves too much" if found.accepted else ""
-    return f"UNKNOWN: something is missing, and no effect that massline knows explains it{known}."
+    what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
+    return f"UNKNOWN: something is missing, and {what} explains it{known}."
 
 
 def _nonlinear(found: Diagnosis) -> str:
