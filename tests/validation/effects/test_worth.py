@@ -12,7 +12,7 @@ def test_a_limit_of_its_own_belongs_to_a_family_of_the_catalogue() -> None:
 
 @pytest.mark.parametrize("family", sorted(FAMILIES))
 def test_every_family_is_asked_for_its_own_limit_or_the_common_one(family: str) -> None:
-    assert worth(family) == (WORTH_OF[family] if family in WORTH_OF else WORTH)
+    assert worth(family) == WORTH_OF.get(family, WORTH)
     assert 3.0 < worth(family) < 30.0  # more than 20 to 1, and within what a null or a clear fault brings
 
 
