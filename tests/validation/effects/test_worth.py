@@ -11,9 +11,9 @@ def test_a_limit_of_its_own_belongs_to_a_family_of_the_catalogue() -> None:
 
 
 @pytest.mark.parametrize("family", sorted(FAMILIES))
-def test_every_family_is_asked_for_its_own_limit_or_the_common_one(family: str) -> None:
-    assert worth(family) == (WORTH_OF[family] if family in WORTH_OF else WORTH)
-    assert 3.0 < worth(family) < 30.0  # more than 20 to 1, and within what a null or a clear fault brings
+def test_every_family_is_asked_for_more_than_chance_and_less_than_a_clear_fault_brings(family: str) -> None:
+    assert worth(family) == WORTH_OF.get(family, WORTH)
+    assert 3.0 < worth(family) < 30.0
 
 
 def test_a_loss_factor_is_asked_for_more_than_a_gain_and_a_modulus_for_less() -> None:
