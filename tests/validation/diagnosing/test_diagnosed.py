@@ -1,0 +1,130 @@
+"""The whole way in a small laboratory: what is missing is named, and nothing where nothing is; mistakes and levels come first."""
+
+from collections.abc import Callable
+from functools import cache
+
+import pytest
+
+from validation import cli
+from validation.comparing.gathered import gathered
+from validation.diagnosing import diagnosed as whole
+from validation.diagnosing import unequal
+from validation.diagnosing.bench import Bench
+from validation.diagnosing.diagnosed import bench, diagnosed
+from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, MISTAKE, NONLINEAR, NOTHING, Cause, Diagnosis, Level, Size
+from validation.effects.identifiers import parse
+from validation.models import reading
+
+GAIN = "force-gain:fmd-z2"
+ASKED = ("force-gain", "cell-stiffness")
+
+FAST = ("--octaves-per-minute", "60", "--band", "5", "20", "--rate", "256", "--model", "rigid")
+
+Made = Callable[..., Bench]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """``made(effect, ...)``: the Cuboid on the shaker with these planted, and a model that does not know of them."""
+    folder = tmp_path_factory.mktemp("diagnosed")
+    file = folder / "model.toml"
+    assert cli.run(["model", "fmd+cuboid", "--out", str(file)]) == cli.DONE
+    file.write_text(file.read_text(encoding="utf-8").replace('kind = "beam"', 'kind = "rigid"'), encoding="utf-8")
+    model = reading.read(str(file))
+
+    @cache
+    def of(*effects: str) -> Bench:
+        campaign = folder / f"cuboid-{len(list(folder.iterdir()))}"
+        options = ("--seed", "3", "--tolerances", "0.3", *FAST, *(word for one in effects for word in ("--effect", one)))
+        assert cli.run(["simulate", "fmd+cuboid", "--out", str(campaign), *options]) == cli.DONE
+        return bench(model, gathered([str(campaign)], model), hold_out=("z",))
+
+    return of
+
+
+@pytest.fixture(scope="module")
+def sound(made: Made) -> Diagnosis:
+    return diagnosed(made(), only=ASKED)
+
+
+@pytest.fixture(scope="module")
+def faulty(made: Made) -> Diagnosis:
+    return diagnosed(made(f"{GAIN}=0.15"), only=ASKED)
+
+
+def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_told(sound: Diagnosis) -> None:
+    assert (sound.verdict, sound.accepted, sound.equivalence_class, sound.leftover) == (NOTHING, (), (), None)
+    assert {one.id.partition(":")[0] for one in sound.detectable} == set(ASKED)
+    assert sound.before is sound.after
+
+
+def test_what_is_missing_is_named_with_its_size_and_evidence(faulty: Diagnosis) -> None:
+    (gain,) = faulty.accepted
+    assert faulty.verdict in (MISSING, AMBIGUOUS)
+    assert gain.id == GAIN
+    assert gain.null
+    assert gain.evidence == pytest.approx(faulty.after.fitted.log_evidence - faulty.before.fitted.log_evidence, abs=1.0)
+    (size,) = gain.sizes
+    assert abs(size.value - 0.15) < 2 * (size.high - size.low)  # its own tolerance was drawn on top
+
+
+def test_its_errors_fall_where_no_fit_has_seen_the_data(faulty: Diagnosis) -> None:
+    assert faulty.after.held_out is not None
+    assert faulty.before.held_out is not None
+    assert faulty.after.held_out.percent < 0.5 * faulty.before.held_out.percent
+    assert faulty.after.fitted.tolerance_z2 < 0.5 * faulty.before.fitted.tolerance_z2
+
+
+def test_a_fault_that_is_detectable_and_no_more_is_what_the_sound_laboratory_says(sound: Diagnosis, faulty: Diagnosis) -> None:
+    """The planted size lies well above the smallest one that is told where nothing is planted."""
+    (smallest,) = [one.size for one in sound.detectable if one.id == GAIN]
+    assert 0 < smallest < 0.5 * abs(faulty.accepted[0].sizes[0].value)
+
+
+def test_a_mistake_alone_is_its_own_class(made: Made) -> None:
+    found = diagnosed(made("polarity:fmd-x12"), only=ASKED)
+    assert (found.verdict, [one.id for one in found.accepted]) == (MISTAKE, ["polarity:fmd-x12"])
+    assert found.equivalence_class == ("polarity:fmd-x12",)
+
+
+LEVEL = Level(data_set="cuboid", runs=("x-at-0.5", "x"), axis="x", channels=("fmd-x12",), frequency=12.0, sigma=40.0)
+
+
+def cause(text: str, evidence: float) -> Cause:
+    named = parse(text)
+    return Cause(named=named, sizes=(Size(key="", value=named.value, unit="N", low=1.0, high=2.0),), evidence=evidence)
+
+
+@pytest.fixture
+def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnosis]:
+    """``unlike(cause, ...)``: the diagnosis where two levels differ, and `nonlinear` ranks these."""
+
+    def of(*ranking: Cause) -> Diagnosis:
+        monkeypatch.setattr(whole, "levels", lambda of: (LEVEL,))
+        monkeypatch.setattr(unequal, "nonlinear", lambda *given, **more: ranking)
+        return diagnosed(made())
+
+    return of
+
+
+def test_where_two_levels_differ_nothing_linear_is_fitted(
+    unlike: Callable[..., Diagnosis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(whole, "searched")
+    found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 60.0))
+    assert found.verdict == NONLINEAR
+    assert found.levels == (LEVEL,)
+    assert [one.id for one in found.accepted] == ["friction:flange:x"]
+    assert found.equivalence_class == ("friction:flange:x",)
+    assert "along x" in found.text
+
+
+def test_amplitudes_that_are_as_good_as_each_other_are_a_class_and_none_is_accepted(unlike: Callable[..., Diagnosis]) -> None:
+    found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 97.0), cause("gap:4=10", 60.0))
+    assert (found.accepted, found.equivalence_class) == ((), ("friction:flange:x", "gap:3"))
+    assert len(found.ranking) == 3
+
+
+def test_an_amplitude_that_explains_little_is_not_named(unlike: Callable[..., Diagnosis]) -> None:
+    found = unlike(cause("friction:flange:x=2", 3.0), cause("gap:3=10", -5.0))
+    assert (found.verdict, found.accepted, found.equivalence_class) == (NONLINEAR, (), ())
