@@ -1,4 +1,4 @@
-"""The four errors of a hypothesis, quickly: at the lines that fits use, every run held out in turn."""
+"""The four errors of a hypothesis, quickly: at every third line, every run held out in turn."""
 
 from __future__ import annotations
 
