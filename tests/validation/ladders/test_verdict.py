@@ -115,6 +115,6 @@ def test_fits_that_did_not_converge_come_first(rung: MakeRung) -> None:
 
 
 def test_without_evidence_nothing_is_worth_a_parameter(rung: MakeRung) -> None:
-    assert worth(rung(1, 0, gain=7.0))
+    assert worth(rung(1, 0, gain=9.0))
     assert not worth(rung(1, 0, gain=5.0))
     assert not worth(replace(rung(1, 0), gain=None))

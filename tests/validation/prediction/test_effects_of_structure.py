@@ -31,7 +31,7 @@ from validation.effects.reach import of_parts
 from validation.effects.stages import Mounted, Reading
 from validation.engine.parameter import Parameter
 from validation.models.model import Added
-from validation.prediction import applied, condensation, matrices, nuisances
+from validation.prediction import applied, condensation, damping_law, matrices, nuisances
 from validation.prediction.nuisances import Nuisances
 from validation.virtual_test import set_up
 from validation.virtual_test.chain_truth import ChainTruth
@@ -72,6 +72,8 @@ class Model:
             offsets = {one.name: one.start for one in self.parameters(effects)}
         acting = applied.at(effects, offsets)
         m, tangents = applied.structure(*self.of.at(offsets, derivatives=derivatives), acting, derivatives=derivatives)
+        if self.of.has_law:
+            m, tangents = damping_law.applied(m, tangents, self.of.nominal, offsets, derivatives=derivatives)
         answered = condensation.dynamic_mass(m, lines)
         mounted = Mounted(
             frequency=lines,
