@@ -26,7 +26,7 @@ ROOMS = (
     "benchmarks/blind/drawing",
 )
 
-ALSO = ("sealing.py", "answering.py", "answer.py", "running.py", "names.py", "../cross_check_proof.py", "drawing/limits.json")
+ALSO = ("sealing.py", "answering.py", "running.py", "names.py", "../cross_check_proof.py", "drawing/limits.json")
 """Beside this file: what draws, seals and asks, and every size that is planted."""
 
 

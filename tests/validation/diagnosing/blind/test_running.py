@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from benchmarks.blind import __main__ as program
 from benchmarks.blind import ledger, running
 from benchmarks.blind.drawing.case import CUBOID, NULL, SINGLE, Case, Planted
-from benchmarks.blind.keeping import Kept
+from benchmarks.blind.keeping import Kept, present_code
 from benchmarks.blind.ledger import Ledger, Look
 from benchmarks.blind.names import Json
 from validation.virtual_test.plan import RIGID
@@ -146,3 +146,10 @@ def test_what_cannot_be_asked_for_is_said(options: tuple[str, ...], said: str) -
     done = CliRunner().invoke(program.main, list(options))
     assert done.exit_code == 2
     assert said in done.output
+
+
+def test_the_hash_of_the_code_is_of_files_that_are_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(Path(__file__).parents[4])
+    present_code.cache_clear()
+    assert len(present_code()) == 12
+    present_code.cache_clear()
