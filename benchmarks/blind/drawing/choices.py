@@ -65,7 +65,8 @@ CHOICES = (
     _structural("point-mass", "mast-top", signed=True, least=0.3),
     _structural("point-mass", "lower-1+", "lower-1-", signed=True, least=0.3),
     _structural("rigid-inertia", "m", "mx", "my", "mz", signed=True, largest=3.0),
-    _structural("rigid-inertia", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz", signed=True, largest=1.0, least=0.3),
+    _structural("rigid-inertia", "Ixx", "Iyy", "Izz", largest=1.0, least=0.3),
+    _structural("rigid-inertia", "Ixz", "Iyz", signed=True, largest=0.16, least=0.3),  # no Cuboid on its disc has more
     _structural("modulus", "mast", signed=True, largest=0.6),
     _structural("modulus", "lower-1", signed=True, largest=0.6),
     _structural("modulus", "upper-long", signed=True, largest=0.6, articles=WHOLE_SERIES),
