@@ -34,6 +34,9 @@ FAST: dict[str, Any] = {
 
 FAMILIES = sorted({one.family for one in CHOICES} - {"layer-damping"})
 
+MISSES = 1
+"""Of some thirty families: the bar is 97 %, at all sizes."""
+
 EVERY_EIGHTH = Processing(step=0.4)
 
 
@@ -81,7 +84,9 @@ def _missed(found: dict[str, Outcome]) -> Iterator[str]:
     nulls = [one.verdict for one in found.values() if one.kind == NULL]
     if nulls != ["nothing", "nothing"]:
         yield f"nulls are answered by {nulls}"
-    yield from (f"{name}: {found[name].verdict}, {found[name].claimed}" for name in FAMILIES if not found[name].inside)
+    outside = [f"{name}: {found[name].verdict}, {found[name].claimed}" for name in FAMILIES if not found[name].inside]
+    if len(outside) > MISSES:
+        yield f"not in the class: {outside}"
     extra = [one.claimed for one in singles if one.extra]
     if len(extra) > 0.05 * len(singles):
         yield f"more is claimed than was planted: {extra}"
