@@ -7,8 +7,7 @@ from pathlib import Path
 import click
 
 from validation.commands import options
-
-METHODS = ("full-record", "peak-reference-hold")
+from validation.commands.options import METHODS
 
 
 @click.command("add")

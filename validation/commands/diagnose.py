@@ -8,20 +8,13 @@ import click
 
 from validation.commands import options
 
-METHODS = ("full-record", "peak-reference-hold")
-
 
 @click.command("diagnose")
 @click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
 @click.argument("data", nargs=-1, required=True, metavar="DATA ...")
-@click.option(
-    "--hold-out",
-    multiple=True,
-    metavar="NAME",
-    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
-)
-@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]")
-@click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
+@options.HOLD_OUT
+@options.BAND
+@options.METHOD
 @click.option(
     "--candidate",
     "candidates",

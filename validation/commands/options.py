@@ -44,6 +44,19 @@ MODEL = click.option(
     help="beam (milliseconds; the default), solid (meshed CAD) or exudyn (solved by exudyn itself).",
 )
 
+METHODS = ("full-record", "peak-reference-hold")
+
+HOLD_OUT = click.option(
+    "--hold-out",
+    multiple=True,
+    metavar="NAME",
+    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
+)
+BAND = click.option(
+    "--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]"
+)
+METHOD = click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
+
 
 def _load_effects(ctx: click.Context, _: click.Parameter, folders: Sequence[str]) -> None:
     if folders and not ctx.resilient_parsing:

@@ -16,9 +16,6 @@ from validation.engine.fit import FLOOR
 from validation.engine.likelihood import observed
 from validation.engine.problem import Problem
 
-ALIKE = 5.0
-"""[nats] within which two explanations are as good as each other."""
-
 BEYOND, SCATTER = 1.01, 3.0
 """Chi² per degree of freedom of a null, as a multiple of what noise alone predicts, and standard deviations of that beyond. The
 model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise."""

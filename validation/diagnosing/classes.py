@@ -18,6 +18,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from validation.diagnosing.bench import Hypothesis
+from validation.effects.worth import ALIKE
 from validation.engine.cost import cost_of
 from validation.engine.fit import FLOOR
 from validation.engine.parameter import EFFECT, FITTED
@@ -28,16 +29,13 @@ from validation.models.model import Added
 from validation.prediction.facts import ArticleFact
 from validation.prediction.series import SeriesPrediction
 
-WITHIN = 5.0
-"""Nats below which no explanation is better than another."""
-
 SHARE = 1e-3
 """Of the square of what an effect does that another one must leave to it."""
 
 
 def alike(best: Hypothesis, others: Sequence[Hypothesis]) -> tuple[str, ...]:
     """Ids of what explains the data about as well as `best`, its own first; of several effects those that not all have."""
-    near = [one for one in others if best.fit.log_evidence - one.fit.log_evidence < WITHIN]
+    near = [one for one in others if best.fit.log_evidence - one.fit.log_evidence < ALIKE]
     ranked = (best, *sorted(near, key=lambda one: -one.fit.log_evidence))
     common = set.intersection(*({one.named.id for one in each.effects} for each in (best, *others))) if others else set()
     return tuple(dict.fromkeys(one.named.id for each in ranked for one in each.effects if one.named.id not in common))

@@ -24,6 +24,7 @@ from validation.diagnosing.diagnosis import NORMAL_90, Cause, Level, Size
 from validation.diagnosing.driven import Beyond, beyond, driven
 from validation.effects.family import Size as OfFamily
 from validation.effects.identifiers import Named
+from validation.effects.worth import ALIKE
 from validation.models.pairing import vocabulary
 
 LINES = 60
@@ -49,9 +50,6 @@ EQUATIONS = 0.04
 
 BY_CHANCE = 4.0
 """Standard deviations of a sum of squares within which what is left over is noise."""
-
-ALIKE = 5.0
-"""[nats] of evidence within which two kinds cannot be told apart."""
 
 TINY = float(np.finfo(np.float64).tiny)
 

@@ -15,8 +15,9 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.family import OPENED
 from validation.engine.evaluation import Fit
 from validation.engine.fit import child, fit, nearby
-from validation.engine.parameter import EFFECT, FITTED
+from validation.engine.parameter import FITTED
 from validation.engine.problem import Problem
+from validation.ladders.judging import sized_by
 from validation.models.model import Added
 from validation.prediction.applied import name
 
@@ -104,7 +105,7 @@ def _start(bench: Bench, added: Added) -> dict[str, float]:
 
 def settled(bench: Bench, of: Hypothesis) -> Hypothesis:
     """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
-    effects = tuple(_sized(one, of.fit) for one in of.effects)
+    effects = tuple(sized_by(one, of.fit) for one in of.effects)
     problem = bench.problem(effects)
     return Hypothesis(effects=effects, fit=_counted_from(problem, of.fit), problem=problem)
 
@@ -115,17 +116,3 @@ def _counted_from(problem: Problem, fit: Fit) -> Fit:
     pairs = zip(fit.parameters, parameters, fit.offsets, strict=True)
     offsets = np.array([x + log(old.nominal / new.nominal) if new.logarithmic else x for old, new, x in pairs])
     return replace(fit, parameters=parameters, offsets=offsets)
-
-
-def _sized(added: Added, fit: Fit) -> Added:
-    if added.fixed:
-        return added
-    values, deviation = dict(added.named.values), {}
-    spread = _spread(fit)
-    found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
-    for size in added.named.sizes:
-        one, x, sd = found.get(name(added.named, size.key), (None, 0.0, 0.0))
-        if one is not None and one.kind == EFFECT:
-            values[size.key] = min(max(one.value(x), size.low), size.high)
-            deviation[size.key] = abs(one.slope(x)) * sd
-    return replace(added, named=replace(added.named, values=values), deviation=deviation)

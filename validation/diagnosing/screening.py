@@ -77,15 +77,14 @@ def _sized(added: Added, size: Size, one: Parameter, told: Told) -> Screened:
     low, high = applied.bounds(one, size)
     if size.whole:
         offset = SWITCHED if one.nominal == 0 else -SWITCHED
-        gain = told.information * (told.estimate * offset - 0.5 * offset**2)
-        return Screened(added=_at(added, size, one.value(offset)), evidence=gain, told=told, plausible=SWITCHED)
+        return Screened(added=_at(added, size, one.value(offset)), evidence=_at_size(told, offset), told=told, plausible=SWITCHED)
     offset = float(np.clip(told.estimate, low, high))
-    evidence = told.evidence(size.plausible) if low < told.estimate < high else _stopped(told, offset)
+    evidence = told.evidence(size.plausible) if low < told.estimate < high else _at_size(told, offset)
     return Screened(added=_at(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible)
 
 
-def _stopped(told: Told, offset: float) -> float:
-    """[nats] of an effect that stops at `offset`, the bound of what its family allows; 0 where that is none at all."""
+def _at_size(told: Told, offset: float) -> float:
+    """[nats] of an effect that can only be `offset`: a switch, or the bound of what its family allows; 0 where that is none."""
     return told.information * (told.estimate * offset - 0.5 * offset**2)
 
 

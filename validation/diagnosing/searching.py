@@ -11,14 +11,14 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from validation.diagnosing.accepting import ALIKE, Standing, excess, standing
+from validation.diagnosing.accepting import Standing, excess, standing
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
 from validation.diagnosing.menu import is_resonator
 from validation.diagnosing.refitting import polished, refitted, roughly, settled, stands_out
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.screening import screen
-from validation.effects.worth import worth
+from validation.effects.worth import ALIKE, worth
 from validation.engine.evaluation import Fit
 from validation.engine.fit import nearby
 from validation.engine.parameter import FITTED

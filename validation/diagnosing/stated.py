@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 from validation.diagnosing import accepting, searching
 from validation.diagnosing.bench import Bench
-from validation.effects.worth import WORTH, WORTH_OF
+from validation.effects.worth import ALIKE, WORTH, WORTH_OF
 from validation.engine.fit import FLOOR
 
 
@@ -22,7 +22,7 @@ def of_bench(bench: Bench) -> Mapping[str, object]:
         },
         "hold_out": list(bench.hold_out),
         "worth_nats": {"": WORTH, **WORTH_OF},
-        "alike_nats": accepting.ALIKE,
+        "alike_nats": ALIKE,
         "model_error_floor": FLOOR,
     }
 

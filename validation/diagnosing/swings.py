@@ -19,13 +19,13 @@ from validation.diagnosing.classical.answering import answering
 from validation.diagnosing.classical.candidates import candidates, pendulum_candidates
 from validation.diagnosing.classical.contradictions import contradictions
 from validation.diagnosing.classical.detectable import detectable
-from validation.diagnosing.classical.judged import ALIKE, UNLIKELY, Judged, Tried, chance, explains, judged
+from validation.diagnosing.classical.judged import UNLIKELY, Judged, Tried, chance, explains, judged
 from validation.diagnosing.classical.menu import period_per_inertia
 from validation.diagnosing.classical.nouns import UNITS, Beside, Needed, SwingAnswer
 from validation.diagnosing.classical.observed import Observed, observed
 from validation.diagnosing.classical.readings import readings
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Leftover, Size
-from validation.effects.worth import WORTH
+from validation.effects.worth import ALIKE, WORTH
 from validation.models.model import Model
 from validation.prediction import swung
 from validation.prediction.facts import ArticleFact, facts

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from validation.diagnosing import stated
-from validation.diagnosing.accepting import ALIKE
 from validation.diagnosing.bench import Bench
 from validation.diagnosing.confirming import confirming
 from validation.diagnosing.diagnosis import NONLINEAR, Cause, Diagnosis, Level
 from validation.diagnosing.errors import as_it_stands
 from validation.diagnosing.menu import looked_for
 from validation.diagnosing.nonlinear import nonlinear
-from validation.effects.worth import WORTH
+from validation.effects.worth import ALIKE, WORTH
 from validation.models.model import Added
 
 Progress = Callable[[str, float], None]

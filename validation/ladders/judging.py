@@ -17,6 +17,7 @@ from validation.ladders.identified import identified
 from validation.ladders.nouns import Body, Errors, Rung, Size
 from validation.models.editing import with_effect
 from validation.models.model import Added, Model
+from validation.prediction.applied import name
 
 Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
@@ -71,7 +72,7 @@ def judged(bench: Bench, model: Model, parent: Rung | None, progress: Progress |
     problem = bench.problem(model)
     began = None if parent is None else _evaluation(parent, problem)
     found = evaluate(problem, hold_out=bench.hold_out, parent=began, progress=lambda share: tell("fitting", share))
-    sized = replace(model, effects=tuple(_sized(one, found.fitted) for one in model.effects))
+    sized = replace(model, effects=tuple(sized_by(one, found.fitted) for one in model.effects))
     after = bench.problem(sized)
     nominal, held = _nominal(after, bench.hold_out)
     whole = replace(found, nominal=nominal, held_out_nominal=held)
@@ -103,15 +104,15 @@ def rewritten(text: str, effects: Sequence[Added], source: str) -> str:
     return text
 
 
-def _sized(added: Added, fit: Fit) -> Added:
+def sized_by(added: Added, fit: Fit) -> Added:
     """`added` at the size and the standard deviation that `fit` found, within what its family allows."""
     values, deviation = dict(added.named.values), {}
     spread = np.sqrt(np.diag(fit.covariance))
     found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
     for size in added.named.sizes:
-        name = f"{added.named.id}[{size.key}]" if size.key else added.named.id
-        if not added.fixed and name in found and found[name][0].kind == EFFECT:
-            one, x, sd = found[name]
+        which = name(added.named, size.key)
+        if not added.fixed and which in found and found[which][0].kind == EFFECT:
+            one, x, sd = found[which]
             values[size.key] = min(max(one.value(x), size.low), size.high)
             deviation[size.key] = abs(one.slope(x)) * sd
     return replace(added, named=replace(added.named, values=values), deviation=deviation or added.deviation)

@@ -28,7 +28,8 @@ from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
 from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
 from validation.models.model import Added
-from validation.prediction import applied, condensation, damping_law, scatter
+from validation.prediction import applied, condensation, scatter
+from validation.prediction.carried import structure
 from validation.prediction.nuisances import Nuisances
 
 GAIN = 0.02
@@ -119,10 +120,7 @@ class AcceleranceTest:
         self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """(r, n, c, 1) and its derivatives by parameter."""
-        matrices, tangents = self.structure.at(offsets, derivatives=derivatives)
-        matrices, tangents = applied.structure(matrices, tangents, effects)
-        if self.structure.has_law:
-            matrices, tangents = damping_law.applied(matrices, tangents, self.structure.nominal, offsets, derivatives=derivatives)
+        matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
         rows, forces = (_rows(matrices, points) for points in (self.responses, self.drives))
         answered = condensation.accelerance(matrices, f, rows, forces)
         moved = condensation.tangents(answered, tangents)

@@ -72,7 +72,7 @@ class Carried:
         """
         if self.nuisances is None:
             return {}
-        matrices, _ = _structure(self.nuisances, offsets, effects, derivatives=False)
+        matrices, _ = structure(self.nuisances, offsets, effects, derivatives=False)
         answer = condensation.dynamic_mass(matrices, frequency).right.transpose(1, 0, 2)
         turn, b = self.standing.pose.rotation, matrices.base
         back = _turned(self.standing.pose).T @ rigid_transformation_6(self.standing.pose.position)
@@ -84,7 +84,7 @@ class Carried:
     def _mounted(
         self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: Drive, *, derivatives: bool
     ) -> tuple[Mounted, Tangents]:
-        matrices, tangents = _structure(of, offsets, effects, derivatives=derivatives)
+        matrices, tangents = structure(of, offsets, effects, derivatives=derivatives)
         answered = condensation.dynamic_mass(matrices, frequency)
         changes = condensation.tangents(answered, tangents) if derivatives else {}
         R = _turned(self.standing.pose)
@@ -101,7 +101,7 @@ class Carried:
         return applied.body(mounted, turned, effects, derivatives=derivatives)
 
 
-def _structure(
+def structure(
     of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: bool
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""

@@ -17,9 +17,9 @@ from validation.diagnosing.advisor.menu import menu
 from validation.diagnosing.advisor.offer import Offer
 from validation.diagnosing.advisor.planned import Planned, template
 from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.classes import WITHIN
 from validation.diagnosing.diagnosis import Advice
 from validation.effects.catalogue import FAMILIES
+from validation.effects.worth import ALIKE
 from validation.engine.descent import BREAKDOWNS
 from validation.models.model import Added
 
@@ -57,7 +57,7 @@ class Forecast:
     @property
     def apart(self) -> tuple[int, ...]:
         """Which of the others it tells from the first."""
-        return tuple(k for k, gain in enumerate(self.gains) if gain >= WITHIN)
+        return tuple(k for k, gain in enumerate(self.gains) if gain >= ALIKE)
 
     @property
     def gain(self) -> float:
@@ -79,7 +79,7 @@ def advised(bench: Bench, rivals: Sequence[Hypothesis], progress: Progress | Non
 
     Returns
     -------
-    those from which `classes.WITHIN` nats or more are expected between the first and at least one other. First come those that
+    those from which `ALIKE` nats or more are expected between the first and at least one other. First come those that
     tell most of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain
     0 says so.
     """

@@ -16,12 +16,13 @@ from numpy.polynomial import chebyshev
 from geometry.arrays import Array
 from geometry.errors import BadInput
 from validation.diagnosing.classical.curve import DEGREE, Curve
-from validation.diagnosing.classical.judged import ALIKE, Tried
+from validation.diagnosing.classical.judged import Tried
 from validation.diagnosing.classical.menu import Trial, menu, period_per_inertia
 from validation.diagnosing.classical.observed import Observed, inverse, observed, shifted
 from validation.diagnosing.classical.weighed import evidence
 from validation.diagnosing.diagnosis import Advice
 from validation.diagnosing.practical import said
+from validation.effects.worth import ALIKE
 from validation.prediction.inputs import covariance
 from validation.stated_inertia import NORMAL_95
 

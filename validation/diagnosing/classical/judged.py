@@ -20,10 +20,7 @@ from validation.diagnosing.classical.curve import Curve
 from validation.diagnosing.classical.pairs import both
 from validation.diagnosing.classical.weighed import Weighed, weighed
 from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN
-from validation.effects.worth import WORTH
-
-ALIKE = 5.0
-"""Nats of evidence within which two explanations are not told apart."""
+from validation.effects.worth import ALIKE, WORTH
 
 SAME = 2.0
 """Chi² by which an alias may fit worse than the best."""

@@ -17,9 +17,10 @@ from validation.diagnosing.advisor.menu import menu
 from validation.diagnosing.advisor.offer import Offer
 from validation.diagnosing.advisor.planned import template
 from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.classes import WITHIN, aliases, alike
+from validation.diagnosing.classes import aliases, alike
 from validation.effects.catalogue import FAMILIES
 from validation.effects.identifiers import parse
+from validation.effects.worth import ALIKE
 from validation.engine.cost import cost_of
 from validation.engine.descent import direct
 from validation.engine.fit import FLOOR, fitted
@@ -63,8 +64,8 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert alike(offset, [shift]) == ("mounting-offset:x", "rigid-inertia:mx")
     assert "rigid-inertia:mx" in aliases(offset, offset.effects[0], [*shift.effects, loud_one()])
     told_by = {words: told(one, *split(aside))[0] for words, one in menu_of(aside).items()}
-    assert told_by["Run the Cuboid turned by 180 degrees about z"] > 10 * WITHIN
-    assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 5 * WITHIN
+    assert told_by["Run the Cuboid turned by 180 degrees about z"] > 10 * ALIKE
+    assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 5 * ALIKE
     assert told_by["Weigh the Cuboid"] < 1e-6
     assert told_by["Run the Cuboid with 4 more accelerometers on the cover plate"] < 1.0  # more of the same
     assert "Run the Cuboid" not in told_by  # it was run
@@ -125,7 +126,7 @@ def test_the_best_of_the_menu_is_advised_and_the_work_is_told(aside: Pair) -> No
     shares: list[float] = []
     found = advised(aside[0], aside[1:], shares.append)
     assert found[0].separates == ("mounting-offset:x", "rigid-inertia:mx")
-    assert all(one.gain >= WITHIN for one in found)
+    assert all(one.gain >= ALIKE for one in found)
     assert shares == sorted(shares)
     assert 0 < shares[0] < shares[-1] <= 1
     assert "between mounting-offset:x and rigid-inertia:mx" in found[0].text
