@@ -1,7 +1,7 @@
 """Where truths and answers of a draw are kept: ``out/blind/CODE/SEED``, truths and answers each in a folder of their own.
 
 `CODE` is a hash of all code that figures come from, so that those of other code are never mixed in. What writes tables and pages
-is not in it: it changes nothing that is kept.
+is not in it, nor are the faces in `FACES`: they change nothing that is kept, as two contracts of import make sure.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from functools import cache
 from pathlib import Path
 
 from benchmarks.blind.names import Json
-from benchmarks.identification_bars import code
 from geometry.atomic import write_text
 
 FOLDER = Path("out/blind")
@@ -26,6 +25,9 @@ ROOMS = (
     "benchmarks/blind/drawing",
 )
 
+FACES = tuple(f"validation/{name}" for name in ("plots", "report", "desk", "app", "commands", "pictures", "cli.py", "demo.py"))
+"""What shows results and makes none: a diagnosis that is asked as a function does not pass through them."""
+
 ALSO = ("sealing.py", "answering.py", "running.py", "names.py", "../cross_check_proof.py", "drawing/limits.json")
 """Beside this file: what draws, seals and asks, and every size that is planted."""
 
@@ -34,8 +36,15 @@ ALSO = ("sealing.py", "answering.py", "running.py", "names.py", "../cross_check_
 def present_code() -> str:
     """The hash of the code as it is; the program must run where the code lies."""
     here = Path(__file__).parent
-    also = b"".join((here / name).read_bytes() for name in ALSO)
-    return hashlib.sha256(code(ROOMS).encode() + also).hexdigest()[:12]
+    files = (*hashed(Path()), *(here / name for name in ALSO))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
+
+
+def hashed(root: Path) -> list[Path]:
+    """The files of the rooms under `root` that figures come from, sorted."""
+    faces = [root / face for face in FACES]
+    every = (path for room in ROOMS for path in (root / room).rglob("*") if path.suffix in {".py", ".toml"})
+    return sorted(path for path in every if not any(path.is_relative_to(face) for face in faces))
 
 
 @dataclass(frozen=True, kw_only=True)

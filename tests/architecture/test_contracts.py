@@ -27,7 +27,10 @@ TRESPASSES = {
     "exudyn": ("geometry", "import exudyn"),
     "pyvista": ("geometry", "import vtkmodules.all"),
     "matplotlib": ("validation", "from PIL import Image"),
+    "plotly": ("validation/report", "import plotly.graph_objects"),
     "trame": ("validation", "from trame.app import get_server"),
+    "faces": ("validation/diagnosing", "from validation import plots"),
+    "face-layers": ("validation/report", "from validation import desk"),
 }
 """For every contract a package that is not its door, and an import that it forbids there, directly or on the way."""
 
@@ -43,6 +46,8 @@ DOORS = {
     "pyyeti": "fem/users_model/nastran.py",
     "pyvista": "validation/pictures/scene.py",
     "matplotlib": "validation/pictures/page.py",
+    "plotly": "validation/plots/theme.py",
+    "trame": "validation/app/server.py",
 }
 """Who may import what: the module that is the door to each library."""
 

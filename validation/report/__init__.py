@@ -1,0 +1,1 @@
+"""One self-contained page of all that is known of a model and its data, to be read, printed and signed."""
