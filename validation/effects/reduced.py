@@ -32,9 +32,7 @@ def _with_resonator(stage: Matrices, row: Array, values: Values) -> Matrices:
     """One more coordinate, the motion of a mass on a spring relative to ``row @ x``, on which it rides."""
     m, omega = values["m"], 2 * np.pi * values["f"]
     rides = np.append(row, 1.0)
-    mass, stiffness, viscous, structural = (
-        _grown(a, 1) for a in (stage.mass, stage.stiffness, stage.viscous, stage.structural)
-    )
+    mass, stiffness, viscous, structural = (_grown(a, 1) for a in (stage.mass, stage.stiffness, stage.viscous, stage.structural))
     mass += m * np.outer(rides, rides)
     stiffness[-1, -1] = omega**2 * m
     viscous[-1, -1] = 2 * values["zeta"] * omega * m
