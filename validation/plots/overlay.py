@@ -38,8 +38,11 @@ MOTIONS = tuple(f"{kind} {axis}" for kind in ("acceleration along", "angular acc
 UNITS = ("kg", "kg m", "kg m²")
 """By how many of load and motion are about an axis."""
 
-DEEPEST = 1e5
-"""Of the largest magnitude; what is smaller is off the page."""
+DEEPEST, NOTHING = 1e5, 1e-4
+"""Of the largest magnitude: what is smaller is off the page; a curve that is smaller throughout is next to nothing."""
+
+HEIGHTS = ((0.09, 0.60), (0.64, 0.86))
+"""Where magnitude and phase begin and end in a third of the page, from its top."""
 
 WIDE = 2.0
 """Standard deviations of the band about the prediction."""
@@ -98,16 +101,23 @@ def diagonal(
     """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
     from plotly.subplots import make_subplots
 
-    titles = [text for k in range(3) for text in (_words(k), _words(k + 3), "", "")]
-    heights = [0.68, 0.32] * 3
-    figure = make_subplots(
-        rows=6, cols=2, row_heights=heights, vertical_spacing=0.035, horizontal_spacing=0.11, subplot_titles=titles
-    )
+    figure = make_subplots(rows=6, cols=2, horizontal_spacing=0.11)
     for k in range(6):
         _entry(figure, pairs, (k, k), 1 + 2 * (k % 3), 1 + k // 3, modes, further, legend=k == 0, last=k % 3 == 2)
-    figure.update_annotations(font={"size": 12})
+        _lay_out(figure, k)
     title = f"{pairs.campaign}: the diagonal of the dynamic mass"
-    return dressed(figure, title, 980, dark, legend=legend_above(0.02), margin={"t": TITLE_ROOM + LEGEND_ROOM + 16})
+    return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM})
+
+
+def _lay_out(figure: Figure, k: int) -> None:
+    """Put magnitude and phase of the entry k close together, below their title and apart from the pair below."""
+    row, column = 1 + 2 * (k % 3), 1 + k // 3
+    top = 1 - (k % 3) / 3
+    for below, (high, low) in enumerate(HEIGHTS):
+        figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
+    side = 0.0 if column == 1 else 0.555
+    name = {"text": _words(k), "x": side, "y": top - HEIGHTS[0][0] / 3, "xref": "paper", "yref": "paper"}
+    figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
 
 
 def _words(k: int) -> str:
@@ -132,8 +142,9 @@ def _entry(
     load, motion = at
     f, measured, predicted = pairs.frequency, pairs.measured[:, load, motion], pairs.predicted[:, load, motion]
     others = {name: matrix[:, load, motion] for name, matrix in further.items()}
-    low, high = magnitude_range([measured, predicted, *others.values()])
-    band = _band(go, f, predicted, pairs.expected[:, load, motion], 10**low, legend)
+    expected = pairs.expected[:, load, motion]
+    low, high = magnitude_range([measured, np.abs(predicted) + WIDE * expected, predicted, *others.values()])
+    band = _band(go, f, predicted, expected, 10**low, legend)
     figure.add_traces(band, rows=row, cols=column)
     named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": MEASURED, "size": 5}})]
     named += [("predicted", predicted, {"mode": "lines", "line": {"color": PREDICTED, "width": 2}})]
@@ -141,7 +152,7 @@ def _entry(
     for name, H, look in named:
         said = {"name": escaped(name), "legendgroup": name, **look, **_lines(f)}
         size = {"y": _short(np.abs(H)), "hovertemplate": f"%{{y:.4g}} {unit(load, motion)}", "showlegend": legend}
-        phase = {"y": _short(np.degrees(np.angle(H))), "hovertemplate": "%{y:.1f}°", "showlegend": False}
+        phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
         figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)
     if inside := [one for one in modes if f[0] <= one.frequency <= f[-1]]:
         figure.add_trace(_modes(go, inside, 10**high, legend), row, column)
@@ -152,9 +163,13 @@ def _entry(
     figure.update_yaxes(title_text="phase [°]", **phases, row=row + 1, col=column)
 
 
-def magnitude_range(curves: Sequence[ComplexArray]) -> tuple[float, float]:
-    """Powers of ten between which the magnitudes of `curves` are shown, the smallest not below `DEEPEST` of the largest."""
-    sizes = np.abs(np.concatenate(curves))
+def magnitude_range(curves: Sequence[ComplexArray | Array]) -> tuple[float, float]:
+    """Powers of ten between which the magnitudes of `curves` are shown.
+
+    A curve that symmetry makes next to nothing does not count, and what falls below `DEEPEST` of the largest is off the page.
+    """
+    largest = max((float(np.nanmax(np.abs(one))) for one in curves), default=0.0)
+    sizes = np.abs(np.concatenate([one for one in curves if np.nanmax(np.abs(one)) >= NOTHING * largest]))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
     if not sizes.size:
         return -1.0, 1.0
@@ -177,6 +192,11 @@ def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float, le
         "showlegend": legend,
     }
     return [low, go.Scatter(y=_short(size + WIDE * expected), **fill, **look)]
+
+
+def _phase(H: ComplexArray, bottom: float) -> Array:
+    """[°]; none where the magnitude is below the page, since the angle of next to nothing means nothing."""
+    return np.asarray(np.where(np.abs(H) >= bottom, np.degrees(np.angle(H)), np.nan))
 
 
 def _further(k: int) -> dict[str, Any]:

@@ -33,7 +33,8 @@ SOFT = 4.0
 
 def article_part(name: str, model: Model, comparison: Comparison, classical: Sequence[Reduction]) -> ArticlePart:
     """What is known of the article `name`, which stands on the FMD."""
-    source, missing = drawing_of(name, model), []
+    missing: list[str] = []
+    source = drawing_of(name, model)
     if not source:
         words = f"{name} is known by an FE model of your own, which has no drawing: no picture and no routes"
         return ArticlePart(name=name, missing=(words,))

@@ -22,7 +22,7 @@ from validation.models.model import Model
 from validation.reduction import Reduction
 from validation.report.articles import article_part
 from validation.report.campaigns import campaign_part
-from validation.report.nouns import Provenance, Report
+from validation.report.nouns import ArticlePart, CampaignPart, Provenance, Report
 
 Progress = Callable[[str, float], None]
 
@@ -72,7 +72,8 @@ def assembled(
     classical = reductions(data.classical)
     names = tuple(dict.fromkeys(name for one in data.campaigns if (name := above_fmd(one.article))))
     count = len(names) + len(data.campaigns)
-    articles, campaigns = [], []
+    articles: list[ArticlePart] = []
+    campaigns: list[CampaignPart] = []
     for name in names:
         tell(name, len(articles) / count)
         articles.append(article_part(name, model, comparison, classical))

@@ -31,6 +31,16 @@ def joined(*parts: str | None) -> Safe:
     return Safe("".join(part if isinstance(part, Safe) else escape(part) for part in parts if part is not None))
 
 
+def worded(text: str) -> Safe:
+    """`text` with what stands in back-quotes as code."""
+    if isinstance(text, Safe):
+        return text
+    pieces = text.split("`")
+    if len(pieces) % 2 == 0:
+        return joined(text)
+    return joined(*(tag("code", piece) if k % 2 else piece for k, piece in enumerate(pieces)))
+
+
 def _attribute(key: str, value: str | bool | None) -> str:
     name = key.rstrip("_").replace("_", "-")
     if value is None or value is False:

@@ -1,7 +1,7 @@
 "use strict";
 (() => {
   const root = document.documentElement;
-  const PAPER_WIDTH = 680; // CSS pixels between the margins of A4
+  const PAPER_WIDTH = 900; // CSS pixels between the margins of A4, as the style sheet shrinks figures in print
   const settings = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
   const plots = () => [...document.querySelectorAll(".plot")];
   let known = null;

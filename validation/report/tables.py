@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from validation.report.markup import Safe, joined, tag
+from validation.report.markup import Safe, joined, tag, worded
 from validation.rows import NONE, rounded
 from validation.tables.grid import Grid
 
@@ -47,6 +47,9 @@ class Number:
 Cell = Number | str
 """What stands in a cell; a text may be `Safe`."""
 
+SHORT, TINY = 24, 8
+"""Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
+
 NOTHING = Number(value=None, text=NONE)
 
 
@@ -82,7 +85,7 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
     )
     named = tag("caption", tag("span", caption), button)
     inner = tag("table", named, tag("thead", head), tag("tbody", body))
-    below = tag("p", note, class_="note") if note else None
+    below = tag("p", worded(note), class_="note") if note else None
     return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_="table")
 
 
@@ -107,4 +110,9 @@ def _cell(column: Column, cell: Cell, first: bool) -> Safe:
     if isinstance(cell, Number):
         value = "" if cell.value is None else repr(float(cell.value))
         return tag(name, cell.text, class_="words" if column.words else None, data_value=value, scope=scope)
-    return tag(name, cell, class_="words" if column.words else None, scope=scope)
+    kind = "words" if isinstance(cell, Safe) else f"words{_length(cell)}"
+    return tag(name, worded(cell), class_=kind if column.words else None, scope=scope)
+
+
+def _length(cell: str) -> str:
+    return " short tiny" if len(cell) <= TINY else " short" if len(cell) <= SHORT else ""

@@ -12,7 +12,7 @@ from validation.report.figures import Figures
 from validation.report.markup import Safe, joined, tag
 from validation.report.nouns import Report
 from validation.report.sections.parts import notes, section
-from validation.report.tables import Column, number, table
+from validation.report.tables import Cell, Column, number, table
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -90,7 +90,7 @@ def _worst(worst: Sequence[WorstPair]) -> Safe:
         Column(head="deviation", unit="σ"),
         Column(head="of the dynamic mass", unit="%"),
     ]
-    rows = [
+    rows: list[list[Cell]] = [
         [
             entry(one.load, one.motion),
             one.data_set,

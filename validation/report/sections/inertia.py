@@ -14,7 +14,7 @@ from validation.ladders.nouns import Body
 from validation.report.figures import Figures
 from validation.report.markup import Safe, joined, tag
 from validation.report.nouns import CampaignPart, Report
-from validation.report.sections.parts import notes, section
+from validation.report.sections.parts import notes, paragraphs, section
 from validation.report.tables import NOTHING, Cell, Column, number, table, toleranced
 from validation.rows import NONE
 from validation.statement import QUANTITIES, Statement
@@ -94,6 +94,8 @@ def _cells(one: Reported, reference: Statement | None, k: int) -> tuple[Cell, ..
 
 
 def _verdicts(found: Findings) -> Safe:
+    if len(alike := set(found.verdict.values())) == 1:
+        return paragraphs([f"All ten values: {alike.pop()}."])
     names = zip(QUANTITIES, classical.QUANTITIES, strict=True)
     rows: list[list[Cell]] = [[quantity.label, found.verdict.get(name, NONE)] for quantity, name in names]
     columns = [Column(head="quantity", words=True), Column(head="what is to be thought of it", words=True)]

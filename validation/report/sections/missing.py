@@ -114,7 +114,7 @@ def _advice(found: Diagnosis) -> Safe:
         [
             f"{k}",
             number(one.gain, ".3g") if one.gain > 0 else EMPTY,
-            number(one.hours, "g"),
+            number(one.hours, "g") if one.hours else EMPTY,
             one.test,
             words.listed(one.separates),
         ]
@@ -126,7 +126,9 @@ def _advice(found: Diagnosis) -> Safe:
 def _errors(found: Diagnosis) -> Safe:
     columns = [Column(head="error", words=True), Column(head="unit", words=True), Column(head="before"), Column(head="after")]
     both = (found.before, None if found.after is found.before else found.after)
-    rows = [[name, unit, *(number(None if of is None else tell(of), ".4g") for of in both)] for name, unit, tell in FIGURES]
+    rows: list[list[Cell]] = [
+        [name, unit, *(number(None if of is None else tell(of), ".4g") for of in both)] for name, unit, tell in FIGURES
+    ]
     return table("The errors before and after what was found is added", columns, [row for row in rows if row[2] is not EMPTY])
 
 

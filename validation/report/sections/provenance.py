@@ -45,4 +45,8 @@ def _pairs(caption: str, key: str, value: str, pairs: Mapping[str, str]) -> Safe
 
 def _text(value: object) -> str:
     said = plain(value)
-    return said if isinstance(said, str) else json.dumps(said, ensure_ascii=False)
+    if isinstance(said, dict):
+        return "; ".join(f"{key or 'any other'}: {_text(one)}" for key, one in said.items())
+    if isinstance(said, list):
+        return ", ".join(map(_text, said)) or "none"
+    return said if isinstance(said, str) else json.dumps(said)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from validation.comparing.verdicts import STANDS_OUT, percent
+from validation.comparing.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT, percent
 from validation.comparing.words import text
 from validation.diagnosing import words
 from validation.report.figures import Figures
@@ -41,8 +41,8 @@ def _worst(report: Report) -> Safe:
     spots = report.comparison.worst
     if not spots or spots[0].sigma < STANDS_OUT:
         peak = f", the worst spot being at {spots[0].sigma:.1f} sigma" if spots else ""
-        return joined(f"Nowhere does it fail by more than chance{peak} ", verdict("good"), ".")
-    return joined("It fails most at ", tag("em", text(spots[0], len(report.comparison.maps))), " ", verdict("failed"), ".")
+        return joined(f"Nowhere does it fail by more than chance{peak} ", verdict(GOOD), ".")
+    return joined("It fails most at ", tag("em", text(spots[0], len(report.comparison.maps))), " ", verdict(FAILED), ".")
 
 
 def _missing(report: Report) -> Safe:
@@ -69,9 +69,10 @@ def _identified(part: CampaignPart) -> Safe:
     best, mass = found.result, QUANTITIES[0]
     value, half = float(best.values[0]) * mass.per_si, float(best.half_width[0]) * mass.per_si
     told = f"{found.article} weighs {rounded(value, half)} ± {rounded(half, half)} kg ({best.identified.way}, 95 %)"
+    doubted = joined(", ", verdict(DOUBTFUL), f" since {found.doubts[0]}") if found.doubts else None
     known = None if part.reference is None else part.reference.values[0]
     if known is None:
-        return joined(told)
+        return joined(told, doubted)
     within = abs(value - known.value * mass.per_si) <= half + (known.tolerance or 0.0) * mass.per_si
-    drawn = f", drawn {known.value * mass.per_si:.4g} kg "
-    return joined(told, drawn, verdict("good" if within else "failed"))
+    drawn = f", drawn {known.value * mass.per_si:.4g} kg, "
+    return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", FAILED), doubted)
