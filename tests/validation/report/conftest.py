@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from html.parser import HTMLParser
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ from validation.ladders.nouns import Body, Errors, Ladder, Rung
 from validation.report.nouns import Report
 from validation.report.page import write
 from validation.report.run import Asked, reported
+
+PATIENCE = 20.0
+"""[s] that a page may take to answer."""
 
 HOSTILE = "<img src=x onerror=alert(1)> ../../etc </script>"
 """A title that a page must show and never obey."""
@@ -207,6 +211,14 @@ class Opened:
     """The page in a browser, with everything that it complained of and asked for."""
 
     tab: Any
+
+    def becomes(self, expression: str, value: object) -> None:
+        """Wait until the page says `value`; its own policy allows no test to wait inside."""
+        end = monotonic() + PATIENCE
+        while (said := self.tab.evaluate(expression)) != value and monotonic() < end:
+            self.tab.wait_for_timeout(50)
+        assert said == value
+
     complaints: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
 
@@ -220,7 +232,7 @@ def _opened(browser: Any, path: Path, **options: Any) -> Iterator[Opened]:
     found.tab.on("pageerror", lambda error: found.complaints.append(str(error)))
     found.tab.on("request", lambda one: found.requests.append(one.url))
     found.tab.goto(path.as_uri())
-    found.tab.wait_for_function("document.documentElement.dataset.drawn !== undefined", timeout=120_000)
+    found.tab.locator("html[data-drawn]").wait_for(state="attached", timeout=120_000)
     try:
         yield found
     finally:
