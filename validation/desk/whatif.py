@@ -212,7 +212,7 @@ def _ready(one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> 
     entries = np.zeros((0, 6, 6), dtype=np.complex128)
     if of is not None:
         entries = _entries(of, predicted.rows, inputs, measured.frequency)
-    squares = tuple(each for each in errors.squares(one, offsets) if each.run in judged)
+    squares = tuple(errors.squares(one.on(judged), offsets)) if judged else ()
     return Tested(prediction=one, operators=of, inputs=inputs, entries=entries, judged=judged, squares=squares)
 
 
@@ -292,7 +292,7 @@ def _asked(of: Table, number: int, named: Named, *, exact: bool) -> _Asked:
         return _Asked(tested=one, lines=lines, rows=None, before=before, after=[])
     prediction, offsets = _with_effect(of, number, named, exact=exact)
     rows = _predicted(prediction, offsets, lines).rows
-    after = [each for each in errors.squares(prediction, offsets, judged) if each.run in one.judged]
+    after = errors.squares(prediction.on(one.judged), offsets, judged) if one.judged else []
     return _Asked(tested=one, lines=lines, rows=rows, before=before, after=after)
 
 
