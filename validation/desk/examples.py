@@ -47,6 +47,7 @@ class Example:
     octaves_per_minute, seed, driven : of the sweeps; the last one [Hz]
     tolerances, noise : factors on those of an ordinary laboratory
     rate : of the records [Hz]
+    band : [Hz] that is compared; None for all that is driven
     hold_out : runs that no fit sees
     """
 
@@ -61,6 +62,7 @@ class Example:
     tolerances: str = "1"
     noise: str = "1"
     rate: float = 564.0
+    band: tuple[float, float] | None = None
     hold_out: tuple[str, ...] = ()
 
 
@@ -73,12 +75,14 @@ class Series:
     model : path of the model file
     data : campaign folders and measurement files
     hold_out : runs that are predicted, never fitted
+    band : [Hz] that is compared; None for all that is driven
     title : in a few words
     """
 
     model: str
     data: tuple[str, ...]
     hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
     title: str = ""
 
 
@@ -86,11 +90,13 @@ EXAMPLES = (
     Example(
         name="block",
         title="A block with a hidden effect",
-        words="Disc and Cuboid on the force measurement device, quick sweeps. Something is wrong with the measurement, and no "
-        "model of the block will ever explain it. The z-sweep is held out of every fit.",
+        words="Disc and Cuboid on the force measurement device, quick sweeps, compared from 8 to 16 Hz. Something is wrong with "
+        "the measurement, and no model of the block will ever explain it. The z-sweep is held out of every fit.",
         articles=("fmd+disc+cuboid",),
         effects=("force-gain:fmd-z2=0.08",),
-        octaves_per_minute=30.0,
+        octaves_per_minute=60.0,
+        seed=0,
+        band=(8.0, 16.0),
         hold_out=("z",),
     ),
     Example(
@@ -123,7 +129,7 @@ def series(name: str, progress: Progress | None = None) -> Series:
     if not folder.exists():
         _make(of, folder, progress or (lambda what, share: None))
     campaigns = tuple(str(folder / one) for one in of.articles)
-    return Series(model=str(folder / MODEL), data=campaigns, hold_out=of.hold_out, title=of.title)
+    return Series(model=str(folder / MODEL), data=campaigns, hold_out=of.hold_out, band=of.band, title=of.title)
 
 
 def _named(name: str) -> Example:

@@ -373,7 +373,7 @@ def _trace(asked: _Asked, load: int, motion: int) -> Trace:
 
 
 def _between(frequency: Array, lines: Lines, before: ComplexArray, after: ComplexArray) -> ComplexArray:
-    """(n, 6, 6) what is `after` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight from line to line."""
+    """(n, 6, 6) what is `after` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight."""
     at = before[lines]
     factor = np.where(at == 0, 1.0, after / np.where(at == 0, 1.0, at))
     right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)
