@@ -39,6 +39,7 @@ COMMANDS = {
     "add": "Add an effect to a model: fitted, with the errors before and after, as the next rung of its ladder.",
     "ladder": "Every version of a model, and how its errors fell from rung to rung.",
     "undo": "Go back to the rung below; what was there is kept.",
+    "app": "The workbench in the browser: compare, diagnose, add, undo, what if.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 
