@@ -99,8 +99,8 @@ def _announce(asked: Asked, door: Door, say: Callable[[str], None]) -> None:
     address = f"http://{shown}:{door.place.port}/?token={door.entry.token}"
     if not is_loopback(asked.host):
         say(
-            f"Warning: --host {asked.host} lets other machines reach this page, unencrypted: whoever reads along can do what you can "
-            "with your files. Without --host only this machine can."
+            f"Warning: --host {asked.host} lets other machines reach this page, unencrypted: whoever reads along can do what "
+            "you can with your files. Without --host only this machine can."
         )
     end = "Ctrl-C ends it." if asked.stay else "Ctrl-C ends it, and so does closing its last page."
     say(f"The workbench is at\n  {address}\nThe address is good once. {end}")

@@ -1,8 +1,8 @@
 """A process that does not outlive the one that started it.
 
 Two ends are watched. The starter holds the other end of standard input: when it closes, by a clean end or by a crash, this
-process ends its whole group, workers included. And where the system knows it (Linux), the kernel itself ends this process with the
-thread that started it. No process is left even when the starter was killed in the middle of a computation.
+process ends its whole group, workers included. And where the system knows it (Linux), the kernel itself ends this process
+with the thread that started it. No process is left even when the starter was killed in the middle of a computation.
 """
 
 from __future__ import annotations
