@@ -40,13 +40,14 @@ def main(folder: Path, told: int) -> None:
 def _serve(folder: Path, opened: Opened, secret: str, told: int) -> None:
     from trame.app import get_server
 
-    from validation.app import page
+    from validation.app import page, routes
 
     key = token_urlsafe(32)
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
-    page.build(server, folder, opened)
+    bench = page.build(server, folder, opened)
     server.controller.on_server_bind.add(lambda bound: _guard(bound.app, secret, _session(folder.name, key)))
+    server.controller.on_server_bind.add(lambda bound: routes.add(bound.app, bench))
     server.controller.on_server_ready.add(lambda **_: _tell(told, server.port))
     server.start(
         port=0,
