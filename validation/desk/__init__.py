@@ -11,10 +11,11 @@ a picture; a face (`validation.app`) asks, shows and owns no physics. What takes
 | `faults` | `Fault` | `faults` |
 | `jobs` | `Job`, `Worker` | `start`, `job`; `Worker.cancel` |
 | `comparing` | `Compared` | `compared`, `comparison` |
-| `entries` | `Curve`, `Cell`, `Entry` | `curves`, `entry_of`, `entry_name`, `entry_unit` |
+| `entries` | `Curve`, `Cell`, `Entry` | `curves`, `entry_of`, `worst` |
 | `scene` | `Scene` | `scene` |
 | `shapes` | `Shape` | `nearest`, `shape` |
-| `diagnosing` | `Explained` | `diagnosed`, `diagnosis`, `explained` |
+| `diagnosing` | - | `diagnosed`, `diagnosis` |
+| `explaining` | `Explained`, `Shown` | `explained` |
 | `climbing` | - | `added`, `ladder`, `undone`, `gone_to` |
 | `whatif` | `Table`, `WhatIf` | `table`, `what_if` |
 | `sliders` | `Effect`, `Slider` | `reaching`, `sliders` |

@@ -5,18 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from validation.desk import comparing
 from validation.desk.desk import Desk
-from validation.ladders.climbing import Standing
+from validation.ladders import adding
+from validation.ladders import climbing as ladders
+from validation.ladders.as_json import of_step
+from validation.ladders.climbing import Standing, standing
 
 Progress = Callable[[str, float], None]
 
 
 def added(
-    of: Desk, effect: str, *, fixed: bool = False, alias_ok: bool = False, progress: Progress | None = None
+    of: Desk,
+    effect: str,
+    *,
+    fixed: bool = False,
+    alias_ok: bool = False,
+    remarks: tuple[str, ...] = (),
+    progress: Progress | None = None,
 ) -> Mapping[str, Any]:
     """`effect` (``ID[=VALUE]``) added to the working copy as its next rung, and the comparison of the new model kept.
 
     Takes from seconds to minutes: `validation.desk.jobs.start(desk, "add", effect=...)` does it in a worker.
+
+    Parameters
+    ----------
+    fixed : whether it stays at VALUE
+    alias_ok : whether an exact alias of what the model has may be added
+    remarks : sentences that the rung's verdict ends with
 
     Returns
     -------
@@ -26,12 +42,34 @@ def added(
     ------
     BadInput, CheckFailed : see `validation.ladders.adding.added`.
     """
-    raise NotImplementedError
+    asked = of.asked
+    step = adding.added(
+        adding.Asked(
+            model=of.model,
+            effect=effect,
+            data=asked.data,
+            hold_out=asked.hold_out,
+            band=asked.band,
+            method=asked.method,
+            effects_from=asked.effects_from,
+            fixed=fixed,
+            alias_ok=alias_ok,
+            remarks=remarks,
+        ),
+        progress,
+    )
+    comparing.compared(of, progress)
+    return of_step(step.at, step.before, step.after, step.said)
 
 
 def ladder(of: Desk) -> Standing:
-    """The working copy and all its rungs, with errors, identified inertia, verdicts; `.rung` is the one it stands on. Quick."""
-    raise NotImplementedError
+    """The working copy and all its rungs, with errors, identified inertia, verdicts; `.rung` is the one it stands on. Quick.
+
+    Raises
+    ------
+    BadInput : the working copy or its ladder cannot be read.
+    """
+    return standing(of.model)
 
 
 def undone(of: Desk) -> Standing:
@@ -41,7 +79,7 @@ def undone(of: Desk) -> Standing:
     ------
     BadInput : there is nothing below.
     """
-    raise NotImplementedError
+    return ladders.undone(ladder(of))
 
 
 def gone_to(of: Desk, number: int) -> Standing:
@@ -51,4 +89,4 @@ def gone_to(of: Desk, number: int) -> Standing:
     ------
     BadInput : there is no such rung.
     """
-    raise NotImplementedError
+    return ladders.gone_to(ladder(of), number)

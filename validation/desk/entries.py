@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from geometry.arrays import Array
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from validation.comparing.maps import Map
 from validation.desk.comparing import Compared
+from validation.pictures.curves import unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,25 +73,61 @@ class Curve:
 
 def curves(of: Compared, load: int, motion: int) -> tuple[Curve, ...]:
     """The entry of every campaign that tells a dynamic mass."""
-    raise NotImplementedError
+    return tuple(
+        Curve(
+            campaign=pairs.campaign,
+            load=load,
+            motion=motion,
+            frequency=pairs.frequency,
+            measured=pairs.measured[:, load, motion],
+            predicted=pairs.predicted[:, load, motion],
+            expected=pairs.expected[:, load, motion],
+            unit=unit(load, motion),
+        )
+        for pairs in (one.pairs for one in of.maps)
+        if pairs is not None
+    )
 
 
 def entry_of(of: Compared, cell: Cell) -> Entry:
-    """The entry that shows what a cell of the residual map shows: the run's axis as the motion, and the load that the channel
-    takes part in and that deviates most there.
+    """The entry that shows what a cell of the residual map shows.
+
+    The motion is that which the run drives; the load is the cell's own, or of those that its channel tells the one that deviates
+    most there. An acceleration is in every load.
 
     Raises
     ------
     KeyError : no such campaign, run or row.
     """
-    raise NotImplementedError
+    found = of.map(cell.campaign)
+    run, row = _place(found.runs, cell.run), _place(found.rows, cell.row)
+    line = int(np.argmin(np.abs(found.frequency - cell.frequency)))
+    motion = _driven(found, run, line)
+    loads = [row - found.channels] if row >= found.channels else list(of.loads_of(cell.campaign, cell.row))
+    if found.pairs is None:
+        return Entry(campaign=cell.campaign, load=loads[0], motion=motion, frequency=float(found.frequency[line]))
+    at = int(np.argmin(np.abs(found.pairs.frequency - cell.frequency)))
+    worst = max(loads, key=lambda load: float(found.pairs.sigma[at, load, motion]))
+    return Entry(campaign=cell.campaign, load=worst, motion=motion, frequency=float(found.frequency[line]))
 
 
-def entry_name(load: int, motion: int) -> str:
-    """As people say it: "f_x / ẍ", "t_y / β̈"."""
-    raise NotImplementedError
+def worst(of: Compared) -> Entry | None:
+    """Where the worst spot of the comparison is, as an entry to begin with; None where nothing stands out."""
+    for spot in of.summary["worst"]:
+        cell = Cell(campaign=spot["campaign"], run=spot["run"], row=spot["channel"], frequency=spot["frequency_hz"])
+        return entry_of(of, cell)
+    return None
 
 
-def entry_unit(load: int, motion: int) -> str:
-    """ "kg", "kg m" or "kg m²"."""
-    raise NotImplementedError
+def _place(names: Sequence[str], name: str) -> int:
+    if name not in names:
+        raise KeyError(name)
+    return names.index(name)
+
+
+def _driven(found: Map, run: int, line: int) -> int:
+    """The motion that a run drives: that of its axis, else the one that is largest there beside its nominal level."""
+    if found.axes[run] in MOTIONS:
+        return MOTIONS.index(found.axes[run])
+    levels = np.array([LEVELS[axis] for axis in MOTIONS])
+    return int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))

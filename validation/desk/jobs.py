@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import json
 import multiprocessing
-import time
 from dataclasses import asdict, dataclass, replace
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geometry.atomic import write_text
@@ -29,6 +29,9 @@ COMPARE, DIAGNOSE, ADD, REPORT = KINDS = ("compare", "diagnose", "add", "report"
 
 GRACE = 0.5
 """Seconds that a worker has to put down what it holds before it is killed."""
+
+_at_work: dict[Path, Worker] = {}
+"""By folder of a desk, the worker that was started last."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,6 +111,10 @@ def start(of: Desk, kind: str, **asked: Any) -> Worker:
     """
     if kind not in KINDS:
         raise ValueError(f"`kind` must be one of {', '.join(KINDS)}, found {kind!r}")
+    running = _at_work.get(of.folder)
+    if running is not None and not running.job().ended:
+        problem = f"it is at work already: {running.kind}"
+        raise BadInput(source="desk", problem=problem, remedy="Wait for it to end, or cancel it")
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     from validation.desk.working import work
@@ -117,7 +124,13 @@ def start(of: Desk, kind: str, **asked: Any) -> Worker:
     process = context.Process(target=work, args=(str(of.folder), kind, dict(asked), there), name=f"massline {kind}", daemon=True)
     process.start()
     there.close()
-    return Worker(of, kind, process, here)
+    _at_work[of.folder] = Worker(of, kind, process, here)
+    return _at_work[of.folder]
+
+
+def worker(of: Desk) -> Worker | None:
+    """The one that was started last in this process, at work or done."""
+    return _at_work.get(of.folder)
 
 
 def job(of: Desk) -> Job | None:
@@ -162,8 +175,3 @@ def _died(code: int | None) -> str:
             f"the worker was ended from outside (signal {-code}), most often because memory ran out; nothing is lost, try again"
         )
     return f"the worker ended by itself (exit code {code}) without saying why; nothing is lost, try again"
-
-
-def now() -> float:
-    """[s] of a clock that only goes forward."""
-    return time.monotonic()
