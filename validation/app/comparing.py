@@ -75,7 +75,8 @@ async def cell(bench: Bench, picked: dict[str, Any]) -> None:
             return
         number = labels.index(row)
         run = bench.state.run if bench.state.run != WORST_OF_ALL else _worst_run(of, number, frequency)
-        _go(bench, entries.entry_of(bench.compared, Cell(of.data_set, of.runs[run], of.rows[number], frequency)))
+        found = Cell(campaign=of.data_set, run=of.runs[run], row=of.rows[number], frequency=frequency)
+        _go(bench, entries.entry_of(bench.compared, found))
     await _went(bench)
 
 
@@ -129,7 +130,7 @@ def _of_campaign(bench: Bench) -> None:
 def _entry_of_spot(bench: Bench, number: int) -> Entry:
     compared = bench.compared
     one = compared.summary["worst"][number]  # type: ignore[union-attr]
-    found = Cell(one["campaign"], one["run"], one["channel"], float(one["frequency_hz"]))
+    found = Cell(campaign=one["campaign"], run=one["run"], row=one["channel"], frequency=float(one["frequency_hz"]))
     return entries.entry_of(compared, found)  # type: ignore[arg-type]
 
 

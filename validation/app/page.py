@@ -16,7 +16,7 @@ from validation.plots.overlay import LOADS, MOTIONS, SIGNS, entry, unit
 PARTS = ("open", "work", "scene", "standing", "missing", "effect", "ladder")
 """Of the template, each replacing its name in capitals."""
 
-WIDE = "$vuetify.display.width >= 1700"
+WIDE = "($vuetify.display.width >= 1700)"
 """When the structure has room of its own, as in massline.css."""
 
 SCHEMES = {"system": "light", "light": "dark", "dark": "system"}

@@ -15,10 +15,9 @@ AT_REST = -1
 
 async def shown(bench: Bench) -> None:
     """Show the campaign's structure as the choice above it says."""
-    state, desk = bench.state, bench.desk
-    if desk is None:
+    state, campaign = bench.state, bench.state.campaign
+    if bench.desk is None or not campaign:
         return
-    campaign = state.campaign or await bench.away(scene.campaigns, desk)
     state.modes = _modes(bench)
     if state.mode not in [one["value"] for one in state.modes]:
         state.mode = AT_REST
