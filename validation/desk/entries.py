@@ -101,14 +101,12 @@ def entry_of(of: Compared, cell: Cell) -> Entry:
     """
     found = of.map(cell.campaign)
     run, row = _place(found.runs, cell.run), _place(found.rows, cell.row)
-    line = int(np.argmin(np.abs(found.frequency - cell.frequency)))
+    line = _line(found.frequency, cell.frequency)
     motion = _driven(found, run, line)
     loads = [row - found.channels] if row >= found.channels else list(of.loads_of(cell.campaign, cell.row))
-    if found.pairs is None:
-        return Entry(campaign=cell.campaign, load=loads[0], motion=motion, frequency=float(found.frequency[line]))
-    at = int(np.argmin(np.abs(found.pairs.frequency - cell.frequency)))
-    worst = max(loads, key=lambda load: float(found.pairs.sigma[at, load, motion]))
-    return Entry(campaign=cell.campaign, load=worst, motion=motion, frequency=float(found.frequency[line]))
+    sigma = np.zeros((6, 6)) if found.pairs is None else found.pairs.sigma[_line(found.pairs.frequency, cell.frequency)]
+    most = max(loads, key=lambda load: float(sigma[load, motion]))
+    return Entry(campaign=cell.campaign, load=most, motion=motion, frequency=float(found.frequency[line]))
 
 
 def worst(of: Compared) -> Entry | None:
@@ -117,6 +115,10 @@ def worst(of: Compared) -> Entry | None:
         cell = Cell(campaign=spot["campaign"], run=spot["run"], row=spot["channel"], frequency=spot["frequency_hz"])
         return entry_of(of, cell)
     return None
+
+
+def _line(frequency: Array, wanted: float) -> int:
+    return int(np.argmin(np.abs(frequency - wanted)))
 
 
 def _place(names: Sequence[str], name: str) -> int:

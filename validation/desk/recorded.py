@@ -23,6 +23,7 @@ from validation.engine.measured import Measured
 from validation.models import reading
 from validation.models.model import Model
 from validation.prediction.amplitude import Drive
+from validation.prediction.measured import names
 from validation.prediction.series import SeriesPrediction, Tested, carried, predictions
 from validation.prediction.set_up import standing
 
@@ -51,6 +52,17 @@ def data_of(of: Desk, model: Model, progress: Progress | None = None) -> Data:
     BadInput, OSError : see `validation.comparing.gathered.gathered`.
     """
     return gathered(of.asked.data, model, progress)
+
+
+def campaigns(of: Desk) -> dict[str, str]:
+    """Folders of the campaigns by the names that the data sets have, in their order.
+
+    Raises
+    ------
+    BadInput : one of them is no campaign any more.
+    """
+    folders = [path for path in of.asked.data if Path(path).is_dir()]
+    return dict(zip(names([campaign_file.read_description(path) for path in folders]), folders, strict=True))
 
 
 def made(of: Desk, model: Model, progress: Progress | None = None) -> tuple[SeriesPrediction, ...]:
@@ -97,8 +109,8 @@ def _kept(of: Desk, model: Model) -> tuple[SeriesPrediction, ...]:
 def _tested(model: Model, said: dict[str, Any], arrays: dict[str, Any]) -> Tested:
     campaign = campaign_file.read_description(said["source"])
     stands = standing(model, campaign)
-    words = {name: tuple(said[name]) for name in ("runs", "axes", "channels")}
-    plain = {name: said[name] for name in ("name", "configuration", "hardware")}
+    words: dict[str, Any] = {name: tuple(said[name]) for name in ("runs", "axes", "channels")}
+    plain: dict[str, Any] = {name: said[name] for name in ("name", "configuration", "hardware")}
     drives = zip(*(arrays[name] for name in DRIVE), strict=True)
     return Tested(
         model=model,

@@ -131,6 +131,7 @@ class Trace:
     frequency : (n,) [Hz], all lines of the campaign
     before, after : (n,) complex, without and with the effect, in `unit`; between lines that were not asked for `after` goes with
         `before`
+    matrix : (n, 6, 6) with the effect, all entries, about F
     unit : kg, kg m or kg m²
     reached : whether the effect acts on this campaign at all
     """
@@ -139,6 +140,7 @@ class Trace:
     frequency: Array
     before: ComplexArray
     after: ComplexArray
+    matrix: ComplexArray
     unit: str
     reached: bool
 
@@ -353,21 +355,31 @@ def _predicted(one: SeriesPrediction, offsets: Offsets, lines: Lines | None) -> 
 
 def _trace(asked: _Asked, load: int, motion: int) -> Trace:
     one, lines = asked.tested, asked.lines
-    before = after = one.entries[:, load, motion]
+    before = matrix = one.entries
     frequency = one.prediction.measured.frequency
     if asked.rows is not None and one.operators is not None:
         some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
-        after = _entries(some, asked.rows, one.inputs[:, lines], frequency[lines])[:, load, motion]
-        after = after if len(lines) == len(frequency) else _between(frequency, lines, before, after)
+        matrix = _entries(some, asked.rows, one.inputs[:, lines], frequency[lines])
+        matrix = matrix if len(lines) == len(frequency) else _between(frequency, lines, before, matrix)
     return Trace(
-        campaign=one.name, frequency=frequency, before=before, after=after, unit=unit(load, motion), reached=asked.reached
+        campaign=one.name,
+        frequency=frequency,
+        before=before[:, load, motion],
+        after=matrix[:, load, motion],
+        matrix=matrix,
+        unit=unit(load, motion),
+        reached=asked.reached,
     )
 
 
 def _between(frequency: Array, lines: Lines, before: ComplexArray, after: ComplexArray) -> ComplexArray:
-    """(n,) what is `after` (m,) at `lines`; between them the curve before, times a factor that goes straight from line to line."""
-    factor = after / before[lines]
-    found = before * np.interp(frequency, frequency[lines], factor)
+    """(n, 6, 6) what is `after` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight from line to line."""
+    at = before[lines]
+    factor = np.where(at == 0, 1.0, after / np.where(at == 0, 1.0, at))
+    right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)
+    first, last = frequency[lines[right - 1]], frequency[lines[right]]
+    share = np.clip((frequency - first) / (last - first), 0.0, 1.0)[:, None, None]
+    found = before * ((1 - share) * factor[right - 1] + share * factor[right])
     found[lines] = after
     return np.asarray(found)
 
