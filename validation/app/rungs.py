@@ -28,7 +28,14 @@ async def shown(bench: Bench) -> None:
     fallen = [one for one in at.ladder.rungs if one.errors is not None]
     state.fig_ladder = await bench.away(lambda: as_state(falling_errors(at, dark=dark))) if fallen else None
     bodies = _bodies(at)
-    state.fig_inertia = await bench.away(lambda: as_state(identified_inertia(bodies, dark=dark))) if bodies else None
+    state.fig_inertia = await bench.away(lambda: _inertia(bodies, dark)) if bodies else None
+
+
+def _inertia(bodies: dict[str, Body], dark: bool) -> dict[str, Any]:
+    """With its headings in two lines: a panel is narrower than a page."""
+    figure = identified_inertia(bodies, dark=dark)
+    figure.for_each_annotation(lambda one: one.update(text=one.text.replace(" about the CoG ", "<br>about the CoG ")))
+    return as_state(figure)
 
 
 def _rung(one: Rung, at: Standing) -> dict[str, Any]:
