@@ -29,6 +29,6 @@ def figure_json(figure: Figure) -> str:
 
 def template_json(dark: bool) -> str:
     """The template that makes any of the figures light or `dark`, as JSON."""
-    from plotly.io import to_json
+    from plotly.io.json import to_json_plotly
 
-    return str(to_json(template(dark), validate=False))
+    return str(to_json_plotly(template(dark).to_plotly_json()))

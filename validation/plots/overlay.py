@@ -38,8 +38,11 @@ MOTIONS = tuple(f"{kind} {axis}" for kind in ("acceleration along", "angular acc
 UNITS = ("kg", "kg m", "kg m²")
 """By how many of load and motion are about an axis."""
 
-DEEPEST = 1e5
-"""Of the largest magnitude; what is smaller is off the page."""
+DEEPEST, NOTHING = 1e5, 1e-4
+"""Of the largest magnitude: what is smaller is off the page; a curve that is smaller throughout is next to nothing."""
+
+HEIGHTS = ((0.09, 0.60), (0.64, 0.86))
+"""Where magnitude and phase begin and end in a third of the page, from its top."""
 
 WIDE = 2.0
 """Standard deviations of the band about the prediction."""
@@ -77,47 +80,96 @@ def overlay(
     further : by name, more predictions (n, 6, 6) on the lines of `pairs`: with an effect, or before it was added
     marked : [Hz] where a line is drawn
     """
-    from plotly import graph_objects as go
     from plotly.subplots import make_subplots
 
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.68, 0.32], vertical_spacing=0.04)
+    _entry(figure, pairs, (load, motion), 1, 1, modes, further)
+    if marked is not None:
+        figure.add_vline(marked, line={"color": THRESHOLD, "width": 1.5, "dash": "dash"})
+    title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
+    how: dict[str, Any] = {"hovermode": "x unified", "uirevision": f"{pairs.campaign} {load} {motion}"}
+    return dressed(figure, title, 470, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM}, **how)
+
+
+def diagonal(
+    pairs: Pairs,
+    *,
+    modes: Sequence[NamedMode] = (),
+    further: Mapping[str, ComplexArray] = NONE,
+    dark: bool = False,
+) -> Figure:
+    """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
+    from plotly.subplots import make_subplots
+
+    figure = make_subplots(rows=6, cols=2, horizontal_spacing=0.11)
+    for k in range(6):
+        _entry(figure, pairs, (k, k), 1 + 2 * (k % 3), 1 + k // 3, modes, further, legend=k == 0, last=k % 3 == 2)
+        _lay_out(figure, k)
+    title = f"{pairs.campaign}: the diagonal of the dynamic mass"
+    return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
+
+
+def _lay_out(figure: Figure, k: int) -> None:
+    """Put magnitude and phase of the entry k close together, below their title and apart from the pair below."""
+    row, column = 1 + 2 * (k % 3), 1 + k // 3
+    top = 1 - (k % 3) / 3
+    for below, (high, low) in enumerate(HEIGHTS):
+        figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
+    side = 0.0 if column == 1 else 0.555
+    name = {"text": _words(k), "x": side, "y": top - HEIGHTS[0][0] / 3, "xref": "paper", "yref": "paper"}
+    figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
+
+
+def _words(k: int) -> str:
+    return f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}"
+
+
+def _entry(
+    figure: Figure,
+    pairs: Pairs,
+    at: tuple[int, int],
+    row: int,
+    column: int,
+    modes: Sequence[NamedMode],
+    further: Mapping[str, ComplexArray],
+    *,
+    legend: bool = True,
+    last: bool = True,
+) -> None:
+    """Add the entry `at` (load, motion): magnitude in the panel at `row` and `column`, phase in that below."""
+    from plotly import graph_objects as go
+
+    load, motion = at
     f, measured, predicted = pairs.frequency, pairs.measured[:, load, motion], pairs.predicted[:, load, motion]
     others = {name: matrix[:, load, motion] for name, matrix in further.items()}
-    low, high = magnitude_range([measured, predicted, *others.values()])
-    figure.add_traces(_band(go, f, predicted, pairs.expected[:, load, motion], 10**low), rows=1, cols=1)
-    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": MEASURED, "size": 5}})]
+    expected = pairs.expected[:, load, motion]
+    low, high = magnitude_range([measured, np.abs(predicted) + WIDE * expected, predicted, *others.values()])
+    band = _band(go, f, predicted, expected, 10**low, legend)
+    figure.add_traces(band, rows=row, cols=column)
+    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": MEASURED, "size": 4.5}})]
     named += [("predicted", predicted, {"mode": "lines", "line": {"color": PREDICTED, "width": 2}})]
     named += [(name, H, _further(k)) for k, (name, H) in enumerate(others.items())]
     for name, H, look in named:
         said = {"name": escaped(name), "legendgroup": name, **look, **_lines(f)}
-        figure.add_trace(go.Scatter(y=_short(np.abs(H)), hovertemplate=f"%{{y:.4g}} {unit(load, motion)}", **said), 1, 1)
-        phase = go.Scatter(y=_short(np.degrees(np.angle(H))), hovertemplate="%{y:.1f}°", showlegend=False, **said)
-        figure.add_trace(phase, 2, 1)
+        size = {"y": _short(np.abs(H)), "hovertemplate": f"%{{y:.4g}} {unit(load, motion)}", "showlegend": legend}
+        phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
+        figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)
     if inside := [one for one in modes if f[0] <= one.frequency <= f[-1]]:
-        figure.add_trace(_modes(go, inside, 10**high), 1, 1)
-    figure.update_xaxes(range=[float(f[0]), float(f[-1])])
-    figure.update_xaxes(title_text="frequency [Hz]", row=2, col=1)
-    figure.update_yaxes(title_text=f"|H| [{unit(load, motion)}]", **decades(low, high), row=1, col=1)
-    figure.update_yaxes(title_text="phase [°]", range=[-190, 190], tickvals=[-180, -90, 0, 90, 180], row=2, col=1)
-    if marked is not None:
-        figure.add_vline(marked, line={"color": THRESHOLD, "width": 1.5, "dash": "dash"})
-    title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
-    held = f"{pairs.campaign} {load} {motion}"
-    return dressed(
-        figure,
-        title,
-        470,
-        dark,
-        legend=legend_above(),
-        hovermode="x unified",
-        uirevision=held,
-        margin={"t": TITLE_ROOM + LEGEND_ROOM},
-    )
+        figure.add_trace(_modes(go, inside, 10 ** (high - 0.04 * (high - low)), legend), row, column)
+    figure.update_xaxes(range=[float(f[0]), float(f[-1])], showticklabels=False, row=row, col=column)
+    figure.update_xaxes(range=[float(f[0]), float(f[-1])], title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
+    figure.update_yaxes(title_text=f"|H| [{unit(load, motion)}]", **decades(low, high), row=row, col=column)
+    phases = {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
+    figure.update_yaxes(title_text="phase [°]", **phases, row=row + 1, col=column)
 
 
-def magnitude_range(curves: Sequence[ComplexArray]) -> tuple[float, float]:
-    """Powers of ten between which the magnitudes of `curves` are shown, the smallest not below `DEEPEST` of the largest."""
-    sizes = np.abs(np.concatenate(curves))
+def magnitude_range(curves: Sequence[ComplexArray | Array]) -> tuple[float, float]:
+    """Powers of ten between which the magnitudes of `curves` are shown.
+
+    A curve that symmetry makes next to nothing does not count, and what falls below `DEEPEST` of the largest is off the page.
+    """
+    largest = max((float(np.nanmax(np.abs(one))) for one in curves), default=0.0)
+    sizes = np.abs(np.concatenate([one for one in curves if np.nanmax(np.abs(one)) >= NOTHING * largest]))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
     if not sizes.size:
         return -1.0, 1.0
@@ -126,21 +178,32 @@ def magnitude_range(curves: Sequence[ComplexArray]) -> tuple[float, float]:
     return float(np.log10(bottom)) - 0.08, float(np.log10(top)) + 0.12
 
 
-def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float) -> list[Any]:
+def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float, legend: bool) -> list[Any]:
     """Where noise and tolerances that were not fitted let expect what is measured."""
     size = np.abs(H)
     look = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", **_lines(f)}
     low = go.Scatter(y=_short(np.maximum(size - WIDE * expected, bottom)), showlegend=False, legendgroup="expected", **look)
     name = "expected, 95 %"
-    fill = {"fill": "tonexty", "fillcolor": "rgba(59,125,221,0.18)", "name": name, "legendgroup": "expected"}
+    fill = {
+        "fill": "tonexty",
+        "fillcolor": "rgba(59,125,221,0.18)",
+        "name": name,
+        "legendgroup": "expected",
+        "showlegend": legend,
+    }
     return [low, go.Scatter(y=_short(size + WIDE * expected), **fill, **look)]
+
+
+def _phase(H: ComplexArray, bottom: float) -> Array:
+    """[°]; none where the magnitude is below the page, since the angle of next to nothing means nothing."""
+    return np.asarray(np.where(np.abs(H) >= bottom, np.degrees(np.angle(H)), np.nan))
 
 
 def _further(k: int) -> dict[str, Any]:
     return {"mode": "lines", "line": {"color": (FURTHER, ASIDE)[k % 2], "width": 2, "dash": ("dash", "dot")[k // 2 % 2]}}
 
 
-def _modes(go: Any, modes: Sequence[NamedMode], height: float) -> Any:
+def _modes(go: Any, modes: Sequence[NamedMode], height: float, legend: bool) -> Any:
     return go.Scatter(
         x=[one.frequency for one in modes],
         y=[height] * len(modes),
@@ -149,6 +212,8 @@ def _modes(go: Any, modes: Sequence[NamedMode], height: float) -> Any:
         marker={"symbol": "triangle-down", "size": 10, "color": ASIDE},
         cliponaxis=False,
         name="modes of the model",
+        legendgroup="modes",
+        showlegend=legend,
         hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
     )
 
