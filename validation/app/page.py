@@ -86,6 +86,7 @@ def first_state() -> dict[str, Any]:
         "faults": {"model": [], "data": [], "options": []},
         "compared": False,
         "errors": [],
+        "before": {},
         "worst": [],
         "remarks": [],
         "campaigns": [],

@@ -142,7 +142,8 @@ class _Stage:
 
         self._scale = scale
         self._whole: Plotter = pyvista.Plotter(off_screen=True, lighting="none")
-        self._whole.set_background(PAPER[dark])
+        background: Any = PAPER[dark]
+        self._whole.set_background(background)
         self._moving: list[tuple[MovingBody, list[Any]]] = []
         self._fill(bodies, dark)
         self._above: Plotter | None = None
