@@ -9,8 +9,8 @@ A fenced block has a language, and the language says what happens to it. There i
   ``python -m benchmarks...`` a module; neither is run here, since they run this, or for hours. ``apt-get`` is that of the setup
   and the doctor; ``git clone`` and ``cd`` are the reader's.
 - ``python``: a program, run where it stands between the commands, with the names that programs above it on the page have made.
-- ``toml PATH``: a file that the reader writes, and a later command or program of the page reads; ``toml +PATH`` is appended to
-  it. A path that exists in the repository shows that very file.
+- ``toml PATH``, ``python PATH``: a file that the reader writes, and a later command or program of the page reads; ``+PATH`` is
+  appended to it. A path that exists in the repository shows that very file.
 - ``output``: lines of what the block above printed, in order, ``...`` for what is left out. Words agree, numbers to the last
   digit shown or to a hundredth.
 
@@ -99,7 +99,7 @@ def shown(page: Path) -> Shown:
             steps += [{"words": list(claim(line)[:-1]), "ends": expected_exit(line)} for line in asked]
         elif language == "python" and not path:
             steps.append({"python": block.text, "of": f"{page.name}:{block.line}", "ends": 0})
-        elif language == "toml" and not (ROOT / path).is_file():
+        elif path and not (ROOT / path).is_file():
             steps.append({"file": path.removeprefix("+"), "text": block.text, "append": path.startswith("+"), "ends": 0})
         elif language == "output":
             says.append((block, above, first))
