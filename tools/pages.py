@@ -15,7 +15,8 @@ FIRST = "index.md"
 """The page under docs that leads to all others."""
 
 _FENCE = re.compile(r"^(?P<fence>```+|~~~+)(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=fence)[ ]*$", re.MULTILINE | re.DOTALL)
-_LINK = re.compile(r"(?P<picture>!?)\[(?P<text>(?:[^\[\]]|\[[^\[\]]*\])*)\]\((?P<target>[^)\s]+)\)")
+_LINK_OR_CODE = re.compile(r"(?P<picture>!?)\[(?P<text>(?:[^\[\]]|\[[^\[\]]*\])*)\]\((?P<target>[^)\s]+)\)|`[^`]+`")
+"""Code that looks like a link is none; a link whose text is code is one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +104,8 @@ def links(page: Path) -> tuple[Link, ...]:
     """Links and pictures of `page`, in order."""
     return tuple(
         Link(text=found["text"], target=found["target"], picture=bool(found["picture"]))
-        for found in _LINK.finditer(_without_code(prose(page)))
+        for found in _LINK_OR_CODE.finditer(prose(page))
+        if found["target"]
     )
 
 
@@ -134,8 +136,3 @@ def _distinct(names: Iterator[str]) -> Iterator[str]:
         count = seen.setdefault(name, 0)
         yield f"{name}-{count}" if count else name
         seen[name] += 1
-
-
-def _without_code(text: str) -> str:
-    """`text` with code whose content looks like a link taken out; links whose *text* is code stay."""
-    return re.sub(r"(?<![\[`])`[^`\n]*`(?!\])", "", text)

@@ -1,8 +1,8 @@
 """The pages hang together: every link and picture leads somewhere, every page is found from the index, every picture is shown."""
 
 import importlib
-import inspect
 import re
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -45,24 +45,20 @@ def test_a_link_to_code_names_what_is_defined_there(page: Path) -> None:
 
 
 def defined_in(name: str) -> Path | None:
-    """The file of the repository in which the module, function, class or method called `name` stands."""
-    module, found, rest = name, None, []
-    while module and found is None:
-        try:
-            found = importlib.import_module(module)
-        except ModuleNotFoundError:
-            module, _, last = module.rpartition(".")
-            rest.insert(0, last)
-    for step in rest:
-        found = getattr(found, step, None)
-    return None if found is None else _of(found)
+    """The file of the repository in which the module, function, class, method or constant called `name` stands."""
+    parts = name.split(".")
+    for count in range(len(parts), 0, -1):
+        with suppress(ModuleNotFoundError):
+            found = module = importlib.import_module(".".join(parts[:count]))
+            for step in parts[count:]:
+                found = getattr(found, step, None)
+            return None if found is None else file_of(getattr(found, "__module__", module.__name__))
+    return None
 
 
-def _of(found: object) -> Path:
+def file_of(module: str) -> Path:
     """Under the repository, wherever the packages under test were imported from."""
-    target = found.fget if isinstance(found, property) else found
-    package, _, rest = (target.__name__ if inspect.ismodule(target) else target.__module__).partition(".")  # type: ignore[attr-defined]
-    path = ROOT / package / rest.replace(".", "/") if rest else ROOT / package
+    path = ROOT / module.replace(".", "/")
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
@@ -75,12 +71,19 @@ def test_the_index_names_every_page_once_with_a_line() -> None:
     assert sorted(name for name in found if not name.startswith("../")) == others
 
 
-def test_the_readme_leads_to_the_index() -> None:
-    assert INDEX.resolve() in {led_to(PAGES[0], link) for link in inside(PAGES[0])}
+@pytest.mark.parametrize("start", [INDEX, PAGES[0]], ids=lambda page: page.name)
+def test_every_page_is_found_by_following_links(start: Path) -> None:
+    found, open_ = {start}, [start]
+    while open_:
+        page = open_.pop()
+        new = {led_to(page, link) for link in inside(page)} & set(PAGES) - found
+        found |= new
+        open_ += new
+    assert found == set(PAGES)
 
 
 @by_name
-def test_a_page_begins_with_its_title_and_leads_back_to_nowhere_that_is_gone(page: Path) -> None:
+def test_a_page_begins_with_its_title(page: Path) -> None:
     assert page.read_text(encoding="utf-8").startswith(f"# {title(page)}\n")
 
 
