@@ -1,0 +1,89 @@
+"""What is missing, as the page tells it: the verdict, and causes as bars of evidence with the intervals of their sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from validation.app.bench import Bench
+from validation.app.trying import sized
+from validation.desk import diagnosing
+from validation.diagnosing import figures
+from validation.plots.evidence import place
+
+SHOWN = 12
+"""Causes in the list."""
+
+
+async def shown(bench: Bench) -> None:
+    """Bring verdict and ranking to the diagnosis of the model as it stands, where it was made."""
+    found = None if bench.desk is None else await bench.away(diagnosing.diagnosis, bench.desk)
+    state = bench.state
+    if found is None:
+        state.verdict, state.ranking = None, []
+        return
+    state.verdict = {
+        "headline": found["headline"],
+        "text": found["text"],
+        "next": found["next_measurement"] or "",
+        "leftover": found["leftover"] or "",
+        "detectable": [{"id": one["id"], "size": _size(one)} for one in found["detectable"] if one["size"] is not None],
+    }
+    state.ranking = _ranking(found)
+
+
+def _ranking(found: Mapping[str, Any]) -> list[dict[str, Any]]:
+    accepted = {one["id"] for one in found["accepted"]}
+    every = {one["id"]: one for one in (*found["ranking"], *found["accepted"])}
+    order = [*found["accepted"], *(one for one in found["ranking"] if one["id"] not in accepted)][:SHOWN]
+    nats = np.array([one["evidence_nats"] if one["evidence_nats"] is not None else np.inf for one in order], dtype=float)
+    finite = place(np.minimum(nats, 1e9))
+    most = max(float(finite.max(initial=0.0)), 1e-9)
+    return [_cause(every[one["id"]], found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
+
+
+def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str], share: float) -> dict[str, Any]:
+    family, nats = one["id"].partition(":")[0], one["evidence_nats"]
+    sizes = [sized(family, each["key"], each["unit"], each["value"], *each["interval90"]) for each in one["values"]]
+    standing, tone = _standing(one, found, accepted)
+    return {
+        "id": one["id"],
+        "written": one["written"],
+        "standing": standing,
+        "tone": tone,
+        "size": "; ".join(sizes),
+        "nats": "more than can be counted" if nats is None else f"{nats:+.1f}",
+        "share": round(share, 1),
+        "interval": _interval(one),
+    }
+
+
+def _standing(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str]) -> tuple[str, str]:
+    if one["id"] in found["equivalence_class"]:
+        return "one of these, which the data cannot tell apart", "doubt"
+    if one["id"] in accepted:
+        return "accepted", "good"
+    return ("explains less", "faint") if one["as_where_nothing_is_missing"] else ("leaves too much", "bad")
+
+
+def _interval(one: Mapping[str, Any]) -> dict[str, float] | None:
+    """Where the 90 % interval of its first size lies on a line that holds no effect, too; in per cent of the line."""
+    if not one["values"]:
+        return None
+    low, high = one["values"][0]["interval90"]
+    if low == high:
+        return None
+    left, right = min(low, 0.0), max(high, 0.0)
+    room = 0.06 * (right - left)
+    left, width = left - room, right - left + 2 * room
+    return {
+        "left": round(100 * (low - left) / width, 2),
+        "width": round(100 * (high - low) / width, 2),
+        "zero": round(100 * (0.0 - left) / width, 2),
+    }
+
+
+def _size(one: Mapping[str, Any]) -> str:
+    return figures.one(one["id"].partition(":")[0], "", one["unit"], one["size"])
