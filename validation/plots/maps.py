@@ -28,9 +28,6 @@ PAIRS = tuple(f"{load}{motion}" for load in SIGNS for motion in SIGNS)
 ROW, ROOM = 15, 130
 """Height of a row and of what is not rows [pixels]."""
 
-MODES = "modes"
-"""The row of the modes' marks."""
-
 
 def labels(of: Map) -> tuple[str, ...]:
     """Names of the rows of `of`, as its figure says them: channels by name, loads in words."""
@@ -89,15 +86,15 @@ def _map(
     )
     figure = go.Figure(heat)
     inside = [one for one in modes if frequency[0] <= one.frequency <= frequency[-1]]
-    if inside:
+    if inside:  # above the rows, on an axis of their own: a category without cells is more than a heat map bears
         figure.add_trace(_marks(go, inside))
-    order = [*([MODES] if inside else []), *shown]
+        figure.update_layout(yaxis2={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True})
     for rule in rules:
-        figure.add_hline(rule - 0.5 + bool(inside), line={"width": 1})
-    axis = {"type": "category", "categoryorder": "array", "categoryarray": order, "range": [len(order) - 0.5, -0.5], "ticks": ""}
-    figure.update_yaxes(showgrid=False, tickmode="array", tickvals=order, tickfont={"size": 11}, **axis)
+        figure.add_hline(rule - 0.5, line={"width": 1})
+    axis = {"type": "category", "categoryorder": "array", "categoryarray": shown, "range": [len(shown) - 0.5, -0.5], "ticks": ""}
+    figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": shown, "tickfont": {"size": 11}, **axis})
     figure.update_xaxes(title_text="frequency [Hz]", showgrid=False)
-    height = ROOM + ROW * len(order)
+    height = ROOM + ROW * len(shown)
     return dressed(figure, title, height, dark, margin={"l": 118, "r": 10}, uirevision=title)
 
 
@@ -116,7 +113,9 @@ def _bar() -> dict[str, Any]:
 def _marks(go: Any, modes: Sequence[NamedMode]) -> Any:
     return go.Scatter(
         x=[one.frequency for one in modes],
-        y=[MODES] * len(modes),
+        y=[1.012] * len(modes),
+        yaxis="y2",
+        cliponaxis=False,
         text=[escaped(one.name) for one in modes],
         mode="markers",
         marker={"symbol": "triangle-down", "size": 9, "color": ASIDE},

@@ -106,7 +106,7 @@ def diagonal(
         _entry(figure, pairs, (k, k), 1 + 2 * (k % 3), 1 + k // 3, modes, further, legend=k == 0, last=k % 3 == 2)
         _lay_out(figure, k)
     title = f"{pairs.campaign}: the diagonal of the dynamic mass"
-    return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM})
+    return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
 
 
 def _lay_out(figure: Figure, k: int) -> None:
@@ -146,7 +146,7 @@ def _entry(
     low, high = magnitude_range([measured, np.abs(predicted) + WIDE * expected, predicted, *others.values()])
     band = _band(go, f, predicted, expected, 10**low, legend)
     figure.add_traces(band, rows=row, cols=column)
-    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": MEASURED, "size": 5}})]
+    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": MEASURED, "size": 4.5}})]
     named += [("predicted", predicted, {"mode": "lines", "line": {"color": PREDICTED, "width": 2}})]
     named += [(name, H, _further(k)) for k, (name, H) in enumerate(others.items())]
     for name, H, look in named:
@@ -155,7 +155,7 @@ def _entry(
         phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
         figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)
     if inside := [one for one in modes if f[0] <= one.frequency <= f[-1]]:
-        figure.add_trace(_modes(go, inside, 10**high, legend), row, column)
+        figure.add_trace(_modes(go, inside, 10 ** (high - 0.04 * (high - low)), legend), row, column)
     figure.update_xaxes(range=[float(f[0]), float(f[-1])], showticklabels=False, row=row, col=column)
     figure.update_xaxes(range=[float(f[0]), float(f[-1])], title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
     figure.update_yaxes(title_text=f"|H| [{unit(load, motion)}]", **decades(low, high), row=row, col=column)

@@ -108,9 +108,9 @@ def decades(low: float, high: float) -> dict[str, Any]:
         steps = (1, 2, 5) if high - low < 2.6 else (1,)
         every = [step * 10.0**power for power in range(floor(low) - 1, ceil(high) + 1) for step in steps]
     else:
-        rough = (b - a) / 4
+        rough = (b - a) / 5
         unit = 10.0 ** floor(log10(rough))
-        step = next(each * unit for each in (1, 2, 5, 10) if each * unit >= rough)
+        step = next(each * unit for each in (1, 2, 2.5, 5, 10) if each * unit >= rough)
         every = [step * k for k in range(floor(a / step), ceil(b / step) + 1)]
     ticks = [tick for tick in every if a <= tick * (1 + 1e-9) and tick <= b * (1 + 1e-9)]
     return {"type": "log", "range": [low, high], "tickvals": ticks, "ticktext": [f"{tick:.6g}" for tick in ticks]}

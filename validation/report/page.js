@@ -53,7 +53,12 @@
       return;
     }
     for (const plot of plots()) {
-      await draw(plot);
+      try {
+        await draw(plot);
+      } catch (error) {
+        plot.textContent = "This figure cannot be drawn; the tables hold its numbers.";
+        console.error(plot.id, error);
+      }
       if (!onPaper) await new Promise((then) => setTimeout(then, 0));
     }
     root.dataset.drawn = "all";
