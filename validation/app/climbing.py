@@ -35,6 +35,6 @@ async def go(bench: Bench, number: int) -> None:
 
 async def _added(bench: Bench) -> None:
     bench.wanted, bench.tried, bench.state.effect = None, None, None
-    bench.state.tab = "ladder"
+    bench.state.tab, bench.state.part = "ladder", "fails"
     await working.stands(bench)
     keep(bench)

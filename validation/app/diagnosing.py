@@ -35,13 +35,17 @@ async def shown(bench: Bench) -> None:
 
 
 def _ranking(found: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What was accepted, then what was ranked last, then what earlier steps had ranked; each once."""
     accepted = {one["id"] for one in found["accepted"]}
-    every = {one["id"]: one for one in (*found["ranking"], *found["accepted"])}
-    order = [*found["accepted"], *(one for one in found["ranking"] if one["id"] not in accepted)][:SHOWN]
+    told = [*found["accepted"], *found["ranking"], *(one for step in found["steps"] for one in step["ranking"])]
+    first: dict[str, Mapping[str, Any]] = {}
+    for one in told:
+        first.setdefault(one["id"], one)
+    order = list(first.values())[:SHOWN]
     nats = np.array([one["evidence_nats"] if one["evidence_nats"] is not None else np.inf for one in order], dtype=float)
     finite = place(np.minimum(nats, 1e9))
     most = max(float(finite.max(initial=0.0)), 1e-9)
-    return [_cause(every[one["id"]], found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
+    return [_cause(one, found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
 
 
 def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str], share: float) -> dict[str, Any]:
@@ -61,7 +65,7 @@ def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str],
 
 
 def _standing(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str]) -> tuple[str, str]:
-    if one["id"] in found["equivalence_class"]:
+    if one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1:
         return "one of these, which the data cannot tell apart", "doubt"
     if one["id"] in accepted:
         return "accepted", "good"

@@ -31,8 +31,8 @@ async def drawn(bench: Bench) -> None:
         state.fig_overlay = await bench.away(lambda: as_state(look(further=beside)))
     else:
         state.fig_overlay = {}
-    if state.map_kind == "pairs" and of.pairs is not None:
-        state.fig_map = await bench.away(lambda: as_state(maps.pair_map(of.pairs, modes=modes, dark=dark)))
+    if state.map_kind == "pairs" and (pairs := of.pairs) is not None:
+        state.fig_map = await bench.away(lambda: as_state(maps.pair_map(pairs, modes=modes, dark=dark)))
     else:
         number = None if state.run == WORST_OF_ALL else state.run
         state.fig_map = await bench.away(lambda: as_state(maps.channel_map(of, number, modes=modes, dark=dark)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from validation.app.bench import Bench
 from validation.desk import desk as desks
 
-KEPT = ("campaign", "load", "motion", "marked", "map_kind", "run", "tab", "scheme", "mode")
+KEPT = ("campaign", "load", "motion", "marked", "map_kind", "run", "tab", "scheme", "mode", "part")
 """State of the page, by name."""
 
 

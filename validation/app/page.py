@@ -86,6 +86,7 @@ def first_state() -> dict[str, Any]:
         "faults": {"model": [], "data": [], "options": []},
         "compared": False,
         "errors": [],
+        "before": {},
         "worst": [],
         "remarks": [],
         "campaigns": [],
@@ -109,6 +110,8 @@ def first_state() -> dict[str, Any]:
         "view_label": "",
         "view_note": "",
         "tab": "structure",
+        "part": "fails",
+        "big": "",
         "verdict": None,
         "ranking": [],
         "effects": [],
@@ -137,6 +140,14 @@ async def _tab(bench: Bench, name: str) -> None:
     bench.state.tab = str(name)
 
 
+async def _part(bench: Bench, name: str) -> None:
+    bench.state.part = str(name)
+
+
+async def _enlarge(bench: Bench, name: str) -> None:
+    bench.state.big = "" if bench.state.big == name else str(name)
+
+
 async def _seen(bench: Bench) -> None:
     bench.state.failure, bench.state.ready = "", None
 
@@ -161,6 +172,8 @@ HANDLERS: Mapping[str, Handler] = {
     "dark": _dark,
     "scheme": _scheme,
     "tab": _tab,
+    "part": _part,
+    "enlarge": _enlarge,
     "seen": _seen,
     "another": _another,
     "example": opening.example,

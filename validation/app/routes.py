@@ -78,7 +78,7 @@ def _saved(request: web.Request, bench: Bench) -> web.Response:
 
 
 async def _files(request: web.Request, bench: Bench) -> web.Response:
-    """Files as the page sends them, each part named like its file, folders included; what becomes of names is the desk's to say."""
+    """Files as the page sends them, each part named like its file, folders included; the desk says what becomes of names."""
     from aiohttp import web
 
     with tempfile.TemporaryDirectory(dir=bench.folder, prefix="arriving-") as folder:
@@ -91,13 +91,17 @@ async def _files(request: web.Request, bench: Bench) -> web.Response:
 
 
 async def _parts(request: web.Request, folder: Path) -> list[Handed]:
+    from aiohttp import BodyPartReader
+
     found: list[Handed] = []
     room = LARGEST
     async for part in await request.multipart():
         if len(found) == MOST:
             raise ValueError(f"more than {MOST} files were dropped; drop the folder of one series.")
         kept = folder / str(len(found))
-        room -= await _written(part, kept, room)  # type: ignore[arg-type]
+        if not isinstance(part, BodyPartReader):
+            raise ValueError("a file is expected in every part.")
+        room -= await _written(part, kept, room)
         found.append(Handed(name=unquote(part.name or ""), content=kept))
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from math import log
 from typing import Any
 
@@ -20,6 +21,9 @@ from validation.effects.identifiers import parse
 
 STEPS = 1000
 """Positions of a slider."""
+
+RESTS = 0.4
+"""Seconds without a move after which a slider rests."""
 
 
 async def made_ready(bench: Bench) -> None:
@@ -47,6 +51,7 @@ async def chosen(bench: Bench, effect: str | None) -> None:
         await drawing.drawn(bench)
         keep(bench)
         return
+    state.part = "what-if"
     told = await bench.away(explaining.explained, bench.desk, effect)
     known = bench.effects.get(told.id)
     found = {one.key: one.value for one in told.sizes}
@@ -132,7 +137,19 @@ def position(slider: Slider, size: float) -> int:
 
 
 async def _followed(bench: Bench) -> None:
-    """Follow the slider until it rests."""
+    """Follow the slider until it rests, whether it was let go (which the keyboard does not tell) or not; then to every line."""
+    while not bench.exact:
+        await _chased(bench)
+        rests = dict(bench.sizes)
+        await asyncio.sleep(RESTS)
+        if rests == bench.sizes and not bench.exact:
+            bench.exact = True
+            await follow(bench)
+            keep(bench)
+
+
+async def _chased(bench: Bench) -> None:
+    """Curves for where the slider is, as fast as they come, until it is where the last one was."""
     done: dict[str, float] | None = None
     while not bench.exact and done != bench.sizes and bench.table is not None:
         done = dict(bench.sizes)

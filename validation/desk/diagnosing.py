@@ -8,15 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from geometry.atomic import write_text
+from validation.desk import retold
 from validation.desk.desk import Desk
 from validation.diagnosing import as_json as written
 from validation.diagnosing import run
 from validation.diagnosing.asked import Asked
+from validation.diagnosing.diagnosis import Diagnosis
 from validation.output import json_text
 
 Progress = Callable[[str, float], None]
 
-FILE = "diagnose.json"
+FILE, BESIDE = "diagnose.json", "diagnose.tolerances.json"
 
 
 def diagnosed(of: Desk, candidates: Sequence[str] = (), progress: Progress | None = None) -> Mapping[str, Any]:
@@ -39,6 +41,7 @@ def diagnosed(of: Desk, candidates: Sequence[str] = (), progress: Progress | Non
     bench = run.prepared(asked)
     found = run.diagnosis(asked, bench, tell)
     whole = {**run.of_asked(asked, bench), **written.as_json(found)}
+    write_text(folder / BESIDE, json_text(retold.tolerances(found)))
     write_text(folder / FILE, json_text(whole))
     return whole
 
@@ -50,6 +53,17 @@ def diagnosis(of: Desk) -> Mapping[str, Any] | None:
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def noun(of: Desk) -> Diagnosis | None:
+    """The same as the noun that `validation.plots` and reports take; quick."""
+    said = diagnosis(of)
+    if said is None:
+        return None
+    try:
+        return retold.diagnosis(said, json.loads((of.found / BESIDE).read_text(encoding="utf-8")))
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _asked(of: Desk, candidates: Sequence[str]) -> Asked:

@@ -1,14 +1,21 @@
 """What is wrong with a model and data, all of it at once: each fault beside the file and the field that has it.
 
-The readers say it, `massline check` and `massline compare` ask the same ones; here none hides the next.
+The readers say it, and `massline check` and `massline compare` ask the same ones; here none hides the next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 from geometry.errors import BadInput
+from validation.campaigns.summary import summary
+from validation.comparing.gathered import gathered
+from validation.effects import catalogue
+from validation.models import reading
+from validation.models.model import Model
 
 Progress = Callable[[str, float], None]
 
@@ -35,8 +42,8 @@ class Fault:
     @property
     def text(self) -> str:
         """All of it in one sentence or two."""
-        place = f"{self.file}: `{self.field}`" if self.field else self.file
-        return f"{place}: {self.problem}" + (f". {self.remedy}" if self.remedy else "")
+        place = f"{self.file}: `{self.field}`: " if self.field else f"{self.file}: " if self.file else ""
+        return place + self.problem + (f". {self.remedy}" if self.remedy else "")
 
 
 def of_error(error: BadInput) -> Fault:
@@ -50,9 +57,63 @@ def faults(
     """Everything that is wrong with the model file `model`, the `data`, and with both together; grave faults first.
 
     No file is changed. A model that is empty text means that none was named yet.
-
-    Raises
-    ------
-    OSError : a file cannot be read.
     """
-    raise NotImplementedError
+    tell = progress or (lambda what, share: None)
+    found: list[Fault] = []
+    for folder in effects_from:
+        _tried(found, partial(catalogue.load, folder))
+    read = _tried(found, lambda: reading.read(model)) if model else None
+    for path in data:
+        found += _of_data(path, tell)
+    if not any(one.grave for one in found) and isinstance(read, Model):
+        found += _together(read, data)
+    unique = tuple(dict.fromkeys(found))
+    return (*(one for one in unique if one.grave), *(one for one in unique if not one.grave))
+
+
+def _of_data(path: str, progress: Progress) -> list[Fault]:
+    """Of one campaign folder, by what `massline check` finds; of a file, by its reader."""
+    found: list[Fault] = []
+    if not Path(path).is_dir():
+        _tried(found, lambda: _require_file(path))
+        return found
+    try:
+        seen = summary(path, progress=lambda share: progress(f"reading {Path(path).name}", share))
+    except OSError as error:
+        return [_of_system(error, path)]
+    said = [Fault(file=path, field="", problem=text, grave=False) for text in seen.warnings]
+    return [*map(of_error, seen.problems), *said]
+
+
+def _require_file(path: str) -> None:
+    """As `validation.comparing.gathered` looks at a file, which alone would be refused for want of a campaign."""
+    from validation import measurement_file
+
+    measurement_file.read(path, measurement_file.KINDS)
+
+
+def _together(model: Model, data: Sequence[str]) -> list[Fault]:
+    """What contradicts what, of files that are sound by themselves; descriptions are enough to see it."""
+    found: list[Fault] = []
+    if any(Path(path).is_dir() for path in data):
+        _tried(found, lambda: gathered(data, model))
+    elif data:
+        problem = "there is no campaign among them, and weights and periods alone tell nothing of frequencies"
+        found.append(Fault(file="DATA", field="", problem=problem, remedy="Name a campaign folder, too"))
+    return found
+
+
+def _tried(found: list[Fault], attempt: Callable[[], object]) -> object:
+    """What `attempt` gives; or None, and its refusal among those that were `found`."""
+    try:
+        return attempt()
+    except BadInput as error:
+        found.append(of_error(error))
+    except OSError as error:
+        found.append(_of_system(error, ""))
+    return None
+
+
+def _of_system(error: OSError, path: str) -> Fault:
+    problem = f"it cannot be read: {error.strerror or error}"
+    return Fault(file=str(error.filename or path), field="", problem=problem, remedy="Check its name and permissions")

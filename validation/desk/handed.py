@@ -1,22 +1,44 @@
 """Files that a browser handed over, put into the desk's folder: whatever they are called, they go nowhere else.
 
-Names come from a stranger: they are taken apart at ``/`` and ``\\``, and what climbs, is absolute, a device, hidden, too long or
-holds characters that no file name needs is refused in words. What is left keeps its folders, so that a dropped series is one.
+Names come from a stranger. They are taken apart at ``/`` and ``\\``; what climbs, is absolute, hidden, reserved, too long or deep
+or characters that no file name needs is refused in words, and nothing is ever renamed in silence: a campaign finds its
+signals by their names. What is left keeps its folders, so that a dropped series is one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation.desk.faults import Fault
+from geometry import toml_file
+from geometry.atomic import write_with
+from geometry.errors import BadInput
+from identification.campaign_file import NAME
+from validation import measurement_file
+from validation.comparing.gathered import TRUTH
+from validation.desk.faults import Fault, of_error
+
+GIVEN = "given"
+"""The folder of a desk in which they lie."""
 
 LARGEST = 2 * 2**30
 """Bytes of all files of a desk together."""
 
 MOST = 2000
 """Files."""
+
+LONGEST, DEEPEST = 120, 6
+"""Characters of a name, folders above a file."""
+
+FORBIDDEN = re.compile(r'[\x00-\x1f\x7f<>:"|?*]')
+RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+"""What no Windows folder can hold, so that a desk can be copied anywhere."""
+
+DEEP = 3
+"""Folders below the one that is looked through."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -35,7 +57,7 @@ class Handed:
 
 @dataclass(frozen=True, kw_only=True)
 class Received:
-    """What was taken over, told apart by what it holds.
+    """What was taken over or found, told apart by what it holds.
 
     Attributes
     ----------
@@ -62,14 +84,143 @@ def received(folder: str | Path, files: Sequence[Handed], *, limit: int = LARGES
     ------
     OSError : the folder cannot be written.
     """
-    raise NotImplementedError
+    given = Path(folder).resolve() / GIVEN
+    given.mkdir(parents=True, exist_ok=True)
+    room, faults = limit - sum(path.stat().st_size for path in _files(given)), []
+    taken = {_folded(path.relative_to(given).parts) for path in _files(given)}
+    for number, one in enumerate(files):
+        try:
+            _require_few(number, one)
+            parts = _parts(one.name)
+            _require_new(parts, taken, given, one)
+            room = _require_room(room, one, limit)
+        except BadInput as error:
+            faults.append(of_error(error))
+            continue
+        _write(given.joinpath(*parts), one)
+        taken.add(_folded(parts))
+    found = sorted_out(given)
+    return Received(folder=given, models=found.models, data=found.data, faults=tuple(faults))
 
 
 def sorted_out(folder: str | Path) -> Received:
-    """What a `folder` on this machine holds: models, campaigns and measurements, looked for three levels deep; nothing is copied.
+    """What a `folder` on this machine holds: models, campaigns and measurements, some levels deep; nothing is copied or followed.
 
     Raises
     ------
     BadInput : there is no such folder.
+    OSError : it cannot be read.
     """
-    raise NotImplementedError
+    where = Path(folder)
+    if not where.is_dir():
+        raise BadInput(
+            source=str(folder), problem="there is no such folder", remedy="Name the folder of a campaign or of a series"
+        )
+    models: list[str] = []
+    data: list[str] = []
+    for path in _looked_through(where, DEEP):
+        if path.is_dir():
+            data.append(str(path))
+        elif (kind := _kind(path)) is not None:
+            (models if kind == "model" else data).append(str(path))
+    return Received(folder=where, models=tuple(models), data=tuple(data), faults=())
+
+
+def _looked_through(folder: Path, deep: int) -> Iterator[Path]:
+    """Campaign folders, whose own folders are not looked into, and files that could be models or measurements."""
+    if campaign := (folder / NAME).is_file():
+        yield folder
+    for path in sorted(folder.iterdir()):
+        if path.is_symlink() or path.name.startswith(".") or path.name == NAME:
+            continue
+        if path.is_dir() and deep and not campaign:
+            yield from _looked_through(path, deep - 1)
+        elif path.is_file() and path.suffix.lower() in (".toml", ".json") and not path.name.endswith(TRUTH):
+            yield path
+
+
+def _kind(path: Path) -> str | None:
+    """ "model", the kind of a measurement, or None for something else; what is neither is no fault here."""
+    try:
+        table = toml_file.read(path)
+    except (BadInput, OSError):
+        return "model" if path.suffix.lower() == ".toml" else None  # the reader of models says what is wrong with it
+    if "model" in table and path.suffix.lower() == ".toml":
+        return "model"
+    kind = table.get("kind")
+    return str(kind) if kind in measurement_file.KINDS else None
+
+
+def _parts(name: str) -> tuple[str, ...]:
+    """The folders and the name of a file, each of them harmless.
+
+    Raises
+    ------
+    BadInput : the name would lead elsewhere, or no file can have it.
+    """
+    if not name or name[0] in "/\\" or (len(name) > 1 and name[1] == ":"):
+        raise _refused(name, "is no name of a file in a folder")
+    parts = tuple(part for part in re.split(r"[/\\]", name) if part not in ("", "."))
+    if ".." in parts:
+        raise _refused(name, "leads out of its folder")
+    if not parts or len(parts) > DEEPEST or len(name) > DEEPEST * LONGEST:
+        raise _refused(name, f"lies in more than {DEEPEST - 1} folders, or in none")
+    for part in parts:
+        _require_harmless(part, name)
+    return parts
+
+
+def _require_harmless(part: str, name: str) -> None:
+    if len(part.encode("utf-8", "surrogatepass")) > LONGEST:
+        raise _refused(name, f"is longer than {LONGEST} characters")
+    if FORBIDDEN.search(part) or any("\ud800" <= letter <= "\udfff" for letter in part):
+        raise _refused(name, "holds a character that no file name can have everywhere")
+    if part.startswith(".") or part.endswith((".", " ")) or RESERVED.fullmatch(part):
+        raise _refused(name, "is hidden, ends in a full stop, or is the name of a device")
+
+
+def _require_few(number: int, one: Handed) -> None:
+    if number >= MOST:
+        raise _refused(one.name, f"comes behind {MOST} other files")
+
+
+def _require_new(parts: tuple[str, ...], taken: set[tuple[str, ...]], given: Path, one: Handed) -> None:
+    """Refuse a second file of a name, capitals or not, and one where a folder is."""
+    folded = _folded(parts)
+    clash = folded in taken or any(folded[:k] in taken for k in range(1, len(folded)))
+    if clash or any(other[: len(folded)] == folded for other in taken) or given.joinpath(*parts).exists():
+        raise _refused(one.name, "is there already, perhaps in other capitals")
+
+
+def _require_room(room: int, one: Handed, limit: int) -> int:
+    size = len(one.content) if isinstance(one.content, bytes) else one.content.stat().st_size
+    if size > room:
+        raise _refused(one.name, f"does not fit: all files together may hold {limit / 2**20:g} MB")
+    return room - size
+
+
+def _write(path: Path, one: Handed) -> None:
+    content = one.content
+    if isinstance(content, bytes):
+        write_with(path, lambda temporary: temporary.write_bytes(content))
+        return
+    import shutil
+
+    write_with(path, lambda temporary: shutil.copyfile(content, temporary))
+
+
+def _folded(parts: Sequence[str]) -> tuple[str, ...]:
+    return tuple(part.casefold() for part in parts)
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for where, _, names in os.walk(folder):
+        yield from (Path(where) / name for name in names)
+
+
+def _refused(name: str, problem: str) -> BadInput:
+    shown = name.encode("unicode_escape", "backslashreplace").decode("ascii") if not name.isprintable() else name
+    short = shown if len(shown) <= LONGEST else f"{shown[:LONGEST]}…"
+    return BadInput(
+        source="the files that were handed over", field=short, problem=problem, remedy="Rename it, and hand it over again"
+    )

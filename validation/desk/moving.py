@@ -36,7 +36,7 @@ def copied(model: Path, to: Path) -> None:
     text = moved(read_text(model), model, to)
     reading.of_text(text, str(to))
     beside = file.beside(model)
-    ladder = _moved(file.read(beside), model, to) if beside.exists() else None
+    ladder = moved_ladder(file.read(beside), model, to) if beside.exists() else None
     to.parent.mkdir(parents=True, exist_ok=True)
     if ladder is not None:
         file.write(file.beside(to), ladder, to.name)
@@ -86,7 +86,13 @@ def _require_same(before: str, after: str, model: Path, to: Path) -> None:
         )
 
 
-def _moved(ladder: Ladder, model: Path, to: Path) -> Ladder:
+def moved_ladder(ladder: Ladder, model: Path, to: Path) -> Ladder:
+    """`ladder` of the file `model` as that of the file `to` must say it: its texts as `moved`, its data seen from there.
+
+    Raises
+    ------
+    BadInput : see `moved`.
+    """
     return replace(ladder, rungs=tuple(_rung(one, model, to) for one in ladder.rungs))
 
 

@@ -5,24 +5,42 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from geometry.errors import BadInput
+from validation.comparing.comparison import Comparison
+from validation.desk import diagnosing, moving
 from validation.desk.desk import Desk
+from validation.desk.held_against import Ground, comparison, ground, rung
+from validation.desk.recorded import data_of
+from validation.ladders import file
+from validation.ladders.climbing import read_text, standing
+from validation.output import require_ending, require_file, require_folder
 
 Progress = Callable[[str, float], None]
 
 
 def model_text(of: Desk) -> str:
-    """The model file as it stands, for a download."""
-    raise NotImplementedError
+    """The model file as it stands, as it would be saved beside the user's own, for a download.
+
+    Raises
+    ------
+    BadInput : the working copy is gone.
+    """
+    return moving.moved(read_text(of.model), of.model, Path(of.asked.model))
 
 
 def ladder_text(of: Desk) -> str:
-    """Its ladder, one JSON object, for a download; data by their paths from the desk.
+    """Its ladder as it would be saved beside the user's own model, one JSON object, for a download.
 
     Raises
     ------
     BadInput : there is none yet.
     """
-    raise NotImplementedError
+    beside = file.beside(of.model)
+    if not beside.exists():
+        problem = "there is none yet: a comparison makes its first rung"
+        raise BadInput(source="ladder", problem=problem, remedy="Compare the model with its data")
+    to = Path(of.asked.model)
+    return file.text(moving.moved_ladder(file.read(beside), of.model, to), to.name)
 
 
 def save(of: Desk, to: str | Path, *, replace: bool = False) -> tuple[Path, ...]:
@@ -31,26 +49,84 @@ def save(of: Desk, to: str | Path, *, replace: bool = False) -> tuple[Path, ...]
     Raises
     ------
     BadInput : something is there already and is not to be replaced, or it cannot be written there.
+    OSError : a file cannot be written.
     """
-    raise NotImplementedError
+    path = Path(to)
+    require_ending(path, (".toml",), "a model file", "model.toml")
+    require_file(path, "save")
+    both = (path, file.beside(path)) if file.beside(of.model).exists() else (path,)
+    there = [one for one in both if one.exists()]
+    if there and not replace:
+        problem = f"{' and '.join(one.name for one in there)} is there already" if len(there) == 1 else "they are there already"
+        raise BadInput(source=str(path), field="save", problem=problem, remedy="Name another file, or say that it is replaced")
+    moving.copied(of.model, path)
+    return both
 
 
 def figures(of: Desk, folder: str | Path, progress: Progress | None = None) -> tuple[Path, ...]:
-    """Write the pictures of comparison and ladder into `folder`, as the commands draw them.
+    """Write the pictures of comparison, diagnosis and ladder into `folder`, as the commands draw them; some ten seconds.
 
     Raises
     ------
-    BadInput : nothing was compared yet.
-    CheckFailed : nothing can be rendered on this machine.
+    BadInput : nothing can be written there; model or data that cannot be used.
+    CheckFailed : nothing can be rendered on this machine; a fit that does not converge.
+    OSError : a file cannot be written.
     """
-    raise NotImplementedError
+    from validation.comparing.drawn import draw as of_comparison
+    from validation.diagnosing.drawn import draw as of_diagnosis
+    from validation.ladders.drawn import draw as of_ladder
+
+    tell, where = progress or (lambda what, share: None), Path(folder)
+    require_folder(where, "figures")
+    _, compared = _compared(of, tell)
+    tell("drawing the comparison", 0.0)
+    made = [*of_comparison(compared, where)]
+    found = diagnosing.noun(of)
+    if found is not None:
+        tell("drawing the diagnosis", 0.5)
+        made += of_diagnosis(found, where)
+    tell("drawing the ladder", 0.7)
+    return (*made, *of_ladder(standing(of.model), where))
 
 
 def reported(of: Desk, to: str | Path, progress: Progress | None = None) -> Path:
-    """Write the report of the model as it stands to the file `to` (.html).
+    """Write the report of the model as it stands to the file `to` (.html); what was found already is not found again.
+
+    Takes a minute: `validation.desk.jobs.start(desk, "report", to=...)` does it in a worker.
 
     Raises
     ------
-    BadInput : nothing was compared yet.
+    BadInput : nothing can be written there; model or data that cannot be used.
+    CheckFailed : a fit that does not converge.
+    OSError : a file cannot be written.
     """
-    raise NotImplementedError
+    from validation.comparing.asked import Asked as Compared
+    from validation.report.assembling import How, assembled
+    from validation.report.page import write
+    from validation.report.run import Asked, provenance
+
+    tell, path, asked = progress or (lambda what, share: None), Path(to), of.asked
+    require_ending(path, (".html", ".htm"), "a report", "report.html")
+    require_file(path, "report")
+    ready, compared = _compared(of, tell)
+    found = diagnosing.noun(of)
+    question = Compared(model=str(of.model), data=asked.data, hold_out=asked.hold_out, band=asked.band, method=asked.method)
+    report = assembled(
+        ready.model,
+        data_of(of, ready.model, tell),
+        compared,
+        provenance=provenance(Asked(compared=question)),
+        how=How(band=asked.band, method=asked.method),
+        diagnosis=found,
+        not_diagnosed="" if found else "nobody asked for it",
+        standing=standing(of.model),
+        progress=tell,
+    )
+    write(report, path, tell)
+    return path
+
+
+def _compared(of: Desk, tell: Progress) -> tuple[Ground, Comparison]:
+    """The comparison as a noun, from the fits of its rung."""
+    ready = ground(of, tell)
+    return ready, comparison(ready, rung(of, ready, tell), tell)

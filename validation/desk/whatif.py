@@ -212,7 +212,7 @@ def _ready(one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> 
     entries = np.zeros((0, 6, 6), dtype=np.complex128)
     if of is not None:
         entries = _entries(of, predicted.rows, inputs, measured.frequency)
-    squares = tuple(each for each in errors.squares(one, offsets) if each.run in judged)
+    squares = tuple(errors.squares(one.on(judged), offsets)) if judged else ()
     return Tested(prediction=one, operators=of, inputs=inputs, entries=entries, judged=judged, squares=squares)
 
 
@@ -292,7 +292,7 @@ def _asked(of: Table, number: int, named: Named, *, exact: bool) -> _Asked:
         return _Asked(tested=one, lines=lines, rows=None, before=before, after=[])
     prediction, offsets = _with_effect(of, number, named, exact=exact)
     rows = _predicted(prediction, offsets, lines).rows
-    after = [each for each in errors.squares(prediction, offsets, judged) if each.run in one.judged]
+    after = errors.squares(prediction.on(one.judged), offsets, judged) if one.judged else []
     return _Asked(tested=one, lines=lines, rows=rows, before=before, after=after)
 
 
@@ -373,7 +373,7 @@ def _trace(asked: _Asked, load: int, motion: int) -> Trace:
 
 
 def _between(frequency: Array, lines: Lines, before: ComplexArray, after: ComplexArray) -> ComplexArray:
-    """(n, 6, 6) what is `after` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight from line to line."""
+    """(n, 6, 6) what is `after` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight."""
     at = before[lines]
     factor = np.where(at == 0, 1.0, after / np.where(at == 0, 1.0, at))
     right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)

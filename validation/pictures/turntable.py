@@ -38,6 +38,9 @@ LETTER, LINE = 6.6, 14.0
 """Width and height of a letter of a label [pixel]."""
 
 MARGIN = 34.0
+ROOMY = 330
+"""Height [pixel] from which on sensors bear their names."""
+
 SHINES = 0.55
 """How strongly sensors shine through the bodies in front of them."""
 
@@ -118,9 +121,10 @@ class Turntable:
         tips = [view.pixel(one.position + self._length * one.direction) for one in self._sensors]
         middle = np.mean(tips, axis=0)
         origin = view.pixel(np.zeros(3))
-        labels = [
-            _label(one.name, tip, tip - middle, _colour(one.group, dark)) for one, tip in zip(self._sensors, tips, strict=True)
-        ]
+        labels = []
+        if view.size[1] >= ROOMY:
+            named = zip(self._sensors, tips, strict=True)
+            labels = [_label(one.name, tip, tip - middle, _colour(one.group, dark)) for one, tip in named]
         for name, axis in zip("xyz", np.eye(3), strict=True):
             tip = view.pixel(1.2 * self._length * axis)
             if np.linalg.norm(tip - origin) > 8:
@@ -138,7 +142,8 @@ class _Stage:
 
         self._scale = scale
         self._whole: Plotter = pyvista.Plotter(off_screen=True, lighting="none")
-        self._whole.set_background(PAPER[dark])
+        background: Any = PAPER[dark]
+        self._whole.set_background(background)
         self._moving: list[tuple[MovingBody, list[Any]]] = []
         self._fill(bodies, dark)
         self._above: Plotter | None = None

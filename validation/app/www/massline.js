@@ -66,7 +66,12 @@
         const at = root.data.map((trace, k) => (trace.legendgroup === this.live.group ? k : -1)).filter((k) => k >= 0);
         if (at.length !== this.live.y.length) return;
         const x = at.map(() => this.live.x);
-        this.Plotly.restyle(root, { x, y: this.live.y }, at);
+        const range = [...root.layout.yaxis.range];
+        const sizes = this.live.y[0].filter((size) => size > 0).map(Math.log10);
+        const [low, high] = [Math.min(...sizes), Math.max(...sizes)];
+        const beyond = sizes.length > 0 && (high > range[1] || low < range[0]);
+        const layout = beyond ? { "yaxis.range": [Math.max(Math.min(low - 0.1, range[0]), high - 6), Math.max(high + 0.1, range[1])] } : {};
+        this.Plotly.update(root, { x, y: this.live.y }, layout, at);
         root.dataset.live = String(this.live.number);
       },
       picked(point) {
