@@ -8,13 +8,18 @@ JSON list of exit code and printed text, a step each; it ends at the first step 
 
 import io
 import json
+import os
 import runpy
+import signal
+import subprocess
 import sys
 import traceback
 import warnings
 from contextlib import redirect_stderr, redirect_stdout
+from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 
 def main(repository: Path, answer: Path) -> None:
@@ -52,7 +57,23 @@ def done(step: dict[str, Any], repository: Path, namespace: dict[str, Any]) -> i
 def massline(arguments: list[str]) -> int:
     from validation.cli import run
 
-    return run(arguments)
+    return workbench(arguments) if arguments[0] == "app" and "--help" not in arguments else run(arguments)
+
+
+def workbench(arguments: list[str]) -> int:
+    """Begin to serve, be let in at the address that is printed, end by Ctrl-C: 0 when all of it went well."""
+    entry = [sys.executable, "-P", "-c", "from validation.cli import main; main()", *arguments, "--no-browser"]
+    with subprocess.Popen(entry, stdout=subprocess.PIPE, text=True, process_group=0) as process:
+        assert process.stdout is not None
+        address = next((urlsplit(line.strip()) for line in process.stdout if "?token=" in line), None)
+        admitted = False
+        if address is not None:
+            connection = HTTPConnection(str(address.hostname), address.port, timeout=60)
+            connection.request("GET", f"{address.path}?{address.query}")
+            admitted = connection.getresponse().status < 400
+            os.killpg(process.pid, signal.SIGINT)
+        code = process.wait(timeout=60)
+    return 0 if admitted and code in (0, 130) else code or -1
 
 
 def script(path: Path, arguments: list[str]) -> int:
