@@ -5,9 +5,9 @@ A fenced block has a language, and the language says what happens to it. There i
 - ``sh``: command lines, one a line. ``massline ...`` and ``python examples/...`` are run, those of one page in order and in one
   folder, so a line may use what an earlier one wrote; ``massline app`` begins to serve, lets in and is ended. A copy of
   ``examples`` lies there, as in the root of the repository where a reader stands. Lines end with exit code 0, or with the one
-  that a comment at their end states: ``# exit 1``. A line that names no file depends on no folder: where several pages show it, the
-  first of them runs it for all. ``make`` must name a target and ``python -m benchmarks...`` a module; neither is run here, since
-  they run this, or for hours. ``apt-get`` is that of the setup and the doctor; ``git clone`` and ``cd`` are the reader's.
+  that a comment at their end states: ``# exit 1``. A line that names no file depends on no folder: where several pages show it,
+  the first of them runs it for all. ``make`` must name a target and ``python -m benchmarks...`` a module; neither is run here,
+  since they run this, or for hours. ``apt-get`` is that of the setup and the doctor; ``git clone`` and ``cd`` are the reader's.
 - ``python``: a program, run where it stands between the commands, with the names that programs above it on the page have made.
 - ``toml PATH``, ``python PATH``: a file that the reader writes, and a later command or program of the page reads; ``+PATH`` is
   appended to it. A path that exists in the repository shows that very file.

@@ -14,5 +14,6 @@ def test_the_tutorial_types_what_the_demo_runs_in_the_same_order() -> None:
 
 def test_the_tutorial_needs_nothing_that_it_does_not_make() -> None:
     first, *rest = TUTORIAL
-    assert first.startswith("massline simulate") and f"--out {HIDDEN}" in first
+    assert first.startswith("massline simulate")
+    assert f"--out {HIDDEN}" in first
     assert all(HIDDEN in line for line in rest)
