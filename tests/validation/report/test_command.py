@@ -39,6 +39,7 @@ def test_without_a_name_it_goes_under_out_after_the_model(
     run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(running, "reported", lambda asked: report)
+    monkeypatch.setattr(pages, "html", lambda *_: "<!DOCTYPE html>")
     code, out, said = run("report", str(series.model), *series.data)
     assert (code, out) == (0, "")
     assert "wrote out/cuboid-report.html" in said

@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 from numpy.testing import assert_allclose
 
+from validation.report.figures import Figures
 from validation.report.nouns import Report
 from validation.report.page import SECTIONS, html
+from validation.report.sections import missing
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -163,6 +165,6 @@ def test_every_verdict_has_its_page(report: Report, verdict: str, parsed: Callab
     alike = ("force-gain:fmd-z2", "cell-stiffness:2z") if verdict == "ambiguous" else ()
     accepted = () if verdict in ("nothing", "unknown") else found.accepted
     told = replace(found, verdict=verdict, accepted=accepted, equivalence_class=alike)
-    page = parsed(html(replace(report, diagnosis=told, articles=(), campaigns=())))
+    page = parsed(missing.html(replace(report, diagnosis=told), Figures()))
     assert any(one.caption == "The errors before and after what was found is added" for one in page.tables)
     assert any(one.caption == "What these data cannot tell apart" for one in page.tables) == bool(alike)
