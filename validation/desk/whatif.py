@@ -32,6 +32,7 @@ from validation.engine.thinning import chosen
 from validation.models.model import Added, Model
 from validation.pictures.curves import unit
 from validation.prediction import applied
+from validation.prediction.bodies import require_bodies
 from validation.prediction.series import SeriesPrediction
 
 __all__ = ["DRAWN", "FITTED", "Table", "Tested", "Trace", "WhatIf", "table", "what_if"]
@@ -130,10 +131,12 @@ def what_if(of: Table, effect: str, load: int, motion: int, *, exact: bool = Tru
 
     Raises
     ------
-    BadInput : no such effect, a size that is no physics.
+    BadInput : no such effect, a size that is no physics, a mass that leaves no body.
     CheckFailed : the model breaks down at that size.
     """
     named = parse(effect, of.words, source="what if")
+    campaigns = [one.prediction.tested.campaign for one in of.tested]
+    require_bodies(replace(of.model, effects=_with(of.model, named, fixed=True)), campaigns)
     follows = follow and of.at == FITTED and (exact or not _by_run(named))
     question = _released(of, named, follow=follows) if exact else _dragged(of, named, follow=follows)
     asked = _asked_all(of, question)

@@ -14,7 +14,6 @@ from validation.comparing.gathered import gathered
 from validation.desk import sliders, whatif
 from validation.desk.desk import Desk, begun
 from validation.desk.examples import Series
-from validation.desk.sliders import Effect
 from validation.desk.whatif import Table, Trace, WhatIf, what_if
 from validation.effects.catalogue import FAMILIES
 from validation.effects.described import examples
@@ -166,12 +165,11 @@ def test_before_a_comparison_nothing_is_fitted(table: Table) -> None:
 
 
 def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: Table) -> None:
-    """At both ends and where they begin: a legal size, and a number or words."""
-    for effect in one_a_family(table):
+    for effect in {one.family: one for one in reversed(sliders.reaching(table))}.values():
         for end in ("low", "start", "high"):
             written = effect.written({one.key: getattr(one, end) for one in effect.sliders})
             assert str(parse(written, table.words)) == written
-            assert np.isfinite(percent(table, written)) or end != "start"
+        assert np.isfinite(what_if(table, effect.written(), 0, 0, exact=False).plain_percent)
         for one in effect.sliders:
             assert one.low <= one.start <= one.high
             assert one.low < one.high
@@ -179,17 +177,18 @@ def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(tabl
             assert one.text(one.high)
 
 
-def one_a_family(table: Table) -> tuple[Effect, ...]:
-    return tuple({one.family: one for one in reversed(sliders.reaching(table))}.values())
+def test_a_size_that_leaves_no_body_is_refused_in_words(table: Table) -> None:
+    with pytest.raises(BadInput, match="no body is left"):
+        what_if(table, "rigid-inertia:m=-50", 0, 0)
 
 
-def percent(table: Table, written: str) -> float:
-    """Plain error; NaN where the model says that it breaks down at that size."""
-    try:
-        return what_if(table, written, 0, 0, exact=False).plain_percent
-    except CheckFailed as error:
-        assert "breaks down at that size" in str(error)
-        return np.nan
+def test_a_model_that_breaks_down_says_so(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*given: Any, **more: Any) -> None:
+        raise FloatingPointError("divide by zero")
+
+    monkeypatch.setattr(SeriesPrediction, "at", broken)
+    with pytest.raises(CheckFailed, match="breaks down at that size: divide by zero"):
+        what_if(table, "modulus:mast=0.1", 0, 0)
 
 
 def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
