@@ -93,6 +93,7 @@ def test_names_of_dropped_files_go_nowhere(empty: Any, bench: Any) -> None:
 
 def test_names_in_a_campaign_are_text(page: Any, bench: Any) -> None:
     assert EVIL in page.inner_text("header")
+    page.locator(".note", has_text=f"{EVIL} of fmd+cuboid").wait_for()
     assert page.locator("img").count() == 0
     assert "49" not in page.inner_text("header")
     assert page.locator("#overlay .gtitle").text_content().count("<img") == 1
