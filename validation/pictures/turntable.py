@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array, frozen
+from geometry.errors import CheckFailed
 from validation.pictures.bodies import DrawnBody
 from validation.pictures.labels import Label, arranged
 from validation.pictures.mode_scene import colour_map
@@ -67,6 +69,13 @@ class Turn:
     size: tuple[int, int] = (600, 400)
     dark: bool = False
     share: float = 1.0
+
+
+def ready() -> None:
+    """Try whether anything can be rendered here, which takes a second or more the first time; what is wrong is said when a
+    picture is asked for."""
+    with suppress(CheckFailed), off_screen():
+        pass
 
 
 class Turntable:
