@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import in_browser
 import pictures
 
 from tools.pages import commands
@@ -54,8 +55,9 @@ DRAWN: Mapping[str, tuple[Callable[[Path], None], tuple[str, ...]]] = {
     "flexible-bodies": (pictures.flexible_bodies, ("modes-clumod-4", "dynamic-mass")),
     "base-excitation": (pictures.base_excitation, ("excite-clumod-1",)),
     "pendulum": (pictures.pendulum, ("swing",)),
+    "workbench": (in_browser.workbench, ("workbench-compared", "workbench-cause")),
 }
-"""Drawn by functions of `pictures`."""
+"""Drawn by functions of `pictures` and `in_browser`."""
 
 HIDDEN = "out/hidden"
 PLANTED = "--effect modulus:mast=0.06 --effect point-mass:mast-top=0.2"
@@ -83,6 +85,7 @@ TOLD: Mapping[str, Story] = {
             "diagnose-errors": f"{HIDDEN}/diagnosed/diagnose-errors.png",
             "tutorial-ladder": f"{HIDDEN}/ladder/model-ladder.png",
             "tutorial-inertia": f"{HIDDEN}/ladder/model-ladder-clumod-1.png",
+            "report": f"{HIDDEN}/report.html",
         },
     ),
     "cross-check": Story(
@@ -130,7 +133,15 @@ def draw(name: str, folder: Path = PICTURES) -> None:
         for line in filter(None, map(str.strip, story.commands.splitlines())):
             done(line)
         for shown, file in story.pictures.items():
-            (folder / f"{shown}.png").write_bytes(Path(file).read_bytes())
+            leave(Path(file), folder / f"{shown}.png")
+
+
+def leave(file: Path, picture: Path) -> None:
+    """The picture of what a story has left: a picture already, or a page."""
+    if file.suffix == ".html":
+        in_browser.report(file, picture)
+    else:
+        picture.write_bytes(file.read_bytes())
 
 
 def done(line: str) -> None:

@@ -91,7 +91,7 @@ def shown(page: Path) -> Shown:
     steps: list[dict[str, Any]] = []
     says: list[tuple[Block, int, int]] = []
     known, every, above = run_before(page), blocks(page), 0
-    for block, following in zip(every, (*every[1:], None), strict=True):
+    for block, following in zip(every, (*every[1:], None), strict=False):
         language, _, path = block.language.partition(" ")
         first, quoted_below = len(steps), following is not None and following.language == "output"
         if language == "sh":

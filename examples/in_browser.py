@@ -1,0 +1,70 @@
+"""Photographs of pages for the gallery: the report as it opens from disk, the workbench as somebody works with it."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking")
+PATIENCE = 600_000
+"""Milliseconds that a page may take: it computes."""
+
+
+def report(page: Path, picture: Path) -> None:
+    """The head of the report `page`, as a window of 1366 pixels shows it."""
+    with browser() as opened:
+        tab = opened.new_page(viewport={"width": 1366, "height": 1150})
+        tab.goto(page.resolve().as_uri())
+        tab.wait_for_timeout(3000)
+        tab.screenshot(path=str(picture))
+
+
+def workbench(folder: Path) -> None:
+    """The example of the tutorial on the workbench: compared, and diagnosed with a cause looked at."""
+    with serving("--example", "mast") as address, browser() as opened:
+        page = opened.new_page(viewport={"width": 1366, "height": 850})
+        page.set_default_timeout(PATIENCE)
+        page.goto(address)
+        page.locator("#overlay[data-drawn]").wait_for()
+        page.locator(".job").wait_for(state="detached")
+        page.locator("#standing ~ div li button, .found ol li button").first.click()  # the worst spot
+        page.wait_for_timeout(8000)  # the structure comes last
+        page.screenshot(path=str(folder / "workbench-compared.png"))
+        page.get_by_role("tab", name="What is missing").click()
+        page.locator("#diagnose").click()
+        page.locator("#verdict").wait_for()
+        page.locator(".cause").first.click()
+        page.locator("#effect").wait_for()
+        page.locator(".job").wait_for(state="detached")
+        page.wait_for_timeout(8000)
+        page.screenshot(path=str(folder / "workbench-cause.png"))
+
+
+@contextmanager
+def browser() -> Iterator[Any]:
+    """Chromium of this machine, without a window."""
+    from playwright.sync_api import sync_playwright
+
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=program, args=list(ARGUMENTS))
+        yield opened
+        opened.close()
+
+
+@contextmanager
+def serving(*arguments: str) -> Iterator[str]:
+    """The address of a `massline app` that runs meanwhile."""
+    entry = [sys.executable, "-P", "-c", "from validation.cli import main; main()", "app", *arguments, "--no-browser", "--stay"]
+    with subprocess.Popen(entry, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            yield next(line.strip() for line in process.stdout if "?token=" in line)
+        finally:
+            process.send_signal(signal.SIGINT)
