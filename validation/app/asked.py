@@ -10,6 +10,9 @@ from geometry.errors import BadInput
 
 LOOPBACK = "127.0.0.1"
 
+LINGER = 20.0
+"""Seconds that everything stays when the last page was closed: enough to open it again that was closed by mistake."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Opened:
@@ -45,14 +48,14 @@ class Asked:
     port : of the door; 0 lets the system choose
     host : address that the door listens on
     browser : whether the system's browser is opened
-    stay : whether the door stays when the last page is closed
+    linger : seconds that the door stays when the last page is closed; None for ever
     """
 
     opened: Opened = field(default_factory=Opened)
     port: int = 0
     host: str = LOOPBACK
     browser: bool = True
-    stay: bool = False
+    linger: float | None = LINGER
 
 
 def opened(

@@ -9,6 +9,7 @@ import socket
 import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
 
 NAME = re.compile(r"[a-z0-9]{8,64}")
 """What a window may be called: nothing that could be a path, and no capitals, because trame's client drops them."""
-
-STAYS = 10.0
-"""Seconds that the door stays after the last window's process has ended."""
 
 LARGEST_UPLOAD = 2 * 2**30
 """Bytes of one request: a series of campaigns dropped on the page. The desk has a limit of its own."""
@@ -81,8 +79,8 @@ async def _served(asked: Asked, bound: socket.socket, home: Path, say: Callable[
         await runner.setup()
         await web.SockSite(runner, bound).start()
         _announce(asked, door, say)
-        if not asked.stay:
-            windows.emptied = lambda: _end_soon(windows, ended)
+        if asked.linger is not None:
+            windows.emptied = partial(_end_in, asked.linger, windows, ended)
         try:
             await ended.wait()
         finally:
@@ -90,8 +88,8 @@ async def _served(asked: Asked, bound: socket.socket, home: Path, say: Callable[
             await runner.cleanup()
 
 
-def _end_soon(windows: Windows, ended: asyncio.Event) -> None:
-    asyncio.get_running_loop().call_later(STAYS, lambda: None if windows.any_alive() else ended.set())
+def _end_in(seconds: float, windows: Windows, ended: asyncio.Event) -> None:
+    asyncio.get_running_loop().call_later(seconds, lambda: None if windows.any_alive() else ended.set())
 
 
 def _announce(asked: Asked, door: Door, say: Callable[[str], None]) -> None:
@@ -102,7 +100,7 @@ def _announce(asked: Asked, door: Door, say: Callable[[str], None]) -> None:
             f"Warning: --host {asked.host} lets other machines reach this page, unencrypted: whoever reads along can do what "
             "you can with your files. Without --host only this machine can."
         )
-    end = "Ctrl-C ends it." if asked.stay else "Ctrl-C ends it, and so does closing its last page."
+    end = "Ctrl-C ends it." if asked.linger is None else "Ctrl-C ends it, and so does closing its last page."
     say(f"The workbench is at\n  {address}\nThe address is good once. {end}")
     if asked.browser:
         import webbrowser

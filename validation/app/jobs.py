@@ -9,7 +9,7 @@ from typing import Any
 
 from validation.app.bench import Bench
 from validation.desk import jobs
-from validation.desk.jobs import DONE, FAILED, Job
+from validation.desk.jobs import CANCELLED, DONE, FAILED, Job
 
 PACE = 0.15
 """Seconds between two looks at a worker."""
@@ -26,6 +26,7 @@ def start(bench: Bench, kind: str, then: Callable[[Bench], Awaitable[None]], **a
     """Let a worker begin; `then` follows when it is done. While one works no other begins."""
     if bench.desk is None or bench.worker is not None:
         return
+    bench.state.failure, bench.state.ready = "", None
     bench.worker = jobs.start(bench.desk, kind, **asked)
     _tell(bench, bench.worker.job())
     bench.begin(_watched(bench, then))
@@ -61,6 +62,8 @@ async def _watched(bench: Bench, then: Callable[[Bench], Awaitable[None]]) -> No
     bench.worker, bench.state.job = None, None
     if job.state == FAILED:
         bench.state.failure = f"{WORDS[job.kind]} failed: {job.error}"
+    if job.state == CANCELLED:
+        bench.state.ready = {"text": f"{WORDS[job.kind]} was cancelled; nothing has changed.", "links": []}
     if job.state == DONE:
         await then(bench)
     bench.state.flush()

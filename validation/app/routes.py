@@ -73,7 +73,7 @@ def _saved(request: web.Request, bench: Bench) -> web.Response:
     except (LookupError, BadInput):
         return web.Response(status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT)
     # Always a download: a report has scripts of its own, which are not this page's.
-    headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{name}"'}
+    headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{saving.BESIDE.get(name, name)}"'}
     return web.Response(body=body, content_type=kind, headers=headers)
 
 

@@ -15,6 +15,9 @@ from validation.desk.desk import Desk
 
 REPORT, FIGURES = "report.html", "figures.zip"
 
+BESIDE = {"ladder.json": "model.ladder.json"}
+"""What is saved under another name than it is asked for: a ladder is found by that of its model."""
+
 TYPES = {".toml": "application/toml", ".json": "application/json", ".html": "text/html", ".zip": "application/zip"}
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 STARTS_WITHIN = 60.0
 """Seconds that a window's process may take until it answers: an hour's worth of patience for a laptop that is busy."""
 
-LINGERS = 4.0
+LINGERS = 3.0
 """Seconds that a process stays after its last page was closed; a reload takes less than one."""
 
 NEVER_OPENED = 30.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from validation.app.asked import LINGER
 from validation.commands import options
 
 
@@ -16,6 +17,14 @@ from validation.commands import options
 )
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to serve on: others reach it.")
 @click.option("--no-browser", is_flag=True, help="Print the address, open nothing.")
+@click.option(
+    "--linger",
+    type=click.FloatRange(0, 86400),
+    default=LINGER,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long to wait, when the last page is closed, for it to be opened again.",
+)
 @click.option("--stay", is_flag=True, help="Keep serving when the last page is closed.")
 @options.HOLD_OUT
 @options.BAND
@@ -28,6 +37,7 @@ def command(
     port: int,
     host: str,
     no_browser: bool,
+    linger: float,
     stay: bool,
     hold_out: tuple[str, ...],
     band: tuple[float, float] | None,
@@ -48,4 +58,4 @@ def command(
     from validation.app.asked import Asked, opened
 
     begun = opened(example, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from)
-    door.run(Asked(opened=begun, port=port, host=host, browser=not no_browser, stay=stay), click.echo)
+    door.run(Asked(opened=begun, port=port, host=host, browser=not no_browser, linger=None if stay else linger), click.echo)

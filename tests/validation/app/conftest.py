@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 CHROMIUM = "/usr/bin/chromium"
+SHOTS = Path("out/workbench")
 ARGUMENTS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -25,6 +26,9 @@ ARGUMENTS = (
     "--disable-component-update",
     "--disable-sync",
 )
+PATIENCE = 180_000
+"""Milliseconds that a page may take to do what it was asked: a machine that does many things at once is slow, not wrong."""
+
 ADDRESS = re.compile(rb"http://([\w.:]+)/\?token=(\S+)")
 
 
@@ -136,6 +140,20 @@ def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[...
 
 
 @pytest.fixture(scope="session")
+def series(tmp_path_factory: pytest.TempPathFactory, massline: Any) -> tuple[str, str]:
+    """A model, and the smallest test with something in it that the model does not know."""
+    folder = tmp_path_factory.mktemp("series")
+    quick = ("--tolerances", "0.3", "--noise", "0.1", "--octaves-per-minute", "120", "--rate", "256", "--band", "8", "16")
+    model, data = folder / "cuboid.toml", folder / "gain"
+    for line in (
+        ("simulate", "fmd+cuboid", "--out", str(data), "--seed", "3", *quick, "--effect", "force-gain:fmd-z2=0.08"),
+        ("model", "fmd+cuboid", "--out", str(model)),
+    ):
+        assert massline(*line).returncode == 0
+    return str(model), str(data)
+
+
+@pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     """The browser."""
     if not Path(CHROMIUM).exists():
@@ -156,7 +174,7 @@ class Heard:
     asked: set[str] = field(default_factory=set)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def visit(chromium: Any) -> Iterator[Callable[..., Any]]:
     """A new browser, as if on another machine, with a page in it; its console must stay clean and it must ask nobody else."""
     contexts: list[tuple[Any, Heard, str]] = []
@@ -169,6 +187,7 @@ def visit(chromium: Any) -> Iterator[Callable[..., Any]]:
         contexts.append((context, heard, bench.host))
         context.on("page", lambda page: _listen(page, heard))
         page = context.new_page()
+        page.set_default_timeout(PATIENCE)
         page.goto(bench.address)
         return page
 
@@ -188,3 +207,20 @@ def _listen(page: Any, heard: Heard) -> None:
 
 def _host(address: str) -> str:
     return address.split("/")[2] if address.startswith(("http", "ws")) else address.split(":")[0]
+
+
+@pytest.fixture(scope="session")
+def script() -> Callable[[str], str]:
+    """A script of the folder js, to be evaluated in a page."""
+    return lambda name: (Path(__file__).with_name("js") / f"{name}.js").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def shot() -> Callable[[Any, str], None]:
+    """Keeps a picture of a page under out/workbench."""
+
+    def kept(page: Any, name: str) -> None:
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        page.screenshot(path=str(SHOTS / f"{name}.png"))
+
+    return kept

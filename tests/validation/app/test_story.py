@@ -1,0 +1,90 @@
+"""The whole story in a real browser, and pictures of it under out/."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+
+def percent(page: Any, name: str) -> float:
+    """An error of the table, in per cent."""
+    return float(page.locator(f'[data-error="{name}"]').inner_text().split()[0])
+
+
+def test_compare_click_diagnose_add_undo_and_report(
+    start_app: Any, visit: Any, series: tuple[str, str], tmp_path: Path, script: Any, shot: Any
+) -> None:
+    model, data = series
+    text = Path(model).read_text()
+    bench = start_app(model, data, "--hold-out", "z")
+    page = visit(bench)
+    page.locator(".job").wait_for()  # a comparison begins by itself, and says what it does
+    page.locator("#overlay[data-drawn]").wait_for()
+    page.locator("#map[data-drawn]").wait_for()
+    before = percent(page, "plain error"), percent(page, "held-out error")
+    shot(page, "compared")
+
+    page.get_by_role("button", name="H xx: force along x").click()
+    page.locator('[aria-pressed="true"][aria-label^="H xx"]').wait_for()
+    worst = page.evaluate(script("worst_cell"))
+    assert worst["name"] == "fmd-z2"
+    page.mouse.click(worst["x"], worst["y"])
+    page.locator('[aria-pressed="true"][aria-label*="force along z by acceleration along z"]').wait_for()
+    page.locator("canvas[data-frames]").wait_for()  # the mode nearest the frequency swings
+
+    page.get_by_role("tab", name="What is missing").click()
+    page.locator("#diagnose").click()
+    page.locator("#verdict").wait_for()
+    assert "force-gain:fmd-z2" in page.locator("#verdict").inner_text()
+    shot(page, "diagnosed")
+    page.locator(".cause").first.click()
+    page.locator("#effect").wait_for()
+    curve(page, "with force-gain:fmd-z2")
+    assert "calibration" in page.locator("#effect").inner_text()  # what would confirm it
+    shot(page, "cause")
+
+    page.locator("#add").click()
+    page.locator('[data-rung="1"][aria-pressed="true"]').wait_for()
+    page.locator("#falling[data-drawn]").wait_for()
+    page.get_by_role("tab", name="Where it fails").click()
+    page.locator("th", has_text="before").wait_for()
+    after = percent(page, "plain error"), percent(page, "held-out error")
+    assert after[0] < before[0] / 3
+    assert after[1] < before[1] / 2
+    shot(page, "added")
+
+    with page.expect_download() as downloaded:
+        page.get_by_role("link", name="Model").click()
+    saved = tmp_path / "model.toml"
+    downloaded.value.save_as(saved)
+    assert "force-gain:fmd-z2" in saved.read_text()
+    assert Path(model).read_text() == text  # the user's own file is not touched
+    with page.expect_download() as downloaded:
+        page.get_by_role("link", name="Ladder").click()
+    assert downloaded.value.suggested_filename == "model.ladder.json"
+    assert len(json.loads(Path(downloaded.value.path()).read_text())["rungs"]) == 2
+
+    page.reload()
+    page.locator('[data-rung="1"][aria-pressed="true"]').wait_for()
+    assert percent(page, "plain error") == after[0]
+
+    page.locator("#undo").click()
+    page.locator('[data-rung="0"][aria-pressed="true"]').wait_for()
+    page.wait_for_function(f"() => document.querySelector('[data-error=\"plain error\"]').innerText.startsWith('{before[0]:g}')")
+    assert page.locator('[data-rung="1"]').count() == 1  # nothing is lost
+
+    page.get_by_role("button", name="Report").click()
+    with page.expect_download() as downloaded:
+        page.locator(".ready-link").click()
+    report = tmp_path / "report.html"
+    downloaded.value.save_as(report)
+    opened = page.context.new_page()
+    opened.goto(report.as_uri())
+    assert "massline" in opened.content()
+    shot(opened, "report")
+
+
+def curve(page: Any, name: str) -> None:
+    """Wait until the overlay draws a curve called so."""
+    page.wait_for_function(f"() => document.querySelector('#overlay')?.data?.some((one) => one.name === {name!r})")
