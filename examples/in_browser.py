@@ -15,6 +15,14 @@ ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"
 PATIENCE = 600_000
 """Milliseconds that a page may take: it computes."""
 
+STRUCTURE_SEEN = """() => {
+    const canvas = document.querySelector("canvas.view");
+    if (!canvas) return false;
+    const drawn = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    return drawn.some((one) => one !== 0);
+}"""
+"""The picture of the structure comes last."""
+
 
 def report(page: Path, picture: Path) -> None:
     """The head of the report `page`, as a window of 1366 pixels shows it."""
@@ -33,8 +41,8 @@ def workbench(folder: Path) -> None:
         page.goto(address)
         page.locator("#overlay[data-drawn]").wait_for()
         page.locator(".job").wait_for(state="detached")
-        page.locator("#standing ~ div li button, .found ol li button").first.click()  # the worst spot
-        page.wait_for_timeout(8000)  # the structure comes last
+        page.locator(".found ol li button").first.click()  # the worst spot
+        page.wait_for_function(STRUCTURE_SEEN)
         page.screenshot(path=str(folder / "workbench-compared.png"))
         page.get_by_role("tab", name="What is missing").click()
         page.locator("#diagnose").click()
@@ -42,7 +50,10 @@ def workbench(folder: Path) -> None:
         page.locator(".cause").first.click()
         page.locator("#effect").wait_for()
         page.locator(".job").wait_for(state="detached")
-        page.wait_for_timeout(8000)
+        page.wait_for_function(
+            "() => document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))"
+        )
+        page.wait_for_function(STRUCTURE_SEEN)
         page.screenshot(path=str(folder / "workbench-cause.png"))
 
 
