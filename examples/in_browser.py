@@ -23,6 +23,8 @@ STRUCTURE_SEEN = """() => {
 }"""
 """The picture of the structure comes last."""
 
+EFFECT_SEEN = "() => document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))"
+
 
 def report(page: Path, picture: Path) -> None:
     """The head of the report `page`, as a window of 1366 pixels shows it."""
