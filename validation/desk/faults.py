@@ -11,11 +11,14 @@ from functools import partial
 from pathlib import Path
 
 from geometry.errors import BadInput
+from validation import measurement_file
 from validation.campaigns.summary import summary
-from validation.comparing.gathered import gathered
+from validation.comparing.gathered import gathered, only_files
 from validation.effects import catalogue
+from validation.identifying.classical import REDUCED
 from validation.models import reading
 from validation.models.model import Model
+from validation.reduction import Reduction
 
 Progress = Callable[[str, float], None]
 
@@ -63,20 +66,17 @@ def faults(
     for folder in effects_from:
         _tried(found, partial(catalogue.load, folder))
     read = _tried(found, lambda: reading.read(model)) if model else None
+    known = read if isinstance(read, Model) else None
     for path in data:
-        found += _of_data(path, tell)
-    if not any(one.grave for one in found) and isinstance(read, Model):
-        found += _together(read, data)
+        found += _of_campaign(path, tell) if Path(path).is_dir() else _of_file(path)
+    if not any(one.grave for one in found) and known is not None:
+        found += _together(known, data)
     unique = tuple(dict.fromkeys(found))
     return (*(one for one in unique if one.grave), *(one for one in unique if not one.grave))
 
 
-def _of_data(path: str, progress: Progress) -> list[Fault]:
-    """Of one campaign folder, by what `massline check` finds; of a file, by its reader."""
-    found: list[Fault] = []
-    if not Path(path).is_dir():
-        _tried(found, lambda: _require_file(path))
-        return found
+def _of_campaign(path: str, progress: Progress) -> list[Fault]:
+    """By what `massline check` finds."""
     try:
         seen = summary(path, progress=lambda share: progress(f"reading {Path(path).name}", share))
     except OSError as error:
@@ -85,11 +85,25 @@ def _of_data(path: str, progress: Progress) -> list[Fault]:
     return [*map(of_error, seen.problems), *said]
 
 
-def _require_file(path: str) -> None:
-    """As `validation.comparing.gathered` looks at a file, which alone would be refused for want of a campaign."""
-    from validation import measurement_file
+def _of_file(path: str) -> list[Fault]:
+    """By its reader, and by its reduction, which alone looks at every field."""
+    found: list[Fault] = []
+    _tried(found, lambda: _reduced(path))
+    return found
 
-    measurement_file.read(path, measurement_file.KINDS)
+
+def _reduced(path: str) -> Reduction:
+    """A measurement file as `massline weigh`, `cog` and `pendulum` take it.
+
+    Raises
+    ------
+    BadInput : there is none, or it is none.
+    """
+    if not only_files((path,)):
+        remedy = "Name campaign folders, and weigh, cog and pendulum files"
+        raise BadInput(source=path, problem="there is no such file or folder", remedy=remedy)
+    file = measurement_file.read(path, tuple(REDUCED))
+    return REDUCED[file.text("kind")](file)
 
 
 def _together(model: Model, data: Sequence[str]) -> list[Fault]:

@@ -1,7 +1,7 @@
 """Files that a browser handed over, put into the desk's folder: whatever they are called, they go nowhere else.
 
-Names come from a stranger. They are taken apart at ``/`` and ``\\``; what climbs, is absolute, hidden, reserved, too long or deep
-or characters that no file name needs is refused in words, and nothing is ever renamed in silence: a campaign finds its
+Names come from a stranger. They are taken apart at ``/`` and ``\\``; what climbs, is absolute, hidden, reserved, too long or too
+deep, or holds characters that no file name needs, is refused in words. Nothing is renamed in silence: a campaign finds its
 signals by their names. What is left keeps its folders, so that a dropped series is one.
 """
 

@@ -148,7 +148,7 @@ def _start(size: Size, typical: float | None) -> float:
         return size.null if size.default is None or size.whole else size.default
     if size.key or size.null > size.high:
         return _centre(size, typical)
-    return _ends(size, typical)[0]
+    return ends(size, typical)[0]
 
 
 def _centre(size: Size, typical: float | None) -> float:
@@ -156,7 +156,7 @@ def _centre(size: Size, typical: float | None) -> float:
 
 
 def _slider(family: Family, size: Size, start: float, typical: float | None) -> Slider:
-    low, high, logarithmic = _ends(size, typical)
+    low, high, logarithmic = ends(size, typical)
     shown = figures.scale(size.unit, high / 20, ratio=figures.is_ratio(family.name, size.key))
     return Slider(
         key=size.key,
@@ -174,8 +174,8 @@ def _slider(family: Family, size: Size, start: float, typical: float | None) -> 
     )
 
 
-def _ends(size: Size, typical: float | None) -> tuple[float, float, bool]:
-    """Of the slider, and whether it is one of factors."""
+def ends(size: Size, typical: float | None) -> tuple[float, float, bool]:
+    """Least and greatest of a slider, SI, and whether it is one of factors; `typical` is a size that is likely, if one is known."""
     if size.whole:
         return size.low, size.high, False
     if size.low > 0:

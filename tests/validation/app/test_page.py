@@ -182,8 +182,10 @@ def test_a_long_computation_can_be_cancelled_and_leaves_nothing(page: Any, bench
     assert page.locator("#diagnose").is_enabled()
 
 
-def test_an_example_opens_by_its_button(empty: Any, visit: Any, start_app: Any) -> None:
+def test_an_example_opens_by_its_button(empty: Any) -> None:
     empty.get_by_role("button", name="Open the example").first.click()
-    empty.locator("#cancel, .job").first.wait_for()
-    empty.locator("#overlay[data-drawn]").wait_for()
+    empty.locator("main.work").wait_for()
     assert "hidden effect" in empty.inner_text("header")
+    empty.locator(".job", has_text="Comparing").wait_for()
+    empty.locator("#cancel").click()
+    empty.locator("#compare:enabled").wait_for()

@@ -150,6 +150,7 @@
         const picture = await this.fetched(asked);
         this.asking = false;
         if (picture) this.show(picture);
+        if (!this.$refs.canvas) return; // another tab was chosen meanwhile
         if (this.again) {
           this.again = false;
           this.ask();
@@ -160,7 +161,7 @@
       async fetchFrames(asked) {
         const frames = [];
         for (let k = 0; k < FRAMES; k += 1) {
-          if (this.address(FRAMES - 1) !== asked) return;
+          if (!this.$refs.canvas || this.address(FRAMES - 1) !== asked) return;
           const picture = await this.fetched(this.address(k));
           if (!picture) return;
           frames.push(picture);
