@@ -25,7 +25,7 @@ from tools.pages import commands
 
 HERE = Path(__file__).resolve().parent
 PICTURES = HERE.parent / "docs" / "pictures"
-TUTORIAL = HERE.parent / "docs" / "tutorial.md"
+TUTORIAL, REPORT = (HERE.parent / "docs" / name for name in ("tutorial.md", "report.md"))
 DATA = Path(os.environ.get("MASSLINE_DATA", HERE.parent.parent / "shared" / "data")).resolve()
 
 
@@ -36,7 +36,7 @@ class Story:
     Attributes
     ----------
     commands : ``massline ...`` or ``python examples/...``, run in order in a folder of their own
-    pictures : by name in ``docs/pictures`` the file
+    pictures : by name in ``docs/pictures`` the file; of a page also the sections that are photographed
     needs : folder of data without which it is passed over; None when it needs none
     """
 
@@ -85,9 +85,10 @@ TOLD: Mapping[str, Story] = {
             "diagnose-errors": f"{HIDDEN}/diagnosed/diagnose-errors.png",
             "tutorial-ladder": f"{HIDDEN}/ladder/model-ladder.png",
             "tutorial-inertia": f"{HIDDEN}/ladder/model-ladder-clumod-1.png",
-            "report": f"{HIDDEN}/report.html",
+            "tutorial-report": f"{HIDDEN}/report.html#summary,ladder",
         },
     ),
+    "report": Story(commands="\n".join(commands(REPORT)), pictures={"report": "out/cuboid.html#summary,missing"}),
     "cross-check": Story(
         commands=f"""
             massline simulate fmd+cuboid fmd+clumod-1 --seed 4 --octaves-per-minute 6 {PLANTED} --out out/test
@@ -133,15 +134,16 @@ def draw(name: str, folder: Path = PICTURES) -> None:
         for line in filter(None, map(str.strip, story.commands.splitlines())):
             done(line)
         for shown, file in story.pictures.items():
-            leave(Path(file), folder / f"{shown}.png")
+            leave(file, folder / f"{shown}.png")
 
 
-def leave(file: Path, picture: Path) -> None:
-    """The picture of what a story has left: a picture already, or a page."""
-    if file.suffix == ".html":
-        in_browser.report(file, picture)
+def leave(what: str, picture: Path) -> None:
+    """The picture of what a story has left: a picture already, or a page and the sections of it that are shown."""
+    file, _, sections = what.partition("#")
+    if file.endswith(".html"):
+        in_browser.report(Path(file), picture, sections.split(","))
     else:
-        picture.write_bytes(file.read_bytes())
+        picture.write_bytes(Path(file).read_bytes())
 
 
 def done(line: str) -> None:

@@ -6,7 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,12 +26,15 @@ STRUCTURE_SEEN = """() => {
 EFFECT_SEEN = "() => document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))"
 
 
-def report(page: Path, picture: Path) -> None:
-    """The head of the report `page`, as a window of 1366 pixels shows it."""
+def report(page: Path, picture: Path, sections: Sequence[str] = ()) -> None:
+    """The head of the report `page` and some of its sections by name, all without any, in a window of 1366 pixels."""
     with browser() as opened:
         tab = opened.new_page(viewport={"width": 1366, "height": 1150})
         tab.goto(page.resolve().as_uri())
-        tab.wait_for_timeout(3000)
+        if sections:
+            tab.locator("html[data-drawn]").wait_for(state="attached", timeout=PATIENCE)
+            kept = "".join(f":not(#{name})" for name in sections)
+            tab.add_style_tag(content=f"main section[id]{kept} {{ display: none }}")
         tab.screenshot(path=str(picture))
 
 
