@@ -18,13 +18,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import in_browser
 import pictures
 
 from tools.pages import commands
 
 HERE = Path(__file__).resolve().parent
 PICTURES = HERE.parent / "docs" / "pictures"
-TUTORIAL = HERE.parent / "docs" / "tutorial.md"
+TUTORIAL, REPORT = (HERE.parent / "docs" / name for name in ("tutorial.md", "report.md"))
 DATA = Path(os.environ.get("MASSLINE_DATA", HERE.parent.parent / "shared" / "data")).resolve()
 
 
@@ -35,7 +36,7 @@ class Story:
     Attributes
     ----------
     commands : ``massline ...`` or ``python examples/...``, run in order in a folder of their own
-    pictures : by name in ``docs/pictures`` the file
+    pictures : by name in ``docs/pictures`` the file; of a page also the sections that are photographed
     needs : folder of data without which it is passed over; None when it needs none
     """
 
@@ -54,8 +55,9 @@ DRAWN: Mapping[str, tuple[Callable[[Path], None], tuple[str, ...]]] = {
     "flexible-bodies": (pictures.flexible_bodies, ("modes-clumod-4", "dynamic-mass")),
     "base-excitation": (pictures.base_excitation, ("excite-clumod-1",)),
     "pendulum": (pictures.pendulum, ("swing",)),
+    "workbench": (in_browser.workbench, ("workbench-compared", "workbench-cause")),
 }
-"""Drawn by functions of `pictures`."""
+"""Drawn by functions of `pictures` and `in_browser`."""
 
 HIDDEN = "out/hidden"
 PLANTED = "--effect modulus:mast=0.06 --effect point-mass:mast-top=0.2"
@@ -83,8 +85,10 @@ TOLD: Mapping[str, Story] = {
             "diagnose-errors": f"{HIDDEN}/diagnosed/diagnose-errors.png",
             "tutorial-ladder": f"{HIDDEN}/ladder/model-ladder.png",
             "tutorial-inertia": f"{HIDDEN}/ladder/model-ladder-clumod-1.png",
+            "tutorial-report": f"{HIDDEN}/report.html#summary,ladder",
         },
     ),
+    "report": Story(commands="\n".join(commands(REPORT)), pictures={"report": "out/cuboid.html#summary,missing"}),
     "cross-check": Story(
         commands=f"""
             massline simulate fmd+cuboid fmd+clumod-1 --seed 4 --octaves-per-minute 6 {PLANTED} --out out/test
@@ -130,7 +134,16 @@ def draw(name: str, folder: Path = PICTURES) -> None:
         for line in filter(None, map(str.strip, story.commands.splitlines())):
             done(line)
         for shown, file in story.pictures.items():
-            (folder / f"{shown}.png").write_bytes(Path(file).read_bytes())
+            leave(file, folder / f"{shown}.png")
+
+
+def leave(what: str, picture: Path) -> None:
+    """The picture of what a story has left: a picture already, or a page and the sections of it that are shown."""
+    file, _, sections = what.partition("#")
+    if file.endswith(".html"):
+        in_browser.report(Path(file), picture, sections.split(","))
+    else:
+        picture.write_bytes(Path(file).read_bytes())
 
 
 def done(line: str) -> None:

@@ -6,7 +6,7 @@ The tests of the pages and the site that is built of them (`tools.site`) both re
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -116,7 +116,18 @@ def headings(page: Path) -> tuple[str, ...]:
 
 def anchors(page: Path) -> frozenset[str]:
     """What may stand behind ``#`` in a link to `page`."""
-    return frozenset(_distinct(anchor(heading) for heading in headings(page)))
+    return frozenset(anchors_of(headings(page)))
+
+
+def anchors_of(names: Iterable[str]) -> tuple[str, ...]:
+    """An anchor for each of the headings, in order; one that came before gets a number: ``name-1``."""
+    seen: dict[str, int] = {}
+    made = []
+    for name in map(anchor, names):
+        count = seen.setdefault(name, 0)
+        made.append(f"{name}-{count}" if count else name)
+        seen[name] += 1
+    return tuple(made)
 
 
 def anchor(heading: str) -> str:
@@ -127,12 +138,3 @@ def anchor(heading: str) -> str:
 def title(page: Path) -> str:
     """The first heading of `page`."""
     return headings(page)[0]
-
-
-def _distinct(names: Iterator[str]) -> Iterator[str]:
-    """A name that came before gets a number: ``name-1``."""
-    seen: dict[str, int] = {}
-    for name in names:
-        count = seen.setdefault(name, 0)
-        yield f"{name}-{count}" if count else name
-        seen[name] += 1

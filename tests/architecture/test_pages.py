@@ -91,7 +91,7 @@ def shown(page: Path) -> Shown:
     steps: list[dict[str, Any]] = []
     says: list[tuple[Block, int, int]] = []
     known, every, above = run_before(page), blocks(page), 0
-    for block, following in zip(every, (*every[1:], None), strict=True):
+    for block, following in zip(every, (*every[1:], None), strict=False):
         language, _, path = block.language.partition(" ")
         first, quoted_below = len(steps), following is not None and following.language == "output"
         if language == "sh":
@@ -177,17 +177,42 @@ def test_everything_that_a_page_shows_runs_and_prints_what_it_says(
         assert unsaid(block, printed) == [], f"{page.name}:{block.line}\n{printed}"
 
 
-@by_name
-def test_every_block_of_a_page_has_a_language_that_is_run(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
-    assert len(re.findall(r"^ {0,3}(?:```|~~~)", text, re.MULTILINE)) == 2 * len(blocks(page)), "a fence that is not closed"
-    for block, above in zip(blocks(page), (None, *blocks(page)), strict=False):
-        where = f"{page.name}:{block.line}"
+def unrun(page: Path) -> list[str]:
+    """What is wrong with the blocks of `page`, so that nothing would run or read them."""
+    every = blocks(page)
+    fences = len(re.findall(r"^ {0,3}(?:```|~~~)", page.read_text(encoding="utf-8"), re.MULTILINE))
+    found = [] if fences == 2 * len(every) else ["a fence is not closed, or does not stand at the line's beginning"]
+    for block, above in zip(every, (None, *every), strict=False):
         language, _, path = block.language.partition(" ")
-        assert language in LANGUAGES, f"{where}: a block of {language or 'no language'} is run by nothing"
-        assert path or language != "toml", f"{where}: name the file, as in ```toml out/model.toml"
-        assert not path or language in ("toml", "python"), where
-        assert language != "output" or (above is not None and above.language != "output"), f"{where}: the output of what?"
+        wrong = {
+            f"a block of {language or 'no language'} is run by nothing": language not in LANGUAGES,
+            "name the file, as in ```toml out/model.toml": language == "toml" and not path,
+            "only files have a name": bool(path) and language not in ("toml", "python"),
+            "the output of what?": language == "output" and (above is None or above.language == "output"),
+        }
+        found += [f"line {block.line}: {words}" for words, is_so in wrong.items() if is_so]
+    return found
+
+
+@by_name
+def test_every_block_of_a_page_is_of_a_kind_that_is_run_or_read(page: Path) -> None:
+    assert unrun(page) == [], page.name
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "```\nx = 1\n```\n",
+        "```console\n$ ls\n```\n",
+        "```toml\na = 1\n```\n",
+        "```output\n3\n```\n",
+        "```sh\nls\n",
+        "- a\n  ```sh\n  ls\n  ```\n",
+    ],
+)
+def test_a_block_that_nothing_would_run_is_found(text: str, tmp_path: Path) -> None:
+    (tmp_path / "page.md").write_text(text, encoding="utf-8")
+    assert unrun(tmp_path / "page.md") != []
 
 
 @by_name
