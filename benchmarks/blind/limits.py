@@ -43,9 +43,8 @@ def of_nulls(pairs: Sequence[tuple[Json, Json]]) -> dict[str, float]:
 
 
 def _sizes(id: str, answer: Json) -> Iterable[float]:
-    """Of `id` in one answer: of a resonator the one at its most favourable frequency."""
-    sizes = [one["size"] for one in answer.get("detectable", ()) if one["id"] == id and one["size"] is not None]
-    return [min(sizes)] if sizes else []
+    """Of `id` in one answer."""
+    return [one["size"] for one in answer.get("detectable", ()) if one["id"] == id and one["size"] is not None]
 
 
 def text(found: dict[str, float]) -> str:

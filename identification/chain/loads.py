@@ -60,23 +60,37 @@ def parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
 def rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
     """A1 of the force channels, (n, c, 6): what they read for a unit load at `frequency` (n,) [Hz]."""
     f = factor.factors(part.names, "force", "force", x, frequency)
-    return np.asarray(f[:, :, None] * (_reading(part, x) @ _mixing(x)))
+    return np.asarray(f[:, :, None] * _mixed(part, x))
 
 
 def changes(part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], ComplexArray]]:
     """By open parameter of those `wanted`: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
     f = factor.factors(part.names, "force", "force", x, frequency)
-    reading, X = _reading(part, x), _mixing(x)
-    A1 = f[:, :, None] * (reading @ X)
+    reading, X, even = _reading(part, x), _moved(x), _even(part)
+    A1 = f[:, :, None] * _mixed(part, x)
     for key, touched, slope in factor.changes(part.names, "force", "force", x, frequency, wanted):
         yield key, touched, slope[:, :, None] * A1[:, touched]
     every = list(range(len(part.channels)))
     for key, change in _reading_changes(part, x):
         if key in wanted:
             yield key, every, f[:, :, None] * (change @ X)
-    for key, change in _mixing_changes(x):
+    for key, change in _crosstalk(x):
+        if key in wanted:
+            yield key, every, f[:, :, None] * (even @ change)
+    for key, change in _offsets(x):
         if key in wanted:
             yield key, every, f[:, :, None] * (reading @ change)
+
+
+def _mixed(part: Loads, x: Offsets) -> Array:
+    """(c, 6) reading for a unit resultant load: cells share it as they are stiff, and cross-talk shows in all of them alike."""
+    heard = np.zeros((6, 6)) + sum(x[key] * change for key, change in _crosstalk(x))
+    return np.asarray(_reading(part, x) @ _moved(x) + _even(part) @ heard)
+
+
+def _even(part: Loads) -> Array:
+    """(c, 6) reading for a unit resultant load of cells that are all alike."""
+    return np.asarray(part.sums.adds @ _sharing(part, {}))
 
 
 def _reading(part: Loads, x: Offsets) -> Array:
@@ -108,17 +122,18 @@ def _of_force(part: Loads) -> list[int]:
     return [e for e, (quantity, _) in enumerate(part.sums.elements) if quantity == "force"]
 
 
-def _mixing(x: Offsets) -> Array:
-    X = np.eye(6)
-    for key, change in _mixing_changes(x):
-        X += x[key] * change
-    return X
+def _moved(x: Offsets) -> Array:
+    """(6, 6) the resultant load about the true plane of the cells from that about the stated one."""
+    return np.eye(6) + sum(x[key] * change for key, change in _offsets(x))
 
 
-def _mixing_changes(x: Offsets) -> Iterator[tuple[str, Array]]:
+def _crosstalk(x: Offsets) -> Iterator[tuple[str, Array]]:
     for pair in CROSSTALK:
         if (key := f"force-crosstalk:{pair}") in x:
             yield key, _unit(AXES.index(pair[0]), AXES.index(pair[1]))
+
+
+def _offsets(x: Offsets) -> Iterator[tuple[str, Array]]:
     for axis, (row, column, sign) in OFFSETS.items():
         if (key := f"force-plane-offset:{axis}") in x:
             yield key, sign * _unit(row, column)

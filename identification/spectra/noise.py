@@ -34,6 +34,9 @@ STILL = 2.0
 SMOOTH, AROUND = 1.0, 3.0
 """[Hz] half widths: of the mean that smooths a density, and of the median out of which a tone stands."""
 
+ALIKE = 1.94
+"""Lines of a Hann segment tell as much as so many times fewer that know nothing of their neighbours: 1 + 2 (2/3)² + 2 (1/6)²."""
+
 NOTHING = 1e-9
 """Noise below this share of the largest line of its channel is rounding: nothing is known of it."""
 
@@ -71,8 +74,10 @@ def density(campaign: Campaign) -> Density | None:
     return Density(frequency=frequency, values=_smoothed(mean, frequency, kept.sum(axis=0)), segments=kept.sum(axis=0))
 
 
-def of_lines(campaign: Campaign, frequency: Array) -> tuple[Array, tuple[str, ...]]:
-    """Two-sided density (r, n, c) [unit²/Hz] at the lines of every run, and what is not known, in words.
+def of_lines(campaign: Campaign, frequency: Array) -> tuple[Array, float, tuple[str, ...]]:
+    """Two-sided density (r, n, c) [unit²/Hz] at the lines of every run, its spread, and what is not known, in words.
+
+    The spread is the relative standard deviation of the power of all channels and lines together: short silences tell little.
 
     Where no record has a quiet part, or a channel reads nothing in it, its `noise_rms` is spread evenly up to half the sampling
     rate; where that is not stated either, the density is 0.
@@ -84,11 +89,19 @@ def of_lines(campaign: Campaign, frequency: Array) -> tuple[Array, tuple[str, ..
         measured = np.stack([np.interp(frequency, found.frequency, column) for column in found.values.T], axis=1)
     stated = np.array([channel.noise_rms or 0.0 for channel in channels])
     rates = np.array([campaign.recordings[run.name].sampling_rate or 0.0 for run in campaign.runs])
-    spread = stated**2 / np.where(rates > 0, rates, np.inf)[:, None]  # (r, c)
+    even = stated**2 / np.where(rates > 0, rates, np.inf)[:, None]  # (r, c)
     silent = np.all(measured == 0, axis=0)
-    whole = np.where(silent, spread[:, None, :], measured)
+    whole = np.where(silent, even[:, None, :], measured)
     unknown = [channel.name for k, channel in enumerate(channels) if not whole[:, :, k].any()]
-    return whole, _words(unknown, len(channels))
+    spread = 0.0 if found is None else _spread(found, silent, float(np.ptp(frequency)))
+    return whole, spread, _words(unknown, len(channels))
+
+
+def _spread(found: Density, silent: npt.NDArray[np.bool_], band: float) -> float:
+    """Of a mean over `band` [Hz] and all channels, of which the `silent` ones count by what is stated and have none."""
+    step = found.frequency[1] - found.frequency[0]
+    independent = found.segments * max(band / step, 1.0) / ALIKE
+    return float(np.sqrt(np.sum(np.where(silent, 0.0, 1 / independent))) / len(silent))
 
 
 def of_full_record(densities: Array, duration: Array) -> Array:

@@ -148,11 +148,12 @@ def _transformed(
             values.append(_held(campaign, one, lines, pilots[-1]))
     progress(1.0)
     stacked = np.stack(values)
-    sd, unknown = _noise(campaign, recorded, method, lines, stacked)
+    sd, spread, unknown = _noise(campaign, recorded, method, lines, stacked)
     held = ", ".join(f"{run.name} by {pilot}" for run, pilot in zip(campaign.runs, pilots, strict=False))
     biased = (f"peak-reference-hold is biased near lightly damped resonances; reference of each run: {held}",) if pilots else ()
     ends = record_ends.warnings(campaign) if method == "full-record" else ()
-    return _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *unknown))
+    made = _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *unknown))
+    return replace(made, noise_spread=spread)
 
 
 def _levelled(recorded: Recording) -> Array:
@@ -177,14 +178,14 @@ def _held(campaign: Campaign, recorded: Recording, lines: Array, pilot: str) -> 
 
 def _noise(
     campaign: Campaign, recorded: list[Recording], method: str, lines: Array, values: ComplexArray
-) -> tuple[Array, tuple[str, ...]]:
-    densities, unknown = noise.of_lines(campaign, lines)
+) -> tuple[Array, float, tuple[str, ...]]:
+    densities, spread, unknown = noise.of_lines(campaign, lines)
     if method == "full-record":
         sd = noise.of_full_record(densities, np.array([one.duration for one in recorded]))
     else:
         window = hann((campaign.processing or Processing()).block_size)
         sd = noise.of_block(densities, np.array([_rate(one) for one in recorded]), window)
-    return noise.without_rounding(sd, np.abs(values).max(axis=(0, 1))), unknown
+    return noise.without_rounding(sd, np.abs(values).max(axis=(0, 1))), spread, unknown
 
 
 def _as_recorded(

@@ -17,9 +17,9 @@ from identification.spectra.peak_hold import hann
 RATE, LINES = 256.0, np.arange(6.0, 30.0, 0.5)
 
 
-def longer(campaign: Campaign, extra: np.ndarray | None = None, seconds: float = 8.0) -> Campaign:
+def longer(campaign: Campaign, extra: np.ndarray | None = None, seconds: float = 8.0, seed: int = 11) -> Campaign:
     """The campaign with `seconds` of fresh noise behind every run, and `extra` (n,) on the first cover channel."""
-    random, recordings = np.random.default_rng(11), {}
+    random, recordings = np.random.default_rng(seed), {}
     floors = np.array([channel.noise_rms for channel in campaign.table.channels])
     first = campaign.table.names.index("cover-z1")
     for name, one in campaign.recordings.items():
@@ -54,6 +54,21 @@ def test_the_noise_of_a_block_is_the_scatter_of_windowed_blocks() -> None:
     lines = 2 / window.sum() * np.fft.rfft(blocks * window[:, None], axis=0)[12:60]
     expected = noise.of_block(np.full((1, 48, 1), 0.02**2 / RATE), np.array([RATE]), window)[0, :, 0]
     assert_allclose(np.sqrt(np.mean(np.abs(lines) ** 2, axis=1)), expected, rtol=0.08)
+
+
+def test_the_spread_of_the_noise_is_that_of_its_estimates(campaign: Campaign) -> None:
+    """Thirty silences of two seconds: their powers scatter as each of them says of itself."""
+    estimates = [noise.of_lines(longer(campaign, seconds=2.0, seed=seed), LINES)[:2] for seed in range(30)]
+    stated = np.array([channel.noise_rms for channel in campaign.table.channels]) ** 2 / RATE
+    powers = np.array([np.mean(density / stated) for density, _ in estimates])
+    spread = np.mean([each for _, each in estimates])
+    # 30 estimates of a standard deviation: 13 %, three of them, and what smoothing adds at the ends of the band
+    assert_allclose(np.std(powers), spread, rtol=0.5)
+
+
+def test_longer_silences_tell_the_noise_better(campaign: Campaign) -> None:
+    short, long = (noise.of_lines(longer(campaign, seconds=seconds), LINES)[1] for seconds in (4.0, 16.0))
+    assert_allclose(long / short, 0.5, rtol=0.2)
 
 
 def test_a_tone_is_seen_at_its_line_and_not_beside_it(campaign: Campaign) -> None:
@@ -101,7 +116,8 @@ def quietless(campaign: Campaign) -> Campaign:
 
 
 def test_without_a_quiet_part_the_stated_floor_is_spread_evenly(campaign: Campaign) -> None:
-    found, unknown = noise.of_lines(quietless(campaign), LINES)
+    found, spread, unknown = noise.of_lines(quietless(campaign), LINES)
+    assert spread == 0.0  # it is no estimate
     stated = np.array([channel.noise_rms for channel in campaign.table.channels])
     assert_allclose(found, np.broadcast_to(stated**2 / RATE, found.shape))
     assert unknown == ()

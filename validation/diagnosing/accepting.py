@@ -5,20 +5,23 @@ The figures behind them are those of `python -m benchmarks.blind --draw developm
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
+from geometry.arrays import Array
 from validation.comparing.verdicts import expected_z2, largest_z, misfit
 from validation.engine.evaluation import Fit
 from validation.engine.fit import FLOOR
 from validation.engine.likelihood import observed
 from validation.engine.problem import Problem
 
-BEYOND, SCATTER = 1.01, 3.0
-"""Chi² per degree of freedom of a null, as a multiple of what noise alone predicts, and standard deviations of that beyond. The
-model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise."""
+SCATTER = 3.0
+"""Standard deviations by which chi² per degree of freedom of a null may lie above what noise alone predicts: those of chi² itself
+and of a noise that short silences tell. The model-error floor is a
+bound that nulls do not use: they read 0.97 to 1.01 of the noise."""
 
 UNLIKELY = 1e-4
 """Probability of a sum of z² below which tolerances pay for something."""
@@ -71,7 +74,7 @@ def standing(fit: Fit, problem: Problem) -> Standing:
     due = max(expected_z2(fit), 1.0)
     return Standing(
         misfit=misfit(fit),
-        limit=of_noise(problem) * (BEYOND + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1))),
+        limit=of_noise(problem) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + spread_of(problem) ** 2)),
         price=fit.tolerance_z2 / due,
         largest=largest_z(fit),
         likely=float(chi2.sf(fit.tolerance_z2, due)),
@@ -86,9 +89,19 @@ def excess(fit: Fit, at: Standing) -> float:
 
 def of_noise(problem: Problem) -> float:
     """Chi² per degree of freedom that noise alone would come to: its share of the variance that the likelihood allows for."""
-    shares = []
+    return float(np.mean(np.concatenate(list(_shares(problem)))))
+
+
+def spread_of(problem: Problem) -> float:
+    """Relative standard deviation of that, because the noise of each data set is an estimate."""
+    sums = np.array([shares.sum() for shares in _shares(problem)])
+    spreads = np.array([one.measured.noise_spread for one in problem.predictions])
+    return float(np.linalg.norm(spreads * sums) / max(sums.sum(), np.finfo(np.float64).tiny))
+
+
+def _shares(problem: Problem) -> Iterator[Array]:
+    """Of every data set the share of noise in the variance of each line and channel, flat."""
     for one in problem.predictions:
         seen = observed(one.measured, problem.lines_of(one))
         noise = np.square(seen.noise)
-        shares.append((noise / np.maximum(noise + np.square(FLOOR * seen.floor), np.finfo(np.float64).tiny)).ravel())
-    return float(np.mean(np.concatenate(shares)))
+        yield (noise / np.maximum(noise + np.square(FLOOR * seen.floor), np.finfo(np.float64).tiny)).ravel()

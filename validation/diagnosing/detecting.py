@@ -10,6 +10,9 @@ from validation.diagnosing.dictionary import smallest_mass
 from validation.diagnosing.screened import Screened
 from validation.effects.worth import worth
 
+USUAL = "half of all frequencies"
+"""At which a resonator of that mass would be named; tuned to a resonance of the article, one of a hundredth of it would be."""
+
 
 def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
     """Of every candidate that the data tell at all; switches have no size."""
@@ -19,7 +22,6 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
 
 def _of(one: Screened) -> Detectable:
     size, wanted = one.added.named.sizes[0], worth(one.added.named.family)
-    if one.clearest is not None:
-        mass = smallest_mass(one.clearest, wanted)
-        return Detectable(id=one.id, size=mass, unit=size.unit, at=f"{one.clearest_at:.3g} Hz")
+    if one.usual is not None:
+        return Detectable(id=one.id, size=smallest_mass(one.usual, wanted), unit=size.unit, at=USUAL)
     return Detectable(id=one.id, size=one.told.detectable(one.plausible, wanted), unit=size.unit)

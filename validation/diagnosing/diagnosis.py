@@ -97,10 +97,10 @@ class Detectable:
 
     Attributes
     ----------
-    id : of the effect; a resonator's at its most favourable frequency
+    id : of the effect
     size : of its first number, SI, positive
     unit : of it
-    at : what it belongs to, such as "21 Hz"; empty where it is one size
+    at : what it belongs to, such as "half of all frequencies" of a resonator; empty where it is one size
     """
 
     id: str

@@ -66,14 +66,13 @@ def _best(
     f, zeta = places[best]
     mass = max(TINY * told[best].estimate, TINY)  # the offset is that of ln m, at the mass TINY
     named = replace(added.named, values={"m": mass, "f": f, "zeta": zeta})
-    clearest = int(np.argmax([one.information for one in told]))
+    usual = int(np.argsort([one.information for one in told])[len(told) // 2])
     return Screened(
         added=replace(added, named=named),
         evidence=float(gains[best]) - OCCAM,
         told=told[best],
         plausible=np.inf,
-        clearest=told[clearest],
-        clearest_at=places[clearest][0],
+        usual=told[usual],
     )
 
 

@@ -18,16 +18,14 @@ class Screened:
     evidence : [nats]
     told : its parameter; of a resonator the mass at the best frequency
     plausible : standard deviation of a plausible fault, in the offset of the parameter
-    clearest : of a resonator what the data say of its mass at the frequency at which they say most
-    clearest_at : [Hz]
+    usual : of a resonator what the data say of its mass at a frequency and damping at which they say neither much nor little
     """
 
     added: Added
     evidence: float
     told: Told
     plausible: float
-    clearest: Told | None = None
-    clearest_at: float = 0.0
+    usual: Told | None = None
 
     @property
     def id(self) -> str:

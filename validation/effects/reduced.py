@@ -32,9 +32,7 @@ def _with_resonator(stage: Matrices, row: Array, values: Values) -> Matrices:
     """One more coordinate, the motion of a mass on a spring relative to ``row @ x``, on which it rides."""
     m, omega = values["m"], 2 * np.pi * values["f"]
     rides = np.append(row, 1.0)
-    mass, stiffness, viscous, structural = (
-        np.pad(a, (0, 1)) for a in (stage.mass, stage.stiffness, stage.viscous, stage.structural)
-    )
+    mass, stiffness, viscous, structural = (_grown(a, 1) for a in (stage.mass, stage.stiffness, stage.viscous, stage.structural))
     mass += m * np.outer(rides, rides)
     stiffness[-1, -1] = omega**2 * m
     viscous[-1, -1] = 2 * values["zeta"] * omega * m
@@ -44,6 +42,14 @@ def _with_resonator(stage: Matrices, row: Array, values: Values) -> Matrices:
         stiffness=stiffness,
         viscous=viscous,
         structural=structural,
-        places={name: np.pad(rows, ((0, 0), (0, 1))) for name, rows in stage.places.items()},
-        parts={name: np.pad(share, (0, 1)) for name, share in stage.parts.items()},
+        places={name: _grown(rows, 0) for name, rows in stage.places.items()},
+        parts={name: _grown(share, 1) for name, share in stage.parts.items()},
     )
+
+
+def _grown(matrix: Array, rows: int) -> Array:
+    """`matrix` with a column of zeros more, and with `rows` rows of them: hundreds of resonators find `numpy.pad` slow."""
+    n, m = matrix.shape
+    found = np.zeros((n + rows, m + 1))
+    found[:n, :m] = matrix
+    return found

@@ -28,6 +28,7 @@ class Measured:
     frequency : (n,) [Hz], ascending
     values : (r, n, c) complex, SI or SI per Hz
     noise : (r, n, c) standard deviation of the complex noise, E|noise|² = sd²
+    noise_spread : relative standard deviation of the noise's power, all channels and lines together
     inputs : (r, n, k) complex, known inputs such as a drive force of 1 N; None for inputs that nobody knows (base motions),
         which are eliminated line by line
     """
@@ -42,6 +43,7 @@ class Measured:
     frequency: Array
     values: ComplexArray
     noise: Array
+    noise_spread: float = 0.0
     inputs: ComplexArray | None = None
 
     def __post_init__(self) -> None:

@@ -119,4 +119,5 @@ def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measu
         frequency=found.frequency,
         values=found.values[:, :, columns],
         noise=found.noise[:, :, columns],
+        noise_spread=found.noise_spread,
     )

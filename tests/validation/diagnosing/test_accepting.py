@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.comparing.verdicts import expected_z2
-from validation.diagnosing.accepting import ABSURD, BEYOND, SCATTER, UNLIKELY, excess, of_noise, standing
+from validation.diagnosing.accepting import ABSURD, SCATTER, UNLIKELY, excess, of_noise, spread_of, standing
 from validation.engine.evaluation import Fit
 from validation.engine.fit import FLOOR
 from validation.engine.parameter import Parameter
@@ -39,7 +39,12 @@ def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
     monkeypatch.setattr("validation.diagnosing.accepting.observed", lambda measured, lines: seen)
-    return SimpleNamespace(predictions=(SimpleNamespace(measured=None),), lines_of=lambda one: None)
+    return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
+
+
+def of_spread(spread: float) -> SimpleNamespace:
+    """A data set whose noise is known so well."""
+    return SimpleNamespace(measured=SimpleNamespace(noise_spread=spread))
 
 
 def one_far(z: float) -> np.ndarray:
@@ -48,7 +53,14 @@ def one_far(z: float) -> np.ndarray:
 
 def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
     assert_allclose(of_noise(noisy), 0.5, rtol=1e-12)
-    assert_allclose(standing(fitted(), noisy).limit, 0.5 * (BEYOND + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
+    assert_allclose(standing(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
+
+
+def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:
+    """Two data sets of one size: 3 % and 4 % of each are 2.5 % of both."""
+    noisy.predictions = (of_spread(0.03), of_spread(0.04))
+    assert_allclose(spread_of(noisy), 0.025, rtol=1e-12)
+    assert_allclose(standing(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12)
 
 
 def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) -> None:
