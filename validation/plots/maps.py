@@ -95,7 +95,7 @@ def _map(
     figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": shown, "tickfont": {"size": 11}, **axis})
     figure.update_xaxes(title_text="frequency [Hz]", showgrid=False)
     height = ROOM + ROW * len(shown)
-    return dressed(figure, title, height, dark, margin={"l": 118, "r": 10}, uirevision=title)
+    return dressed(figure, title, height, dark, margin={"l": 118, "r": 10}, uirevision=escaped(title))
 
 
 def _bar() -> dict[str, Any]:
@@ -113,7 +113,7 @@ def _bar() -> dict[str, Any]:
 def _marks(go: Any, modes: Sequence[NamedMode]) -> Any:
     return go.Scatter(
         x=[one.frequency for one in modes],
-        y=[1.012] * len(modes),
+        y=[1.0] * len(modes),
         yaxis="y2",
         cliponaxis=False,
         text=[escaped(one.name) for one in modes],

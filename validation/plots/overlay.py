@@ -87,7 +87,7 @@ def overlay(
     if marked is not None:
         figure.add_vline(marked, line={"color": THRESHOLD, "width": 1.5, "dash": "dash"})
     title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
-    how: dict[str, Any] = {"hovermode": "x unified", "uirevision": f"{pairs.campaign} {load} {motion}"}
+    how: dict[str, Any] = {"hovermode": "x unified", "uirevision": escaped(f"{pairs.campaign} {load} {motion}")}
     return dressed(figure, title, 470, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM}, **how)
 
 
@@ -150,7 +150,7 @@ def _entry(
     named += [("predicted", predicted, {"mode": "lines", "line": {"color": PREDICTED, "width": 2}})]
     named += [(name, H, _further(k)) for k, (name, H) in enumerate(others.items())]
     for name, H, look in named:
-        said = {"name": escaped(name), "legendgroup": name, **look, **_lines(f)}
+        said = {"name": escaped(name), "legendgroup": escaped(name), **look, **_lines(f)}
         size = {"y": _short(np.abs(H)), "hovertemplate": f"%{{y:.4g}} {unit(load, motion)}", "showlegend": legend}
         phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
         figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)

@@ -6,12 +6,13 @@ import json
 from base64 import b64encode
 from collections.abc import Mapping
 from gzip import compress
+from html import unescape
 from typing import TYPE_CHECKING, Any
 
 from validation.report.markup import Safe, tag
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
+    from validation.plots.theme import Figure
 
 
 class Figures:
@@ -36,7 +37,7 @@ class Figures:
             class_="plot",
             id=name,
             role="img",
-            aria_label=str(figure.layout.title.text),
+            aria_label=unescape(str(figure.layout.title.text)),
             style=f"min-height:{height}px",
             data_group=group or None,
             data_shown=shown or None,

@@ -28,7 +28,7 @@
   function draw(plot) {
     const group = plot.dataset.group;
     const figure = known.figures[group ? `${group}/${plot.dataset.shown}` : plot.id];
-    plot.setAttribute("aria-label", figure.layout.title.text);
+    plot.setAttribute("aria-label", figure.layout.title.text.replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&"));
     return Plotly.react(plot, figure.data, layout(figure), settings);
   }
 

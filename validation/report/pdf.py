@@ -82,6 +82,7 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
         f"--user-data-dir={profile}/profile",
         f"--virtual-time-budget={BUDGET}",
         "--no-pdf-header-footer",
+        "--generate-pdf-document-outline",
         f"--print-to-pdf={made}",
     )
 
