@@ -47,7 +47,7 @@ def evidence(found: Diagnosis, *, dark: bool = False) -> Figure:
         ticktext=[f"{one:,}".replace(",", " ") for one in TICKS], title_text="evidence [nats], logarithmic beyond 10"
     )
     figure.update_yaxes(categoryorder="array", categoryarray=ids, range=[len(ids) - 0.5, -0.5], showgrid=False, automargin=True)
-    figure.add_trace(_asked(go, causes))
+    figure.add_traces([_asked(go, causes), _words(go, causes)])
     height = 170 + 34 * len(ids)
     title = "Evidence of each cause, with its size and 90 % interval"
     return dressed(figure, title, height, dark, legend=legend_above(), barmode="overlay", margin={"t": TITLE_ROOM + LEGEND_ROOM})
@@ -83,16 +83,30 @@ def standing_of(found: Diagnosis, one: Cause) -> str:
 
 
 def _bars(go: Any, standing: str, causes: Sequence[Cause]) -> Any:
-    told = [f"{one.evidence:+.1f} nats   " + "; ".join(words.sized(one, size) for size in one.sizes[:1]) for one in causes]
     return go.Bar(
         name=standing,
         orientation="h",
         x=place(np.array([one.evidence for one in causes])),
         y=[escaped(one.id) for one in causes],
-        text=[escaped(one) for one in told],
-        textposition="outside",
-        cliponaxis=False,
         marker={"color": COLOURS[standing]},
-        customdata=[escaped(one.named.what) for one in causes],
-        hovertemplate="%{y}: %{customdata}<br>%{text}<extra></extra>",
+        customdata=[(escaped(one.named.what), _told(one)) for one in causes],
+        hovertemplate="%{y}: %{customdata[0]}<br>%{customdata[1]}<extra></extra>",
     )
+
+
+def _words(go: Any, causes: Sequence[Cause]) -> Any:
+    """Evidence and size behind each bar; of one that speaks against a cause they stand behind the axis."""
+    return go.Scatter(
+        x=np.maximum(place(np.array([one.evidence for one in causes])), 0.0),
+        y=[escaped(one.id) for one in causes],
+        text=[f"  {_told(one)}" for one in causes],
+        mode="text",
+        textposition="middle right",
+        cliponaxis=False,
+        showlegend=False,
+        hoverinfo="skip",
+    )
+
+
+def _told(one: Cause) -> str:
+    return escaped(f"{one.evidence:+.1f} nats   " + "; ".join(words.sized(one, size) for size in one.sizes[:1]))

@@ -113,7 +113,7 @@ def _bar() -> dict[str, Any]:
 def _marks(go: Any, modes: Sequence[NamedMode]) -> Any:
     return go.Scatter(
         x=[one.frequency for one in modes],
-        y=[1.012] * len(modes),
+        y=[1.0] * len(modes),
         yaxis="y2",
         cliponaxis=False,
         text=[escaped(one.name) for one in modes],

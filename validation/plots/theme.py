@@ -10,7 +10,7 @@ from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
+    from plotly.graph_objects import Figure as Figure
     from plotly.graph_objects.layout import Template
 
 MEASURED, PREDICTED, FURTHER, ASIDE = "#d9661f", "#3b7ddd", "#1f9d61", "#8791a1"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from validation.report.markup import Safe, tag
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
+    from validation.plots.theme import Figure
 
 
 class Figures:

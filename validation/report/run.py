@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import version
@@ -127,7 +127,7 @@ def reported(asked: Asked, *, quiet: bool = False) -> Report:
         )
 
 
-def _diagnosis(asked: Asked, model: Model, data: Data, told) -> tuple[Diagnosis | None, str]:  # type: ignore[no-untyped-def]
+def _diagnosis(asked: Asked, model: Model, data: Data, told: Callable[[str, float], None]) -> tuple[Diagnosis | None, str]:
     """What is missing; or None, and why nothing can be said."""
     question = asked.compared
     try:

@@ -47,6 +47,9 @@ class Number:
 Cell = Number | str
 """What stands in a cell; a text may be `Safe`."""
 
+WHOLE = 16
+"""Rows up to which a table stays on one sheet of paper."""
+
 SHORT, TINY = 24, 8
 """Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
 
@@ -86,7 +89,8 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
     named = tag("caption", tag("span", caption), button)
     inner = tag("table", named, tag("thead", head), tag("tbody", body))
     below = tag("p", worded(note), class_="note") if note else None
-    return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_="table")
+    kind = "table whole" if len(rows) <= WHOLE else "table"
+    return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
 
 
 def of_grid(caption: str, grid: Grid, *, note: str = "") -> Safe:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from geometry.routes import ROUTES
-from validation.reference_table import ReferenceTable, row, verdict
+from validation.reference_table import IDENTIFIED, ReferenceTable, row, verdict
 from validation.report.figures import Figures
 from validation.report.markup import Safe, tag
 from validation.report.nouns import ArticlePart, Report
 from validation.report.sections.parts import notes, picture, section
 from validation.report.tables import NOTHING, Cell, Column, Number, number, table, toleranced
 from validation.rows import Row
-from validation.statement import QUANTITIES
+from validation.statement import QUANTITIES, Statement
 from validation.tables.grid import notes as table_notes
 from validation.tables.grid import values
 
@@ -37,12 +37,17 @@ def _values(of: ReferenceTable) -> Safe:
     wide = {name for name, cells in stated.items() if any(tolerance is not NOTHING for _, tolerance in cells)}
     columns = [Column(head="quantity", words=True), Column(head="unit", words=True)]
     for name, said in of.columns.items():
-        columns += [Column(head=said.name), *([Column(head=f"± {said.name}")] if name in wide else [])]
+        columns += [Column(head=_head(name, said)), *([Column(head=f"± {_head(name, said)}")] if name in wide else [])]
     rows = [
         [quantity.label, quantity.unit, *(cell for name in of.columns for cell in stated[name][k][: 1 + (name in wide)])]
         for k, quantity in enumerate(QUANTITIES)
     ]
     return table(f"{of.article}: mass, CoG and inertia", columns, rows)
+
+
+def _head(column: str, said: Statement) -> str:
+    """Of a column; what somebody printed as identified is not what was identified here."""
+    return f"{said.name}, in print" if column == IDENTIFIED else said.name
 
 
 def _stated(of: ReferenceTable, name: str, k: int, text: str) -> tuple[Cell, Cell]:
@@ -63,7 +68,7 @@ def _deviations(of: ReferenceTable) -> Safe:
     """How far the columns lie from the reference: per cent, of the CoG and where the reference is zero in its own unit."""
     every = range(len(QUANTITIES))
     groups = {"routes": [name for name in of.columns if name in ROUTES]}
-    groups |= {said.name: [name] for name, said in of.columns.items() if name not in ROUTES}
+    groups |= {_head(name, said): [name] for name, said in of.columns.items() if name not in ROUTES}
     compared = {name: [_farthest(of, own, k) for k in every] for name, own in groups.items()}
     compared = {name: found for name, found in compared.items() if any(found)}
     columns = [Column(head="deviation", words=True), Column(head="unit", words=True)]

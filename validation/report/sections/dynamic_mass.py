@@ -15,7 +15,7 @@ from validation.report.sections.parts import notes, section
 from validation.report.tables import Cell, Column, number, table
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
+    from validation.plots.theme import Figure
 
 PAIRS = 10
 """Worst pairs that are listed."""
