@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,10 @@ class Workbench:
         """The processes below the door, zombies aside."""
         return _below(self.process.pid)
 
+    def windows(self) -> list[int]:
+        """The processes of windows, without what they have started."""
+        return _children(self.process.pid)
+
     def interrupted(self) -> int:
         """The exit code after Ctrl-C."""
         self.process.send_signal(signal.SIGINT)
@@ -59,16 +64,14 @@ class Workbench:
 
 
 def _below(pid: int) -> list[int]:
+    return [each for child in _children(pid) for each in (child, *_below(child))]
+
+
+def _children(pid: int) -> list[int]:
     found: list[int] = []
-    for children in Path(f"/proc/{pid}/task").glob("*/children"):
-        try:
-            direct = [int(word) for word in children.read_text().split()]
-        except OSError:
-            continue
-        for child in direct:
-            if alive(child):
-                found.append(child)
-            found += _below(child)
+    for listed in Path(f"/proc/{pid}/task").glob("*/children"):
+        with suppress(OSError):  # the thread has ended meanwhile
+            found += [child for word in listed.read_text().split() if alive(child := int(word))]
     return found
 
 

@@ -25,7 +25,7 @@ def test_two_windows_do_not_disturb_each_other_and_a_reload_keeps_the_state(star
     number(second).fill("34")
     assert number(first).input_value() == "12"
     assert first.url != second.url
-    assert len(bench.descendants()) == 2
+    assert len(bench.windows()) == 2
     first.reload()
     assert number(first).input_value() == "12"
 
@@ -45,7 +45,7 @@ def test_closing_the_pages_leaves_no_process(start_app: Any, visit: Any, until: 
     bench = start_app("--linger", "1")
     page = visit(bench)
     number(page).wait_for()
-    (window,) = bench.descendants()
+    (window,) = bench.windows()
     page.close()
     assert until(lambda: not bench.descendants(), 10)
     assert not running(window)
@@ -56,7 +56,7 @@ def test_ctrl_c_takes_every_window_with_it(start_app: Any, visit: Any) -> None:
     bench = start_app("--stay")
     page = visit(bench)
     number(page).wait_for()
-    (window,) = bench.descendants()
+    (window,) = bench.windows()
     page.context.close()
     assert bench.interrupted() == 0
     assert not running(window)
@@ -66,7 +66,7 @@ def test_a_killed_door_takes_every_window_with_it(start_app: Any, visit: Any, un
     bench = start_app("--stay")
     page = visit(bench)
     number(page).wait_for()
-    (window,) = bench.descendants()
+    (window,) = bench.windows()
     page.context.close()
     bench.process.send_signal(signal.SIGKILL)
     bench.process.wait()
