@@ -11,7 +11,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import BadInput, CheckFailed
@@ -78,6 +77,7 @@ async def _served(asked: Asked, bound: socket.socket, home: Path, say: Callable[
         runner = web.AppRunner(application(door), access_log=None, shutdown_timeout=1.0)
         await runner.setup()
         await web.SockSite(runner, bound).start()
+        windows.ready()
         _announce(asked, door, say)
         if asked.linger is not None:
             windows.emptied = partial(_end_in, asked.linger, windows, ended)
@@ -117,7 +117,7 @@ def application(door: Door) -> web.Application:
         return await _came(request, door)
 
     async def entered(request: web.Request) -> web.StreamResponse:
-        raise web.HTTPSeeOther(f"/w/{token_hex(9)}/")
+        raise web.HTTPSeeOther(f"/w/{door.windows.new()}/")
 
     async def is_open(request: web.Request) -> web.StreamResponse:
         return web.json_response({"open": door.windows.is_open(_name(request))})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +15,8 @@ from validation.desk import desk as desks
 from validation.desk import examples, handed
 from validation.desk.faults import Fault, faults, of_error
 from validation.desk.handed import Handed
+from validation.pictures import turntable
+from validation.plots import theme
 
 CURRENT = "current"
 """The file that names the desk in use."""
@@ -26,6 +29,7 @@ def listed() -> list[dict[str, str]]:
 
 async def first(bench: Bench) -> None:
     """What a window begins with: the desk that it had, or what the command line named."""
+    bench.begin(_warmed(bench))
     current = bench.folder / CURRENT
     if current.is_file():
         bench.desk = await bench.away(desks.opened, bench.folder / current.read_text(encoding="utf-8"))
@@ -36,6 +40,12 @@ async def first(bench: Bench) -> None:
         one = bench.opened
         _begin(bench, one.model or "", one.data, one.hold_out, one.band, one.method, one.effects_from)
         await working.shown(bench)
+
+
+async def _warmed(bench: Bench) -> None:
+    """Have the libraries of figures and pictures there before the first one is waited for."""
+    await asyncio.to_thread(theme.template, False)
+    await bench.drawn(turntable.ready)
 
 
 async def example(bench: Bench, name: str) -> None:

@@ -191,7 +191,6 @@ HANDLERS: Mapping[str, Handler] = {
     "diagnose": _diagnose,
     "effect": trying.chosen,
     "drag": trying.drag,
-    "dropped": trying.dropped,
     "size": trying.size,
     "add": climbing.add,
     "undo": climbing.undo,

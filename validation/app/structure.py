@@ -76,7 +76,9 @@ def picture(bench: Bench, asked: Mapping[str, str]) -> bytes:
 async def _at_rest(bench: Bench, campaign: str) -> None:
     assert bench.desk is not None
     found = await bench.away(scene.scene, bench.desk, campaign)
-    await _put(bench, Turntable(found.bodies, found.sensors), f"{campaign}: structure and sensors", found.note)
+    await _put(
+        bench, Turntable(found.bodies, found.sensors), f"{campaign}: structure and sensors", f"{found.title}. {found.note}"
+    )
 
 
 async def _swinging(bench: Bench, campaign: str, number: int) -> None:

@@ -64,27 +64,14 @@ async def chosen(bench: Bench, effect: str | None) -> None:
 
 
 async def drag(bench: Bench, key: str, at: float) -> None:
-    """A slider moves: the curve follows, the last place of it first; what lies between is left out."""
+    """A slider moves: the curve follows to where it is, and what lies between is left out; at rest every line is computed."""
     slider = _slider(bench, key)
     if slider is None:
         return
     bench.sizes[key] = value(slider, at)
     bench.exact = False
-    _show_sizes(bench)
     if bench.dragging is None or bench.dragging.done():
         bench.dragging = bench.begin(_followed(bench))
-
-
-async def dropped(bench: Bench, key: str, at: float) -> None:
-    """It is let go: every line of the data is computed."""
-    slider = _slider(bench, key)
-    if slider is None:
-        return
-    bench.sizes[key] = value(slider, at)
-    bench.exact = True
-    _show_sizes(bench)
-    await follow(bench)
-    keep(bench)
 
 
 async def size(bench: Bench, key: str, typed: str) -> None:
@@ -137,7 +124,7 @@ def position(slider: Slider, size: float) -> int:
 
 
 async def _followed(bench: Bench) -> None:
-    """Follow the slider until it rests, whether it was let go (which the keyboard does not tell) or not; then to every line."""
+    """Follow the slider until it rests, whether it was let go (which a keyboard does not tell) or not; then every line."""
     while not bench.exact:
         await _chased(bench)
         rests = dict(bench.sizes)
@@ -168,8 +155,9 @@ async def _chased(bench: Bench) -> None:
                 "y": [np.float32(one).astype(float).tolist() for one in curves],
                 "number": bench.drags,
             }
-        _answer(bench, _said(found, bench.table.at))
-        state.flush()
+        sizes = _sliders(bench, effect)
+        state.effect = {**state.effect, "sliders": sizes, "answer": _said(found, bench.table.at)}
+        state.flush()  # all at once: each word to the page has it laid out anew
 
 
 def _said(found: WhatIf, at: str) -> str:

@@ -94,7 +94,10 @@ def _tell(told: int, port: int) -> None:
 def _first_line() -> bytes:
     line = b""
     while not line.endswith(b"\n"):
-        line += os.read(0, 65536)
+        some = os.read(0, 65536)
+        if not some:
+            raise SystemExit("the door is gone")
+        line += some
     return line
 
 

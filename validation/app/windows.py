@@ -14,7 +14,7 @@ import signal
 import sys
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from secrets import token_urlsafe
+from secrets import token_hex, token_urlsafe
 from typing import TYPE_CHECKING
 
 from geometry.errors import CheckFailed
@@ -69,7 +69,18 @@ class Windows:
     emptied: Callable[[], None] = lambda: None
     secret: str = field(default_factory=lambda: token_urlsafe(32))
     _by_name: dict[str, asyncio.Task[Window]] = field(default_factory=dict)
+    _spare: str = ""
     _beside: set[asyncio.Task[None]] = field(default_factory=set)
+
+    def ready(self) -> None:
+        """Let a process start before its page is asked for: it then stands there at once."""
+        self._spare = token_hex(9)
+        self._by_name[self._spare] = asyncio.ensure_future(self._started(self._spare))
+
+    def new(self) -> str:
+        """The name of a window that no page has yet."""
+        name, self._spare = self._spare or token_hex(9), ""
+        return name
 
     async def window(self, name: str) -> Window:
         """The window called `name`, its process started if there is none.
@@ -82,7 +93,10 @@ class Windows:
         if task is None or (task.done() and not _alive(task)):
             task = asyncio.ensure_future(self._started(name))
             self._by_name[name] = task
-        return await asyncio.shield(task)
+        window = await asyncio.shield(task)
+        if window.pages == 0 and window.ends is None:
+            self._end_in(NEVER_OPENED, window)
+        return window
 
     def is_open(self, name: str) -> bool:
         """Whether a page holds the window called `name`."""
@@ -120,7 +134,6 @@ class Windows:
         folder.mkdir(mode=0o700, exist_ok=True)
         process, port = await _spawned(folder, self.secret, self.opened)
         window = Window(process=process, port=port)
-        self._end_in(NEVER_OPENED, window)
         self._run(self._watched(window))
         return window
 
@@ -160,7 +173,11 @@ async def _spawned(folder: Path, secret: str, opened: Opened) -> tuple[asyncio.s
         os.close(write_end)
     assert process.stdin is not None
     process.stdin.write(json.dumps({"secret": secret, "opened": asdict(opened)}).encode() + b"\n")
-    return process, await _port(process, read_end, log)
+    try:
+        return process, await _port(process, read_end, log)
+    except BaseException:  # cancelled, too: nobody else knows this process yet
+        _end_group(process)
+        raise
 
 
 async def _port(process: asyncio.subprocess.Process, read_end: int, log: Path) -> int:
@@ -176,8 +193,6 @@ async def _port(process: asyncio.subprocess.Process, read_end: int, log: Path) -
     finally:
         transport.close()
     if not said:
-        _end_group(process)
-        await process.wait()
         raise CheckFailed(f"the window's process did not start: {_last_line(log)}", log=log.read_text(errors="replace"))
     return int(said)
 

@@ -17,7 +17,8 @@ a picture; a face (`validation.app`) asks, shows and owns no physics. What takes
 | `diagnosing` | - | `diagnosed`, `diagnosis` |
 | `explaining` | `Explained`, `Shown` | `explained` |
 | `climbing` | - | `added`, `ladder`, `undone`, `gone_to` |
-| `whatif` | `Table`, `WhatIf` | `table`, `what_if` |
+| `table` | `Table` | `table` |
+| `whatif` | `WhatIf`, `Trace` | `what_if` |
 | `sliders` | `Effect`, `Slider` | `reaching`, `sliders` |
 | `saving` | - | `model_text`, `ladder_text`, `save` |
 """

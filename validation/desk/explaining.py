@@ -9,6 +9,7 @@ from typing import Any
 
 from validation.desk.desk import Desk
 from validation.desk.diagnosing import diagnosis
+from validation.diagnosing import figures
 from validation.diagnosing.diagnosis import Advice
 from validation.effects.catalogue import FAMILIES
 from validation.effects.identifiers import Named, parse
@@ -25,6 +26,7 @@ class Shown:
     key : empty for the one that stands alone
     value, low, high : SI; the last two a 90 % interval, equal to the value where it was not fitted
     unit : SI; "1" for a ratio
+    text : value and interval as a laboratory says them: "+7.93 % (+7.69 to +8.17)"
     """
 
     key: str
@@ -32,6 +34,7 @@ class Shown:
     low: float
     high: float
     unit: str
+    text: str
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,7 +89,7 @@ def explained(of: Desk, effect: str) -> Explained:
         text=family.sentence.format(target=named.target, targets=" and ".join(named.targets)),
         equation=family.equation,
         reference=family.reference,
-        sizes=tuple(_shown(one) for one in tried.get("values", ())),
+        sizes=tuple(_shown(named.family, one) for one in tried.get("values", ())),
         evidence=tried.get("evidence_nats"),
         aliases=_aliases(found, named),
         mistaken_for=family.mistaken_for,
@@ -103,9 +106,11 @@ def _tried(found: Mapping[str, Any], id: str) -> Mapping[str, Any]:
     return next((one for one in every if one["id"] == id), nothing)
 
 
-def _shown(one: Mapping[str, Any]) -> Shown:
-    low, high = one["interval90"]
-    return Shown(key=one["key"], value=one["value"], low=low, high=high, unit=one["unit"])
+def _shown(family: str, one: Mapping[str, Any]) -> Shown:
+    key, value, unit, (low, high) = one["key"], one["value"], one["unit"], one["interval90"]
+    (middle, least, most), shown = figures.written(family, key, unit, (value, low, high))
+    text = figures.with_unit(middle, shown) + (f" ({least} to {most})" if low < high else "")
+    return Shown(key=key, value=value, low=low, high=high, unit=unit, text=text)
 
 
 def _aliases(found: Mapping[str, Any], named: Named) -> tuple[str, ...]:

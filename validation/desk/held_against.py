@@ -76,10 +76,10 @@ def ground(of: Desk, progress: Progress | None = None) -> Ground:
     model, asked = model_of(of), of.asked
     series = made(of, model, progress)
     classical = tuple(path for path in asked.data if not Path(path).is_dir())
-    said = facts(model, classical)
+    said = facts(model, classical)  # read once: records are fitted on the way
 
     def problem(other: Model) -> Problem:
-        own = said if other is model else facts(other, classical)
+        own = tuple(fact.with_effects(other.effects) for fact in said)
         return Problem(tuple(one.with_effects(other.effects) for one in series), own)
 
     whole = problem(model)

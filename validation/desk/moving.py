@@ -77,7 +77,12 @@ def _require_same(before: str, after: str, model: Path, to: Path) -> None:
     def own(text: str, at: Path) -> dict[str, Path]:
         return {name: Path(path).resolve() for name, path in reading.of_text(text, str(at)).own.items()}
 
-    if own(before, model) != own(after, to):
+    known = own(before, model)
+    try:
+        same = own(after, to) == known
+    except BadInput:  # a path that leads nowhere from there
+        same = False
+    if not same:
         problem = (
             "the paths of your own models do not stand one a line in [structure.own], and cannot be said from another folder"
         )

@@ -22,15 +22,16 @@ ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 
 Object = Mapping[str, Any]
 
-
-def tolerances(found: Diagnosis) -> dict[str, float | None]:
-    """By parameter of its fits what was known of it beforehand, None for nothing: what their JSON lacks to be retold."""
-    fits = (found.before.plain_fit, found.before.fitted, found.after.plain_fit, found.after.fitted)
-    every = {one.name: one.tolerance for fit in fits for one in fit.parameters}
-    return {name: None if value == inf else value for name, value in every.items()}
+Known = Mapping[str, float | None]
 
 
-def diagnosis(said: Object, known: Mapping[str, float | None]) -> Diagnosis:
+def tolerances(found: Diagnosis) -> dict[str, dict[str, float | None]]:
+    """Before and after, by parameter what was known of it beforehand, None for nothing: what the JSON of fits lacks."""
+    both = {"before": found.before, "after": found.after}
+    return {when: {one.name: _or_none(one.tolerance) for one in of.fitted.parameters} for when, of in both.items()}
+
+
+def diagnosis(said: Object, known: Mapping[str, Known]) -> Diagnosis:
     """The diagnosis whose JSON is `said`; `known` are its `tolerances`.
 
     Raises
@@ -38,7 +39,7 @@ def diagnosis(said: Object, known: Mapping[str, float | None]) -> Diagnosis:
     KeyError, TypeError, ValueError : it is not whole.
     """
     errors = said["errors"]
-    before = _evaluation(said["before"], errors, "before", known)
+    before = _evaluation(said["before"], errors, "before", known["before"])
     accepted = tuple(map(_cause, said["accepted"]))
     described = said["leftover_described"]
     return Diagnosis(
@@ -52,7 +53,7 @@ def diagnosis(said: Object, known: Mapping[str, float | None]) -> Diagnosis:
         detectable=tuple(_detectable(one) for one in said["detectable"]),
         levels=tuple(map(_level, said["levels"])),
         before=before,
-        after=_evaluation(said["after"], errors, "after", known) if accepted else before,
+        after=_evaluation(said["after"], errors, "after", known["after"]) if accepted else before,
         steps=tuple(map(_step, said["steps"])),
         hold_out=tuple(said["held_out"]),
         remarks=tuple(said["warnings"]),
@@ -122,7 +123,7 @@ def _step(one: Object) -> Step:
     )
 
 
-def _evaluation(one: Object, errors: Object, when: str, known: Mapping[str, float | None]) -> Evaluation:
+def _evaluation(one: Object, errors: Object, when: str, known: Known) -> Evaluation:
     plain = Share(
         percent=errors[f"plain_{when}_percent"],
         by_channel=one["plain_percent_by_channel"],
@@ -144,7 +145,7 @@ def _share(percent: float | None, by_fold: Mapping[str, float]) -> Share | None:
     return None if percent is None else Share(percent=percent, by_fold=by_fold)
 
 
-def _fit(one: Object, known: Mapping[str, float | None]) -> Fit:
+def _fit(one: Object, known: Known) -> Fit:
     said = one["parameters"]
     parameters = tuple(
         Parameter(name=name, unit="", tolerance=inf if known[name] is None else float(known[name] or 0.0), kind=each["kind"])
@@ -162,6 +163,10 @@ def _fit(one: Object, known: Mapping[str, float | None]) -> Fit:
         log_evidence=_number(one["log_evidence_nats"]),
         converged=one["converged"],
     )
+
+
+def _or_none(value: float) -> float | None:
+    return None if value == inf else value
 
 
 def _number(value: float | None) -> float:

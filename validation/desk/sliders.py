@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from types import MappingProxyType
 
-from validation.desk.whatif import Table, Tested
+from validation.desk.table import Table, Tested
 from validation.diagnosing import figures
 from validation.effects.catalogue import FAMILIES
 from validation.effects.described import examples
@@ -175,7 +175,7 @@ def _slider(family: Family, size: Size, start: float, typical: float | None) -> 
 
 
 def ends(size: Size, typical: float | None) -> tuple[float, float, bool]:
-    """Least and greatest of a slider, SI, and whether it is one of factors; `typical` is a size that is likely, if one is known."""
+    """Ends of a slider, SI, and whether it is one of factors; `typical` is a size that is likely, if one is known."""
     if size.whole:
         return size.low, size.high, False
     if size.low > 0:

@@ -16,7 +16,7 @@ from types import FrameType
 from typing import Any
 
 from geometry.errors import BadInput, CheckFailed
-from validation.desk.desk import Desk, opened
+from validation.desk.desk import Asked, Desk, opened
 from validation.desk.jobs import ADD, COMPARE, DIAGNOSE, DONE, FAILED, REPORT, Job, tell
 
 Progress = Callable[[str, float], None]
@@ -34,10 +34,10 @@ def work(folder: str, kind: str, asked: dict[str, Any], watch: Connection) -> No
     signal.signal(signal.SIGTERM, _ended)
     threading.Thread(target=_end_with, args=(watch,), daemon=True).start()
     began = time.monotonic()
-    of = opened(folder)
+    of = Desk(folder=Path(folder), asked=Asked(model="", data=()))  # what it was asked is read where a fault is told
     told = _Told(of, Job(kind=kind, asked=asked))
     try:
-        _verb(kind)(of, asked, told.hear)
+        _verb(kind)(opened(folder), asked, told.hear)
         end = replace(told.job, state=DONE, share=1.0)
     except (BadInput, CheckFailed) as error:
         end = replace(told.job, state=FAILED, error=str(error))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array, frozen
+from geometry.errors import CheckFailed
 from validation.pictures.bodies import DrawnBody
 from validation.pictures.labels import Label, arranged
 from validation.pictures.mode_scene import colour_map
@@ -69,6 +71,13 @@ class Turn:
     share: float = 1.0
 
 
+def ready() -> None:
+    """Try whether anything can be rendered here, which takes a second or more the first time; what is wrong is said when a
+    picture is asked for."""
+    with suppress(CheckFailed), off_screen():
+        pass
+
+
 class Turntable:
     """Bodies at rest with sensors on them, or bodies that swing in a mode."""
 
@@ -76,6 +85,7 @@ class Turntable:
         self._bodies, self._sensors, self._scale = tuple(bodies), tuple(sensors), scale
         self._length = ARROW * _extent(sensors, bodies)
         self._points = _points(bodies, sensors, self._length, scale)
+        self._near = np.mean([one.position for one in sensors], axis=0) if sensors else None
         self._stages: dict[bool, _Stage] = {}
 
     def jpeg(self, turn: Turn) -> bytes:
@@ -86,7 +96,7 @@ class Turntable:
         CheckFailed : nothing can be rendered on this machine.
         """
         turn = replace(turn, size=_within(turn.size))
-        view = turned(fitted(self._points, turn.size, MARGIN), turn, self._points)
+        view = turned(fitted(self._points, turn.size, MARGIN), turn, self._points, self._near)
         with off_screen():
             stage = self._stages.get(turn.dark)
             if stage is None:
@@ -153,6 +163,7 @@ class _Stage:
                 _arrows(plotter, arrows)
         for plotter in self._plotters:
             _light(plotter)
+            plotter.show(auto_close=False)  # from here on it draws when it is told to
 
     @property
     def _plotters(self) -> list[Plotter]:
@@ -165,10 +176,10 @@ class _Stage:
                 mesh.points = body.vertices + share * self._scale * body.displacement
         for plotter in self._plotters:
             _look(plotter, view)
-        whole = np.asarray(self._whole.screenshot(return_img=True))[..., :3]
+        whole = _shot(self._whole)[..., :3]
         if self._above is None:
             return whole
-        above = np.asarray(self._above.screenshot(return_img=True, transparent_background=True))
+        above = _shot(self._above, transparent_background=True)
         alpha = SHINES * above[..., 3:] / 255.0
         return np.round(whole * (1 - alpha) + above[..., :3] * alpha).astype(np.uint8)
 
@@ -186,8 +197,15 @@ class _Stage:
                 _still(self._whole, body, colour[body.material], dark)
 
 
-def turned(view: View, turn: Turn, points: Array) -> View:
-    """`view` turned about the middle of what it shows, never over the top, and as near as `turn` says."""
+def _shot(plotter: Plotter, **how: Any) -> Image:
+    """What the window shows now: left alone, a screenshot is of what was drawn last, by the camera before this one."""
+    plotter.render()
+    return np.asarray(plotter.screenshot(return_img=True, **how))
+
+
+def turned(view: View, turn: Turn, points: Array, near: Array | None = None) -> View:
+    """`view` turned about the middle of what it shows, never over the top, and as near as `turn` says; from close by it looks at
+    the point `near`, where sensors are, and not at the middle of a mast."""
     start = np.degrees(np.arcsin(np.clip(view.towards[2], -1, 1)))
     azimuth = np.arctan2(view.towards[1], view.towards[0]) + np.radians(turn.azimuth)
     elevation = np.radians(np.clip(start + turn.elevation, -89.0, 89.0))
@@ -196,6 +214,8 @@ def turned(view: View, turn: Turn, points: Array) -> View:
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     first = not (turn.azimuth or turn.elevation)
     centre = view.centre if first else (points.min(axis=0) + points.max(axis=0)) / 2
+    if near is not None:
+        centre = centre + max(0.0, 1 - 1 / turn.zoom) * (near - centre)
     return View(
         right=frozen(right, (3,), "right"),
         up=frozen(np.cross(towards, right), (3,), "up"),

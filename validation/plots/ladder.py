@@ -47,7 +47,7 @@ def falling_errors(at: Standing, *, dark: bool = False) -> Figure:
     names = [f"{one.number}  {escaped(_cut(one.title))}" for one in way]
     depth = max((len(at.ladder.path(one.number)) for one in at.ladder.rungs), default=1)
     figure.update_xaxes(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(depth - 1, 1) + 0.35])
-    for row, (group, title) in enumerate(((UPPER, "error [%]"), (LOWER, "all tolerances fitted")), start=1):
+    for row, (group, title) in enumerate(((UPPER, "error [%]"), (LOWER, "all fitted [1]")), start=1):
         figure.update_yaxes(title_text=title, **_range(at, group), row=row, col=1)
     figure.add_hline(1.0, line={"dash": "dash", "width": 1}, row=2, col=1)
     for k, one in enumerate(way[1:], start=1):
@@ -122,7 +122,7 @@ def _range(at: Standing, group: Sequence[Error]) -> dict[str, Any]:
     told = [tell(one.errors) for one in at.ladder.rungs if one.errors is not None for _, _, tell in group]
     sizes = [one for one in told if one is not None and one > 0] or [1.0]
     low, high = log10(min(sizes)), log10(max(sizes))
-    room = 0.16 * max(high - low, 0.4)
+    room = 0.22 * max(high - low, 0.4)
     return decades(low - room, high + room)
 
 

@@ -13,7 +13,7 @@ from validation.article_reference import is_stack, reference
 from validation.campaigns.sensor_map import draw
 from validation.identifying.asked import Asked
 from validation.identifying.findings import Findings
-from validation.identifying.known import above_fmd
+from validation.identifying.known import FMD, above_fmd
 from validation.identifying.run import identified
 from validation.models.model import Model
 from validation.report.articles import drawing_of, drawn
@@ -73,7 +73,9 @@ def _sensors(one: Campaign, missing: list[str]) -> Picture | None:
 
 
 def _reference(found: Findings, model: Model) -> Statement | None:
-    """Of what was identified, as it is drawn; None where it is no built-in article and no drawing is known."""
+    """Of what was identified, as it is drawn; None where no drawing is known, and with an FMD that the model knows otherwise."""
+    if found.article.split("+")[0] == FMD and model.fmd is not None:
+        return None
     changes = model.changes if is_stack(found.article) else {}
     source = drawing_of(found.article, model)
     if not source:

@@ -45,7 +45,7 @@ def upgrade(bench: Any, path: str, **headers: str) -> int:
 def test_without_the_token_nothing_is_shown_and_nothing_is_started(bench: Any) -> None:
     for path in ("/", "/w/abcdefgh/", "/w/abcdefgh/index.html", "/?token=", "/?token=wrong", "/anything"):
         assert answer(bench, path).status == 401, path
-    assert not bench.descendants()
+    assert len(bench.descendants()) <= 1  # the one that stands ready
 
 
 def test_a_token_is_good_once_and_leaves_no_trace_in_the_address(bench: Any, cookie: str) -> None:
@@ -94,7 +94,7 @@ def test_a_websocket_without_the_cookie_is_refused(bench: Any) -> None:
 def test_a_window_is_no_path(bench: Any, cookie: str) -> None:
     for name in ("..", "%2e%2e", "..%2f..%2fetc", "short", "x" * 65):
         assert answer(bench, f"/w/{name}/", Cookie=cookie).status in (400, 404), name
-    assert not bench.descendants()
+    assert len(bench.descendants()) <= 1
 
 
 def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: Any, cookie: str) -> None:
@@ -108,8 +108,9 @@ def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: A
 
 
 def test_a_windows_own_port_answers_the_door_only(bench: Any, cookie: str) -> None:
+    before = bench.descendants()
     assert answer(bench, "/w/abcdefgh/index.html", Cookie=cookie).status == 200
-    (window,) = bench.descendants()
+    (window,) = set(bench.descendants()) - set(before)
     own = http.client.HTTPConnection("127.0.0.1", listening(window), timeout=20)
     own.request("GET", "/index.html", headers={"Cookie": cookie})
     assert own.getresponse().status == 403

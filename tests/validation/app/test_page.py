@@ -93,6 +93,7 @@ def test_names_of_dropped_files_go_nowhere(empty: Any, bench: Any) -> None:
 
 def test_names_in_a_campaign_are_text(page: Any, bench: Any) -> None:
     assert EVIL in page.inner_text("header")
+    page.locator(".note", has_text=f"{EVIL} of fmd+cuboid").wait_for()
     assert page.locator("img").count() == 0
     assert "49" not in page.inner_text("header")
     assert page.locator("#overlay .gtitle").text_content().count("<img") == 1
@@ -155,9 +156,9 @@ def test_a_slider_moves_the_curve_and_comes_to_rest_at_every_line(page: Any, sho
     page.get_by_role("tab", name="What if").click()
     page.locator("#try").fill("force-gain:fmd-z1")
     page.locator(".v-list-item", has_text="force-gain:fmd-z1").first.click()
-    page.locator(".what-if [role=slider]").wait_for()
+    page.locator("input.what-if").wait_for()
     page.wait_for_function("() => document.querySelector('#overlay').data.some((one) => one.name === 'with force-gain:fmd-z1')")
-    page.locator(".what-if [role=slider]").focus()
+    page.locator("input.what-if").focus()
     page.keyboard.press("ArrowRight")
     page.wait_for_function("() => Number(document.querySelector('#overlay').dataset.live) > 0")
     page.get_by_label("relative gain of a force channel [%]").fill("10")

@@ -86,6 +86,7 @@ def test_a_port_that_is_taken_is_said_in_words(start_app: Any, massline: Any) ->
         (["nowhere.toml", "nowhere"], "no such file"),
         (["nowhere.toml"], "nothing stands behind the model"),
         (["--example", "block", "a.toml", "b"], "an example brings its own"),
+        (["--example", "blok"], "Known are block"),
     ],
 )
 def test_what_cannot_be_opened_is_said_before_anything_is_served(massline: Any, arguments: list[str], said: str) -> None:

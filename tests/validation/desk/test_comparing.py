@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from validation.comparing.as_json import as_json
 from validation.comparing.compared import compared
 from validation.comparing.gathered import gathered
-from validation.desk import comparing, entries, jobs
+from validation.desk import comparing, entries
 from validation.desk.desk import Desk
 from validation.desk.entries import Cell
 from validation.models import reading
@@ -103,13 +103,3 @@ def test_the_worst_spot_is_an_entry_to_begin_with(worked: Any) -> None:
     assert found.campaign == "fmd+cuboid"
     assert worked.compared.summary["worst"][0]["channel"] == "fmd-z2"
     assert found.load in (2, 3, 4)
-
-
-def test_a_worker_compares_as_well(worked: Any, fresh: Callable[[str], Desk]) -> None:
-    desk = fresh("by-worker")
-    for path in desk.found.iterdir():
-        path.unlink()
-    assert jobs.start(desk, jobs.COMPARE).wait(60).state == jobs.DONE
-    shown = comparing.comparison(desk)
-    assert shown is not None
-    assert shown.summary["plain_error_percent"] == worked.compared.summary["plain_error_percent"]

@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import pytest
 from geometry.errors import BadInput
 from validation.desk import comparing, jobs
 from validation.desk.desk import Desk, opened
-from validation.desk.jobs import CANCELLED, COMPARE, DIAGNOSE, DONE, FAILED, RUNNING, Job, Worker
+from validation.desk.jobs import ADD, CANCELLED, COMPARE, DIAGNOSE, DONE, FAILED, RUNNING, Job, Worker
 
 ORPHANED = """
 import os, sys
@@ -131,10 +130,15 @@ def test_progress_is_heard(worked: Any) -> None:
     assert {"fitting", "maps"} <= set(worked.heard)
 
 
-def test_a_failure_that_nobody_foresaw_is_written_down(fresh: Callable[[str], Desk]) -> None:
-    desk = fresh("broken")
-    (desk.folder / "found").rename(desk.folder / "lost")
-    (desk.folder / "found").write_text("no folder")
-    found = jobs.start(desk, COMPARE).wait(60)
+def test_a_failure_that_nobody_foresaw_is_told_and_written_down(bare: Desk) -> None:
+    found = jobs.start(bare, ADD).wait(60)  # nobody says which effect
     assert found.state == FAILED
-    assert found.error
+    assert "nobody foresaw" in found.error
+    assert "KeyError" in (bare.folder / "job.log").read_text()
+
+
+def test_a_desk_that_is_damaged_is_told_in_words(bare: Desk) -> None:
+    (bare.folder / "desk.json").write_text("{")
+    found = jobs.start(bare, COMPARE).wait(60)
+    assert found.state == FAILED
+    assert "desk.json cannot be read" in found.error

@@ -14,7 +14,6 @@ from validation.comparing.gathered import gathered
 from validation.desk import sliders, whatif
 from validation.desk.desk import Desk, begun
 from validation.desk.examples import Series
-from validation.desk.sliders import Effect
 from validation.desk.whatif import Table, Trace, WhatIf, what_if
 from validation.effects.catalogue import FAMILIES
 from validation.effects.described import examples
@@ -85,7 +84,7 @@ def test_released_it_is_the_prediction(table: Table, predicted: Any, effect: str
         expected = by_least_squares(one, tested, table.offsets)
         assert_allclose(trace.matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())  # 6 x 6 inverted twice
         assert np.array_equal(trace.after, trace.matrix[:, 2, 4])
-        assert trace.reached == (not np.array_equal(trace.before, trace.after))
+        assert trace.reached or np.array_equal(trace.before, trace.after)
 
 
 @pytest.mark.parametrize("effect", TRIED)
@@ -95,7 +94,7 @@ def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: Table, e
     assert dragged.exact
     for one, other in zip(dragged.traces, released.traces, strict=True):
         assert_allclose(one.matrix, other.matrix, rtol=1e-9, atol=1e-12 * np.abs(other.matrix).max())
-    assert dragged.plain_percent == pytest.approx(released.plain_percent, rel=0.25)  # at every eighth line
+    assert dragged.plain_percent == pytest.approx(released.plain_percent, rel=0.25)  # at every twelfth line
 
 
 @pytest.mark.parametrize("effect", ["saturation:fmd-z2=0.1", "gap:2=50", "sweep-bias", "friction:flange:x=3"])
@@ -119,20 +118,46 @@ def test_no_effect_changes_nothing(table: Table) -> None:
         assert_allclose(one.after, one.before, rtol=1e-9)
 
 
-def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(worked: Any) -> None:
-    of = whatif.table(worked.desk)
-    right, wrong = (what_if(of, f"force-gain:fmd-z2={size}", 2, 2) for size in (0.08, -0.08))
-    assert right.plain_percent < 0.7 * right.before_percent < wrong.plain_percent
-    assert right.before_percent == wrong.before_percent
+@pytest.fixture(scope="module")
+def fitted(worked: Any) -> Table:
+    """Of the block that was compared."""
+    return whatif.table(worked.desk)
 
 
-def test_it_begins_where_the_comparison_ended(worked: Any) -> None:
-    of = whatif.table(worked.desk)
-    assert of.at == whatif.FITTED
-    shown = what_if(of, "force-gain:fmd-z2=0.08", 0, 0)
+def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: Table) -> None:
+    """What the plain fit had taken up of the fault goes with it: else the right size would count twice, and seem wrong."""
+    right, wrong = (what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2) for size in (0.08, -0.08))
+    assert right.followed
+    assert right.plain_percent < 0.3 * right.before_percent
+    assert wrong.plain_percent > 1.5 * wrong.before_percent
+    alone = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2, follow=False)
+    assert not alone.followed
+    assert alone.plain_percent > alone.before_percent
+
+
+def test_what_follows_a_slider_arrives_where_it_is_released(fitted: Table) -> None:
+    sizes = (0.02, 0.04, 0.06, 0.08)
+    dragged = [what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2, exact=False).plain_percent for size in sizes]
+    released = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2).plain_percent
+    assert dragged == sorted(dragged, reverse=True)
+    assert dragged[-1] == pytest.approx(released, rel=0.3)
+
+
+def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted: Table) -> None:
+    shown = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2)
+    effects = (Added(named=parse("force-gain:fmd-z2=0.08", fitted.words), fixed=True),)
+    (tested,) = fitted.tested
+    expected = by_least_squares(tested.prediction.with_effects(effects), tested, shown.offsets)
+    assert_allclose(shown.traces[0].matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())
+
+
+def test_it_begins_where_the_comparison_ended(worked: Any, fitted: Table) -> None:
+    assert fitted.at == whatif.FITTED
+    shown = what_if(fitted, "force-gain:fmd-z2=0", 0, 0)
     assert shown.before_percent == pytest.approx(worked.compared.summary["plain_error_percent"], rel=1e-9)
+    assert shown.plain_percent == pytest.approx(shown.before_percent, rel=1e-3)  # the fit had ended there
     pairs = worked.compared.maps[0].pairs
-    assert_allclose(of.tested[0].entries, pairs.predicted, rtol=1e-6, atol=1e-8 * np.abs(pairs.predicted).max())
+    assert_allclose(fitted.tested[0].entries, pairs.predicted, rtol=1e-6, atol=1e-8 * np.abs(pairs.predicted).max())
 
 
 def test_before_a_comparison_nothing_is_fitted(table: Table) -> None:
@@ -140,12 +165,11 @@ def test_before_a_comparison_nothing_is_fitted(table: Table) -> None:
 
 
 def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: Table) -> None:
-    """At both ends and where they begin: a legal size, and a number or words."""
-    for effect in one_a_family(table):
+    for effect in {one.family: one for one in reversed(sliders.reaching(table))}.values():
         for end in ("low", "start", "high"):
             written = effect.written({one.key: getattr(one, end) for one in effect.sliders})
             assert str(parse(written, table.words)) == written
-            assert np.isfinite(percent(table, written)) or end != "start"
+        assert np.isfinite(what_if(table, effect.written(), 0, 0, exact=False).plain_percent)
         for one in effect.sliders:
             assert one.low <= one.start <= one.high
             assert one.low < one.high
@@ -153,17 +177,18 @@ def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(tabl
             assert one.text(one.high)
 
 
-def one_a_family(table: Table) -> tuple[Effect, ...]:
-    return tuple({one.family: one for one in reversed(sliders.reaching(table))}.values())
+def test_a_size_that_leaves_no_body_is_refused_in_words(table: Table) -> None:
+    with pytest.raises(BadInput, match="no body is left"):
+        what_if(table, "rigid-inertia:m=-50", 0, 0)
 
 
-def percent(table: Table, written: str) -> float:
-    """Plain error; NaN where the model says that it breaks down at that size."""
-    try:
-        return what_if(table, written, 0, 0, exact=False).plain_percent
-    except CheckFailed as error:
-        assert "breaks down at that size" in str(error)
-        return np.nan
+def test_a_model_that_breaks_down_says_so(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*given: Any, **more: Any) -> None:
+        raise FloatingPointError("divide by zero")
+
+    monkeypatch.setattr(SeriesPrediction, "at", broken)
+    with pytest.raises(CheckFailed, match="breaks down at that size: divide by zero"):
+        what_if(table, "modulus:mast=0.1", 0, 0)
 
 
 def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
@@ -187,7 +212,7 @@ def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Desk, table: Ta
         model=replace(table.model, effects=(added,)),
         tested=tuple(replace(one, prediction=one.prediction.with_effects((added,))) for one in table.tested),
         offsets={**table.offsets, "force-gain:fmd-z2": 0.05},
-        _tried={},
+        dragged={},
     )
     effect = next(one for one in sliders.reaching(of) if one.id == "force-gain:fmd-z2")
     assert effect.in_model

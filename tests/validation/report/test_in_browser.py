@@ -100,6 +100,6 @@ def test_paper_is_light_and_without_controls(opened: Opened, page: Path, tmp_pat
         assert found.tab.evaluate("getComputedStyle(document.querySelector('section')).backgroundColor") == "rgb(255, 255, 255)"
         assert not found.tab.locator("button.copy").first.is_visible()
         assert not found.tab.locator("nav").is_visible()
-        found.tab.screenshot(path=tmp_path / "paper.png", full_page=True)
+        found.tab.screenshot(path=tmp_path / "paper.png")
         found.tab.evaluate("dispatchEvent(new Event('afterprint'))")
         assert found.tab.evaluate(SURFACE) == "#171b22"

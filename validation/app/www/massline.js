@@ -84,6 +84,29 @@
     },
   };
 
+  const REST = 800; // milliseconds after which a slider that was moved takes the server's word again
+
+  // A slider that goes with the hand, whatever is still being computed for where it was.
+  const Slider = {
+    props: { at: Number, label: String, text: String },
+    emits: ["drag"],
+    render() {
+      return h("input", {
+        ref: "root",
+        type: "range",
+        class: "what-if",
+        min: 0,
+        max: 1000,
+        step: 1,
+        "aria-label": this.label,
+        "aria-valuetext": this.text,
+        onInput: (event) => { this.moved = Date.now(); this.$emit("drag", Number(event.target.value)); },
+      });
+    },
+    mounted() { this.$refs.root.value = this.at; },
+    updated() { if (Date.now() - (this.moved ?? 0) > REST) this.$refs.root.value = this.at; },
+  };
+
   const FRAMES = 9; // from one end of the swing to the other
   const PACE = 70; // milliseconds a frame
 
@@ -325,6 +348,7 @@
     install(app) {
       app.component("MasslinePlot", Plot);
       app.component("MasslineView", View);
+      app.component("MasslineSlider", Slider);
       app.component("MasslineDrop", Drop);
       app.component("MasslineScheme", Scheme);
     },

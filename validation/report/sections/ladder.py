@@ -56,7 +56,14 @@ def _row(one: Rung, here: bool) -> list[Cell]:
     told = (None,) * 6 if of is None else (of.nominal, of.plain, of.held_out, of.chi2_per_dof, of.tolerance_z2, of.due_z2)
     parent = "" if one.parent is None else f"{one.parent}"
     name = f"{one.number} (here)" if here else f"{one.number}"
-    return [name, parent, one.title, *(number(each, ".4g") for each in told), number(one.gain, "+.1f"), one.when]
+    return [
+        name,
+        parent,
+        one.title,
+        *(number(each, ".4g") for each in told),
+        number(one.gain, "+.1f"),
+        one.when.replace("T", " ")[:16],
+    ]
 
 
 def _inertia(at: Standing, figures: Figures) -> list[Safe]:

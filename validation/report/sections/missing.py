@@ -67,7 +67,7 @@ def _ranking(found: Diagnosis) -> Safe:
         Column(head="price"),
         Column(head="so", words=True),
     ]
-    every = {one.id: one for one in (*found.accepted, *found.ranking)}.values()
+    every = {one.id: one for one in (*found.ranking, *found.accepted)}.values()  # as it was accepted
     ordered = sorted(every, key=lambda one: -one.evidence)
     rows = [line for one in ordered for line in _lines(found, one)]
     note = "From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong."

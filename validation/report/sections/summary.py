@@ -5,6 +5,7 @@ from __future__ import annotations
 from validation.comparing.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT, percent
 from validation.comparing.words import text
 from validation.diagnosing import words
+from validation.identifying.known import FMD
 from validation.report.figures import Figures
 from validation.report.markup import Safe, joined, tag
 from validation.report.nouns import CampaignPart, Report
@@ -54,7 +55,9 @@ def _missing(report: Report) -> Safe:
 
 
 def _inertia(report: Report) -> Safe:
-    told = [_identified(part) for part in report.campaigns if part.findings is not None]
+    known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
+    alone = [part for part, article in known if article.split("+")[0] != FMD]
+    told = [_identified(part) for part in alone or [part for part, _ in known]]
     return joined("Identified: ", *_between(told), ".") if told else joined("No inertia was identified from these data.")
 
 
@@ -68,11 +71,12 @@ def _identified(part: CampaignPart) -> Safe:
         return Safe("")
     best, mass = found.result, QUANTITIES[0]
     value, half = float(best.values[0]) * mass.per_si, float(best.half_width[0]) * mass.per_si
-    told = f"{found.article} weighs {rounded(value, half)} ± {rounded(half, half)} kg ({best.identified.way}, 95 %)"
+    carried = ", the FMD's moving part included," if found.article.split("+")[0] == FMD else ""
+    told = f"{found.article}{carried} weighs {rounded(value, half)} ± {rounded(half, half)} kg ({best.identified.way}, 95 %)"
     doubted = joined(", ", verdict(DOUBTFUL), f" since {found.doubts[0]}") if found.doubts else None
     known = None if part.reference is None else part.reference.values[0]
     if known is None:
         return joined(told, doubted)
     within = abs(value - known.value * mass.per_si) <= half + (known.tolerance or 0.0) * mass.per_si
     drawn = f", drawn {known.value * mass.per_si:.4g} kg, "
-    return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", FAILED), doubted)
+    return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", DOUBTFUL), doubted)
