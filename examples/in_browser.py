@@ -29,7 +29,7 @@ EFFECT_SEEN = "() => document.querySelector('#overlay').data.some((one) => (one.
 def report(page: Path, picture: Path, sections: Sequence[str] = ()) -> None:
     """The head of the report `page` and some of its sections by name, all without any, in a window of 1366 pixels."""
     with browser() as opened:
-        tab = opened.new_page(viewport={"width": 1366, "height": 1150})
+        tab = opened.new_page(viewport={"width": 1366, "height": 1500})
         tab.goto(page.resolve().as_uri())
         if sections:
             tab.locator("html[data-drawn]").wait_for(state="attached", timeout=PATIENCE)

@@ -140,4 +140,4 @@ def test_a_page_is_photographed_as_a_browser_shows_it(root: Path, tmp_path: Path
     monkeypatch.syspath_prepend(str(root / "examples"))
     (tmp_path / "page.html").write_text("<!doctype html><title>A page</title><h1>Mass</h1>", encoding="utf-8")
     runpy.run_path(str(root / "examples" / "in_browser.py"))["report"](tmp_path / "page.html", tmp_path / "page.png")
-    assert (tmp_path / "page.png").read_bytes()[16:24] == (1366).to_bytes(4, "big") + (1150).to_bytes(4, "big")
+    assert (tmp_path / "page.png").read_bytes()[16:24] == (1366).to_bytes(4, "big") + (1500).to_bytes(4, "big")
