@@ -60,6 +60,10 @@ def unit(load: int, motion: int) -> str:
     return UNITS[(load > 2) + (motion > 2)]
 
 
+SECOND_ROW = 20
+"""[pixels] that a legend takes when curves more than the usual ones are named in it."""
+
+
 def overlay(
     pairs: Pairs,
     load: int,
@@ -88,7 +92,8 @@ def overlay(
         figure.add_vline(marked, line={"color": THRESHOLD, "width": 1.5, "dash": "dash"})
     title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
     how: dict[str, Any] = {"hovermode": "x unified", "uirevision": escaped(f"{pairs.campaign} {load} {motion}")}
-    return dressed(figure, title, 470, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM}, **how)
+    room = LEGEND_ROOM + (SECOND_ROW if further else 0)
+    return dressed(figure, title, 470, dark, legend=legend_above(), margin={"t": TITLE_ROOM + room}, **how)
 
 
 def diagonal(

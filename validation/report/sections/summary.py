@@ -33,9 +33,11 @@ def _data(report: Report) -> Safe:
 def _errors(report: Report) -> Safe:
     _, plain, _, held = report.comparison.errors
     of = report.comparison.evaluation
-    seen = f", and on data that no fit has seen {percent(of.held_out.percent)} " if of.held_out is not None else ""
     told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
-    return joined(told, verdict(plain.verdict), seen, verdict(held.verdict) if seen else None, ".")
+    if of.held_out is None:
+        return joined(told, verdict(plain.verdict), ".")
+    seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
+    return joined(told, verdict(plain.verdict), seen, verdict(plain.verdict if held.verdict == GOOD else held.verdict), ".")
 
 
 def _worst(report: Report) -> Safe:
@@ -58,7 +60,16 @@ def _inertia(report: Report) -> Safe:
     known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
     alone = [part for part, article in known if article.split("+")[0] != FMD]
     told = [_identified(part) for part in alone or [part for part, _ in known]]
-    return joined("Identified: ", *_between(told), ".") if told else joined("No inertia was identified from these data.")
+    if not told:
+        return joined("No inertia was identified from these data.")
+    blind = (
+        " Identification knows no effects of the model; with them the ladder says what the data give." if _added(report) else ""
+    )
+    return joined("Identified: ", *_between(told), ".", blind)
+
+
+def _added(report: Report) -> bool:
+    return bool(report.comparison.effects)
 
 
 def _between(parts: list[Safe]) -> list[str]:
