@@ -21,6 +21,7 @@ from validation.comparing.pairs import Pairs
 from validation.desk.desk import Desk, digest
 from validation.desk.held_against import comparison as of_rung
 from validation.desk.held_against import ground, rung
+from validation.desk.recorded import DAMAGE
 from validation.ladders.climbing import read_text
 from validation.output import json_text
 
@@ -118,7 +119,7 @@ def comparison(of: Desk) -> Compared | None:
     """That of the model as it stands, if it was made; quick."""
     try:
         return _read(of.found)
-    except (OSError, ValueError, KeyError, TypeError):
+    except DAMAGE:
         return None
 
 
@@ -148,7 +149,7 @@ def _write(found: Comparison, loads: Sequence[Mapping[str, Sequence[int]]], fold
 
 def _read(folder: Path) -> Compared:
     summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    with np.load(folder / MAPS, allow_pickle=False) as held:
+    with (folder / MAPS).open("rb") as opened, np.load(opened, allow_pickle=False) as held:
         words = json.loads(held["words"].tobytes())
         maps = tuple(_map(said, held, k) for k, said in enumerate(words["maps"]))
     modes = tuple(tuple(NamedMode(**_tuples(mode)) for mode in each) for each in words["modes"])

@@ -7,11 +7,13 @@ one of these has changed, or the file is damaged, spectra are made again.
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -29,8 +31,10 @@ from validation.prediction.set_up import standing
 
 Progress = Callable[[str, float], None]
 
-FORMAT = 1
-MEASURED = ("frequency", "values", "noise", "judged")
+FORMAT = 2
+DAMAGE = (OSError, EOFError, ValueError, KeyError, TypeError, BadZipFile, zlib.error)
+"""What a file of arrays raises that is not there, not whole, or of another version."""
+
 DRIVE = ("amplitude", "nominal", "sweep_rate", "block")
 
 
@@ -73,7 +77,7 @@ def made(of: Desk, model: Model, progress: Progress | None = None) -> tuple[Seri
     BadInput, OSError : see `data_of`.
     """
     tell = progress or (lambda what, share: None)
-    with suppress(OSError, ValueError, KeyError, TypeError):
+    with suppress(*DAMAGE):
         return _kept(of, model)
     data = data_of(of, model, tell)
     found = predictions(
@@ -95,13 +99,16 @@ def keep(of: Desk, found: Sequence[SeriesPrediction]) -> None:
     write_with(of.spectra, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
 
 
-def _kept(of: Desk, model: Model) -> tuple[SeriesPrediction, ...]:
+def _kept(desk: Desk, model: Model) -> tuple[SeriesPrediction, ...]:
     """From the file; ValueError and the like where there is none that holds."""
-    with np.load(of.spectra, allow_pickle=False) as held:
+    with desk.spectra.open("rb") as opened, np.load(opened, allow_pickle=False) as held:
         head = json.loads(held["head"].tobytes())
-        if head["format"] != FORMAT or head["asked"] != _stamp(of):
+        if head["format"] != FORMAT or head["asked"] != _stamp(desk):
             raise ValueError("made from other data")
-        parts = [{name: held[f"{k}.{name}"] for name in (*MEASURED, *DRIVE, "per_rms")} for k in range(len(head["campaigns"]))]
+        parts = [
+            {name: held[f"{k}.{name}"] for name in (*said["arrays"], *DRIVE, "per_rms")}
+            for k, said in enumerate(head["campaigns"])
+        ]
     tested = [_tested(model, said, arrays) for said, arrays in zip(head["campaigns"], parts, strict=True)]
     return tuple(SeriesPrediction(tested=one, effects=model.effects) for one in tested)
 
@@ -109,13 +116,12 @@ def _kept(of: Desk, model: Model) -> tuple[SeriesPrediction, ...]:
 def _tested(model: Model, said: dict[str, Any], arrays: dict[str, Any]) -> Tested:
     campaign = campaign_file.read_description(said["source"])
     stands = standing(model, campaign)
-    words: dict[str, Any] = {name: tuple(said[name]) for name in ("runs", "axes", "channels")}
-    plain: dict[str, Any] = {name: said[name] for name in ("name", "configuration", "hardware")}
+    words: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in said["words"].items()}
     drives = zip(*(arrays[name] for name in DRIVE), strict=True)
     return Tested(
         model=model,
         campaign=replace(campaign, warnings=tuple(said["warnings"])),
-        measured=Measured(**plain, **words, **{name: arrays[name] for name in MEASURED}),
+        measured=Measured(**words, **{name: arrays[name] for name in said["arrays"]}),
         carried=carried(model, campaign, stands),
         drives=tuple(Drive(amplitude=a, nominal=n, sweep_rate=float(r), block=float(b)) for a, n, r, b in drives),
         per_rms=arrays["per_rms"],
@@ -125,20 +131,28 @@ def _tested(model: Model, said: dict[str, Any], arrays: dict[str, Any]) -> Teste
 
 
 def _head(of: Tested) -> dict[str, Any]:
-    measured = of.measured
+    """What is no array; of the spectra every field that there is, whatever is added to them."""
+    words, arrays = _told(of.measured)
     return {
         "source": of.campaign.source,
         "warnings": list(of.campaign.warnings),
         "method": of.method,
         "remarks": list(of.remarks),
-        **{name: getattr(measured, name) for name in ("name", "configuration", "hardware")},
-        **{name: list(getattr(measured, name)) for name in ("runs", "axes", "channels")},
+        "words": words,
+        "arrays": list(arrays),
     }
 
 
 def _arrays(of: Tested) -> dict[str, Any]:
     drives = {name: np.array([getattr(one, name) for one in of.drives]) for name in DRIVE}
-    return {**{name: getattr(of.measured, name) for name in MEASURED}, **drives, "per_rms": of.per_rms}
+    return {**_told(of.measured)[1], **drives, "per_rms": of.per_rms}
+
+
+def _told(measured: Measured) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Fields that JSON can hold, and arrays."""
+    every = {one.name: getattr(measured, one.name) for one in fields(measured)}
+    arrays = {name: value for name, value in every.items() if isinstance(value, np.ndarray)}
+    return {name: value for name, value in every.items() if name not in arrays}, arrays
 
 
 def _stamp(of: Desk) -> list[Any]:

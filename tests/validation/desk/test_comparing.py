@@ -1,6 +1,7 @@
 """What a window is shown of a comparison is what `massline compare` finds, and it is there again at once."""
 
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.testing import assert_allclose
 from validation.comparing.as_json import as_json
 from validation.comparing.compared import compared
 from validation.comparing.gathered import gathered
-from validation.desk import comparing, entries
+from validation.desk import comparing, entries, recorded
 from validation.desk.desk import Desk
 from validation.desk.entries import Cell
 from validation.models import reading
@@ -52,7 +53,7 @@ def test_a_comparison_is_there_after_a_reload_and_not_for_another_model(fresh: C
 
 def test_a_comparison_that_is_damaged_is_none(fresh: Callable[[str], Desk]) -> None:
     desk = fresh("damaged")
-    (desk.found / "maps.npz").write_bytes(b"PK")
+    (desk.found / "maps.npz").write_bytes((desk.found / "maps.npz").read_bytes()[:5000])
     assert comparing.comparison(desk) is None
 
 
@@ -103,3 +104,26 @@ def test_the_worst_spot_is_an_entry_to_begin_with(worked: Any) -> None:
     assert found.campaign == "fmd+cuboid"
     assert worked.compared.summary["worst"][0]["channel"] == "fmd-z2"
     assert found.load in (2, 3, 4)
+
+
+def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare: Desk) -> None:
+    model = recorded.model_of(bare)
+    (fresh,) = recorded.made(bare, model)
+    assert bare.spectra.exists()
+    (kept,) = recorded.made(bare, model)
+    for of, other in ((fresh.measured, kept.measured), *zip(fresh.tested.drives, kept.tested.drives, strict=True)):
+        for one in fields(of):
+            assert np.array_equal(getattr(of, one.name), getattr(other, one.name)), one.name
+    for one in fields(fresh.tested):
+        if one.name in ("per_rms", "method", "remarks"):
+            assert np.array_equal(getattr(fresh.tested, one.name), getattr(kept.tested, one.name))
+    assert np.array_equal(fresh.at({}, derivatives=False).rows, kept.at({}, derivatives=False).rows)
+
+
+def test_spectra_of_data_that_changed_are_made_again(bare: Desk) -> None:
+    model = recorded.model_of(bare)
+    recorded.made(bare, model)
+    bare.spectra.write_bytes(bare.spectra.read_bytes()[:1000])
+    heard: list[str] = []
+    recorded.made(bare, model, lambda what, share: heard.append(what))
+    assert "spectra" in heard

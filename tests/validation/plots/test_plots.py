@@ -26,8 +26,8 @@ MODE = NamedMode(name="first <mast> mode", frequency=12.0, damping_ratio=0.01)
 
 
 def pairs() -> Pairs:
-    """One resonance on every entry; xz is next to nothing in the model."""
-    H = np.ones((6, 6)) * (40 / (1 - (F / 12.2) ** 2 + 0.02j))[:, None, None]
+    """One resonance, of another size on every entry; xz is next to nothing in the model."""
+    H = np.arange(1.0, 37.0).reshape(6, 6) * (40 / (1 - (F / 12.2) ** 2 + 0.02j))[:, None, None]
     predicted = H.copy()
     predicted[:, 0, 2] = 1e-13
     some = np.full(H.shape, 0.1)
@@ -133,9 +133,9 @@ def test_names_from_files_are_no_markup(name: str) -> None:
 
 
 def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
-    figure = overlay.overlay(pairs(), 3, 3, further={"with it": 2 * pairs().predicted})
+    figure = overlay.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted})
     by_name = {trace.name: trace for trace in figure.data if trace.showlegend and trace.yaxis == "y"}
-    H = pairs().predicted[:, 3, 3]
+    H = pairs().predicted[:, 3, 5]
     assert_allclose(by_name["predicted"].y, np.abs(H), rtol=1e-6)
     assert_allclose(by_name["measured, Eqs. 9 to 11"].y, 1.1 * np.abs(H), rtol=1e-6)
     assert_allclose(by_name["with it"].y, 2 * np.abs(H), rtol=1e-6)
@@ -161,7 +161,7 @@ def test_an_entry_that_symmetry_makes_nothing_neither_sets_the_scale_nor_shows_a
 def test_the_band_is_two_standard_deviations_wide() -> None:
     figure = overlay.overlay(pairs(), 1, 1)
     low, high = (trace.y for trace in figure.data[:2])
-    assert_allclose(high - low, 4 * 0.1, rtol=1e-3)  # single precision at a resonance
+    assert_allclose(high - low, 4 * 0.1, rtol=1e-2)  # single precision at a resonance
 
 
 def test_a_map_keeps_its_worst_cell_and_leaves_unchecked_rows_empty() -> None:
@@ -172,6 +172,13 @@ def test_a_map_keeps_its_worst_cell_and_leaves_unchecked_rows_empty() -> None:
     assert np.isnan(heat.z[2]).all()
     quiet = maps.channel_map(channel_map(), 0).data[0]
     assert np.nanmax(quiet.customdata) == 0
+
+
+def test_a_map_of_pairs_names_load_first_and_motion_second() -> None:
+    heat = maps.pair_map(pairs()).data[0]
+    row = list(heat.y).index("zβ")
+    assert_allclose(heat.customdata[row], pairs().sigma[:, 2, 4], rtol=1e-6)
+    assert not np.allclose(heat.customdata[row], pairs().sigma[:, 4, 2])
 
 
 def test_levels_follow_the_bounds_of_the_scale() -> None:
