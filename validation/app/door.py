@@ -42,6 +42,7 @@ class Door:
     entry: Entry
     windows: Windows
     client: ClientSession
+    say: Callable[[str], None]
 
 
 def run(asked: Asked, say: Callable[[str], None]) -> None:
@@ -73,7 +74,7 @@ async def _served(asked: Asked, bound: socket.socket, home: Path, say: Callable[
     async with ClientSession(auto_decompress=False, timeout=patience, connector=connector) as client:
         windows = Windows(home=home, opened=asked.opened)
         place = Place(host=asked.host, port=bound.getsockname()[1])
-        door = Door(place=place, entry=Entry(), windows=windows, client=client)
+        door = Door(place=place, entry=Entry(), windows=windows, client=client, say=say)
         runner = web.AppRunner(application(door), access_log=None, shutdown_timeout=1.0)
         await runner.setup()
         await web.SockSite(runner, bound).start()
@@ -171,6 +172,7 @@ async def _shown(request: web.Request, door: Door) -> web.StreamResponse:
     try:
         window = await door.windows.window(name)
     except CheckFailed as error:
+        door.say(f"massline: {error}.")
         return _said(Refusal(status=503, text=str(error)))
     onward: dict[str, Any] = {"port": window.port, "path": request.match_info["path"], "secret": door.windows.secret}
     if not is_websocket(request):

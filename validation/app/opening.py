@@ -18,6 +18,9 @@ from validation.desk.handed import Handed
 from validation.pictures import turntable
 from validation.plots import theme
 
+WARMS_AFTER = 3.0
+"""Seconds in which a page is there and nobody has asked for a figure yet."""
+
 CURRENT = "current"
 """The file that names the desk in use."""
 
@@ -43,7 +46,8 @@ async def first(bench: Bench) -> None:
 
 
 async def _warmed(bench: Bench) -> None:
-    """Have the libraries of figures and pictures there before the first one is waited for."""
+    """Have the libraries of figures and pictures there before the first one is waited for; the page itself comes first."""
+    await asyncio.sleep(WARMS_AFTER)
     await asyncio.to_thread(theme.template, False)
     await bench.drawn(turntable.ready)
 

@@ -30,7 +30,7 @@ STARTS_WITHIN = 60.0
 LINGERS = 3.0
 """Seconds that a process stays after its last page was closed; a reload takes less than one."""
 
-NEVER_OPENED = 30.0
+NEVER_OPENED = 120.0
 """Seconds after which a process ends that was asked for by something that then never opened a page."""
 
 

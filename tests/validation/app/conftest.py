@@ -139,7 +139,9 @@ def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[...
         if bench.process.poll() is None:
             bench.interrupted()
         assert bench.process.stdout is not None
+        said = bench.process.stdout.read().decode()
         bench.process.stdout.close()
+        assert "did not start" not in said, said
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ def percent(page: Any, name: str) -> float:
 
 
 def test_compare_click_diagnose_add_undo_and_report(
-    start_app: Any, visit: Any, series: tuple[str, str], tmp_path: Path, script: Any, shot: Any
+    start_app: Any, visit: Any, series: tuple[str, str], tmp_path: Path, script: Any, shot: Any, chromium: Any
 ) -> None:
     model, data = series
     text = Path(model).read_text()
@@ -79,10 +79,11 @@ def test_compare_click_diagnose_add_undo_and_report(
         page.locator(".ready-link").click()
     report = tmp_path / "report.html"
     downloaded.value.save_as(report)
-    opened = page.context.new_page()
+    opened = chromium.new_context().new_page()  # from disk, as whoever it is sent to opens it
     opened.goto(report.as_uri())
     assert "massline" in opened.content()
     shot(opened, "report")
+    opened.context.close()
 
 
 def curve(page: Any, name: str) -> None:
