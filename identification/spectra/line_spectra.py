@@ -26,6 +26,7 @@ class Spectra:
     runs : (r,) names
     axes : (r,) of `MOTIONS`, empty for a pattern of several axes
     method : "full-record", "peak-reference-hold", or "spectra" where the files held spectra
+    noise_scatter : relative standard deviation of the noise's power at one line; 0 where it is not known
     noise_spread : relative standard deviation of the noise's power, all channels and lines together; 0 where it is not known
     warnings : sentences
     """
@@ -38,6 +39,7 @@ class Spectra:
     runs: tuple[str, ...]
     axes: tuple[str, ...]
     method: str = "full-record"
+    noise_scatter: float = 0.0
     noise_spread: float = 0.0
     warnings: tuple[str, ...] = ()
 

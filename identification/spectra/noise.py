@@ -74,10 +74,26 @@ def density(campaign: Campaign) -> Density | None:
     return Density(frequency=frequency, values=_smoothed(mean, frequency, kept.sum(axis=0)), segments=kept.sum(axis=0))
 
 
-def of_lines(campaign: Campaign, frequency: Array) -> tuple[Array, float, tuple[str, ...]]:
-    """Two-sided density (r, n, c) [unit²/Hz] at the lines of every run, its spread, and what is not known, in words.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OfLines:
+    """Noise at the lines of a campaign.
 
-    The spread is the relative standard deviation of the power of all channels and lines together: short silences tell little.
+    Attributes
+    ----------
+    density : (r, n, c) two-sided [unit²/Hz]
+    scatter : relative standard deviation of that at one line, of channels on average: short silences tell little
+    spread : the same of the power of all channels and lines together
+    unknown : sentences
+    """
+
+    density: Array
+    scatter: float = 0.0
+    spread: float = 0.0
+    unknown: tuple[str, ...] = ()
+
+
+def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
+    """The noise at the lines `frequency` (n,) [Hz] of every run, and how well it is known.
 
     Where no record has a quiet part, or a channel reads nothing in it, its `noise_rms` is spread evenly up to half the sampling
     rate; where that is not stated either, the density is 0.
@@ -93,15 +109,26 @@ def of_lines(campaign: Campaign, frequency: Array) -> tuple[Array, float, tuple[
     silent = np.all(measured == 0, axis=0)
     whole = np.where(silent, even[:, None, :], measured)
     unknown = [channel.name for k, channel in enumerate(channels) if not whole[:, :, k].any()]
-    spread = 0.0 if found is None else _spread(found, silent, float(np.ptp(frequency)))
-    return whole, spread, _words(unknown, len(channels))
+    words = _words(unknown, len(channels))
+    if found is None:
+        return OfLines(density=whole, unknown=words)
+    at_a_line = _variance(found, silent, _width(_step(found)))
+    of_all = _variance(found, silent, float(np.ptp(frequency)) / _step(found))
+    return OfLines(density=whole, scatter=float(np.sqrt(at_a_line.mean())), spread=_of_mean(of_all), unknown=words)
 
 
-def _spread(found: Density, silent: npt.NDArray[np.bool_], band: float) -> float:
-    """Of a mean over `band` [Hz] and all channels, of which the `silent` ones count by what is stated and have none."""
-    step = found.frequency[1] - found.frequency[0]
-    independent = found.segments * max(band / step, 1.0) / ALIKE
-    return float(np.sqrt(np.sum(np.where(silent, 0.0, 1 / independent))) / len(silent))
+def _of_mean(variance: Array) -> float:
+    """Standard deviation of the mean of what has such variances (c,) and knows nothing of each other."""
+    return float(np.sqrt(np.sum(variance)) / len(variance))
+
+
+def _variance(found: Density, silent: npt.NDArray[np.bool_], lines: float) -> Array:
+    """(c,) relative, of a mean over so many lines of the density; none of the `silent`, which count by what is stated."""
+    return np.asarray(np.where(silent, 0.0, min(ALIKE / max(lines, 1.0), 1.0) / found.segments))
+
+
+def _step(found: Density) -> float:
+    return float(found.frequency[1] - found.frequency[0])
 
 
 def of_full_record(densities: Array, duration: Array) -> Array:
@@ -153,8 +180,13 @@ def _smoothed(density: Array, frequency: Array, segments: npt.NDArray[np.int_]) 
     step = frequency[1] - frequency[0]
     median = median_filter(density, size=(2 * max(round(AROUND / step), 1) + 1, 1), mode="nearest")
     top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
-    even = uniform_filter1d(np.minimum(density, top), 2 * round(SMOOTH / step) + 1, axis=0, mode="nearest")
+    even = uniform_filter1d(np.minimum(density, top), _width(step), axis=0, mode="nearest")
     return np.where(density > top, density, even)
+
+
+def _width(step: float) -> int:
+    """Lines of a density, so many [Hz] apart, that a mean smooths."""
+    return 2 * round(SMOOTH / step) + 1
 
 
 def _words(unknown: list[str], count: int) -> tuple[str, ...]:

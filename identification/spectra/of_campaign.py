@@ -148,12 +148,12 @@ def _transformed(
             values.append(_held(campaign, one, lines, pilots[-1]))
     progress(1.0)
     stacked = np.stack(values)
-    sd, spread, unknown = _noise(campaign, recorded, method, lines, stacked)
+    sd, known = _noise(campaign, recorded, method, lines, stacked)
     held = ", ".join(f"{run.name} by {pilot}" for run, pilot in zip(campaign.runs, pilots, strict=False))
     biased = (f"peak-reference-hold is biased near lightly damped resonances; reference of each run: {held}",) if pilots else ()
     ends = record_ends.warnings(campaign) if method == "full-record" else ()
-    made = _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *unknown))
-    return replace(made, noise_spread=spread)
+    made = _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *known.unknown))
+    return replace(made, noise_scatter=known.scatter, noise_spread=known.spread)
 
 
 def _levelled(recorded: Recording) -> Array:
@@ -178,14 +178,14 @@ def _held(campaign: Campaign, recorded: Recording, lines: Array, pilot: str) -> 
 
 def _noise(
     campaign: Campaign, recorded: list[Recording], method: str, lines: Array, values: ComplexArray
-) -> tuple[Array, float, tuple[str, ...]]:
-    densities, spread, unknown = noise.of_lines(campaign, lines)
+) -> tuple[Array, noise.OfLines]:
+    known = noise.of_lines(campaign, lines)
     if method == "full-record":
-        sd = noise.of_full_record(densities, np.array([one.duration for one in recorded]))
+        sd = noise.of_full_record(known.density, np.array([one.duration for one in recorded]))
     else:
         window = hann((campaign.processing or Processing()).block_size)
-        sd = noise.of_block(densities, np.array([_rate(one) for one in recorded]), window)
-    return noise.without_rounding(sd, np.abs(values).max(axis=(0, 1))), spread, unknown
+        sd = noise.of_block(known.density, np.array([_rate(one) for one in recorded]), window)
+    return noise.without_rounding(sd, np.abs(values).max(axis=(0, 1))), known
 
 
 def _as_recorded(

@@ -58,23 +58,34 @@ def test_the_noise_of_a_block_is_the_scatter_of_windowed_blocks() -> None:
 
 def test_the_spread_of_the_noise_is_that_of_its_estimates(campaign: Campaign) -> None:
     """Thirty silences of two seconds: their powers scatter as each of them says of itself."""
-    estimates = [noise.of_lines(longer(campaign, seconds=2.0, seed=seed), LINES)[:2] for seed in range(30)]
+    estimates = [noise.of_lines(longer(campaign, seconds=2.0, seed=seed), LINES) for seed in range(30)]
     stated = np.array([channel.noise_rms for channel in campaign.table.channels]) ** 2 / RATE
-    powers = np.array([np.mean(density / stated) for density, _ in estimates])
-    spread = np.mean([each for _, each in estimates])
+    powers = np.array([np.mean(one.density / stated) for one in estimates])
+    spread = np.mean([one.spread for one in estimates])
     # 30 estimates of a standard deviation: 13 %, three of them, and what smoothing adds at the ends of the band
     assert_allclose(np.std(powers), spread, rtol=0.5)
 
 
+def test_the_scatter_of_a_line_is_that_of_its_estimates(campaign: Campaign) -> None:
+    """Of one channel and line over thirty silences, averaged over channels and the lines in the middle."""
+    estimates = [noise.of_lines(longer(campaign, seconds=2.0, seed=seed), LINES) for seed in range(30)]
+    powers = np.stack([one.density[0, 8:-8] for one in estimates])
+    scatter = np.sqrt(np.mean(np.var(powers, axis=0) / np.mean(powers, axis=0) ** 2))
+    # tops that are cut off take some of it away
+    assert_allclose(scatter, np.mean([one.scatter for one in estimates]), rtol=0.25)
+
+
 def test_longer_silences_tell_the_noise_better(campaign: Campaign) -> None:
-    short, long = (noise.of_lines(longer(campaign, seconds=seconds), LINES)[1] for seconds in (4.0, 16.0))
+    short, long = (noise.of_lines(longer(campaign, seconds=seconds), LINES).spread for seconds in (4.0, 16.0))
     assert_allclose(long / short, 0.5, rtol=0.2)
 
 
 def test_a_tone_is_seen_at_its_line_and_not_beside_it(campaign: Campaign) -> None:
     """Railway mains, 16.7 Hz, that a broadband floor would spread over all lines."""
     t = np.arange(20 * int(RATE)) / RATE
-    found, plain = (noise.of_lines(longer(campaign, extra), LINES)[0][0] for extra in (0.02 * np.sin(2 * np.pi * 16.5 * t), None))
+    found, plain = (
+        noise.of_lines(longer(campaign, extra), LINES).density[0] for extra in (0.02 * np.sin(2 * np.pi * 16.5 * t), None)
+    )
     k = campaign.table.names.index("cover-z1")
     ratio = found[:, k] / plain[:, k]
     assert ratio[LINES == 16.5].max() > 20
@@ -86,7 +97,7 @@ def test_a_tone_is_seen_at_its_line_and_not_beside_it(campaign: Campaign) -> Non
 def test_coloured_noise_is_larger_where_it_is(campaign: Campaign) -> None:
     random = np.random.default_rng(9).standard_normal(20 * int(RATE))
     low = np.convolve(random, np.ones(16) / 16, mode="same") * 0.02  # a first zero at 16 Hz
-    found = noise.of_lines(longer(campaign, low), LINES)[0][0][:, campaign.table.names.index("cover-z1")]
+    found = noise.of_lines(longer(campaign, low), LINES).density[0][:, campaign.table.names.index("cover-z1")]
     white, gain = 0.005**2 / RATE, np.abs(np.sinc(16 * LINES / RATE) / np.sinc(LINES / RATE)) ** 2
     expected = white + 0.02**2 / RATE * gain
     assert_allclose(np.log(found), np.log(expected), atol=0.6)  # smoothed over 2 Hz, where it falls by decades in 10 Hz
@@ -100,7 +111,7 @@ def test_what_rings_on_the_structure_is_not_noise_of_its_load_cell(campaign: Cam
     t = np.arange(len(values)) / RATE
     values[t > 5, k] += 20 * np.cos(2 * np.pi * 12 * t[t > 5])
     ringing = replace(whole, recordings={**whole.recordings, "x": replace(one, values=values)})
-    found, plain = (noise.of_lines(made, LINES)[0][0][:, k] for made in (ringing, whole))
+    found, plain = (noise.of_lines(made, LINES).density[0, :, k] for made in (ringing, whole))
     assert_allclose(found, plain, rtol=0.5)  # a run less: other noise
 
 
@@ -116,11 +127,11 @@ def quietless(campaign: Campaign) -> Campaign:
 
 
 def test_without_a_quiet_part_the_stated_floor_is_spread_evenly(campaign: Campaign) -> None:
-    found, spread, unknown = noise.of_lines(quietless(campaign), LINES)
-    assert spread == 0.0  # it is no estimate
+    found = noise.of_lines(quietless(campaign), LINES)
+    assert found.spread == found.scatter == 0.0  # it is no estimate
     stated = np.array([channel.noise_rms for channel in campaign.table.channels])
-    assert_allclose(found, np.broadcast_to(stated**2 / RATE, found.shape))
-    assert unknown == ()
+    assert_allclose(found.density, np.broadcast_to(stated**2 / RATE, found.density.shape))
+    assert found.unknown == ()
 
 
 @pytest.mark.parametrize(("silent", "said"), [(("cover-z1", "fmd-x12"), "cover-z1, fmd-x12"), (None, "all channels")])

@@ -88,8 +88,13 @@ def excess(fit: Fit, at: Standing) -> float:
 
 
 def of_noise(problem: Problem) -> float:
-    """Chi² per degree of freedom that noise alone would come to: its share of the variance that the likelihood allows for."""
-    return float(np.mean(np.concatenate(list(_shares(problem)))))
+    """Chi² per degree of freedom that noise alone would come to: its share s of the variance that the likelihood allows for.
+
+    Noise is an estimate of relative variance v at a line, and its inverse is on average larger than that of what is estimated:
+    by s v, to second order.
+    """
+    scatter = [one.measured.noise_scatter for one in problem.predictions]
+    return float(np.mean(np.concatenate([s * (1 + s * sd**2) for s, sd in zip(_shares(problem), scatter, strict=True)])))
 
 
 def spread_of(problem: Problem) -> float:

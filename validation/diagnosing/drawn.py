@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from validation.comparing.verdicts import expected_z2, misfit
@@ -17,7 +17,7 @@ BARS = 10
 EVIDENCE, ERRORS = "diagnose-evidence.png", "diagnose-errors.png"
 
 THRESHOLD = "worth_nats"
-"""Key of the settings by which a diagnosis says what it asked for."""
+"""Key of the settings by which a diagnosis says what it asked for, of each family that has its own and of all others, by ""."""
 
 
 def draw(found: Diagnosis, folder: Path) -> tuple[Path, ...]:
@@ -46,10 +46,14 @@ def _evidence(found: Diagnosis, path: Path) -> None:
         )
         for one in tried(found)
     ]
-    threshold = found.settings.get(THRESHOLD)
-    asked = float(threshold) if isinstance(threshold, int | float) else None
     note = "How much more probable the data are with the effect than without it, each beside the model before the last was found."
-    pages.draw_evidence(_title(found), bars, path, note, asked)
+    pages.draw_evidence(_title(found), bars, path, note, asked(found))
+
+
+def asked(found: Diagnosis) -> float | None:
+    """[nats] that a diagnosis asks of most families; None where it does not say."""
+    said = found.settings.get(THRESHOLD)
+    return float(said[""]) if isinstance(said, Mapping) and "" in said else None
 
 
 def _standing(found: Diagnosis, one: Cause) -> str:

@@ -28,7 +28,7 @@ class Measured:
     frequency : (n,) [Hz], ascending
     values : (r, n, c) complex, SI or SI per Hz
     noise : (r, n, c) standard deviation of the complex noise, E|noise|² = sd²
-    noise_spread : relative standard deviation of the noise's power, all channels and lines together
+    noise_scatter, noise_spread : relative standard deviation of the noise's power, at one line and of all channels and lines
     inputs : (r, n, k) complex, known inputs such as a drive force of 1 N; None for inputs that nobody knows (base motions),
         which are eliminated line by line
     """
@@ -43,6 +43,7 @@ class Measured:
     frequency: Array
     values: ComplexArray
     noise: Array
+    noise_scatter: float = 0.0
     noise_spread: float = 0.0
     inputs: ComplexArray | None = None
 

@@ -119,5 +119,6 @@ def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measu
         frequency=found.frequency,
         values=found.values[:, :, columns],
         noise=found.noise[:, :, columns],
+        noise_scatter=found.noise_scatter,
         noise_spread=found.noise_spread,
     )

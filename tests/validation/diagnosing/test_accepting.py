@@ -42,9 +42,9 @@ def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
 
-def of_spread(spread: float) -> SimpleNamespace:
+def of_spread(spread: float, scatter: float = 0.0) -> SimpleNamespace:
     """A data set whose noise is known so well."""
-    return SimpleNamespace(measured=SimpleNamespace(noise_spread=spread))
+    return SimpleNamespace(measured=SimpleNamespace(noise_spread=spread, noise_scatter=scatter))
 
 
 def one_far(z: float) -> np.ndarray:
@@ -54,6 +54,14 @@ def one_far(z: float) -> np.ndarray:
 def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
     assert_allclose(of_noise(noisy), 0.5, rtol=1e-12)
     assert_allclose(standing(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
+
+
+def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_ones_do(noisy: Any) -> None:
+    """Half of the variance is noise, estimated to 20 % at every line."""
+    noisy.predictions = (of_spread(0.0, 0.2),)
+    estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
+    drawn = np.mean(1 / (estimates + 1)) / np.mean(estimates / (estimates + 1))
+    assert_allclose(of_noise(noisy) / 0.5, drawn, rtol=1e-3)
 
 
 def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:

@@ -71,7 +71,7 @@ STEPS = (
     Step(added="force-gain:fmd-z2", ranking=(GAIN, SHUNT), misfit=0.88, price=193.0, text="208.3 nats where 8 are asked for"),
     Step(added="", ranking=(MASS,), misfit=0.88, price=1.0, text="nothing gains more than 8 nats"),
 )
-SETTINGS = MappingProxyType({"method": "full-record", "band_hz": (4.0, 32.0), "worth_nats": 8.0, "lines": np.int64(560)})
+SETTINGS = MappingProxyType({"method": "full-record", "band_hz": (4.0, 32.0), "worth_nats": {"": 8.0}, "lines": np.int64(560)})
 COMMON = {"before": BEFORE, "after": AFTER, "hold_out": tuple(FOLDS), "settings": SETTINGS, "steps": STEPS}
 TURNED = Advice(test="run the Cuboid turned by 90 degrees about z", gain=34.2, separates=(GAIN.id, STIFF.id))
 DETECTABLE = (

@@ -38,7 +38,7 @@ def test_every_number_of_a_cause_is_in_si(made: Callable[[str], Diagnosis]) -> N
 
 def test_settings_of_any_kind_are_json(made: Callable[[str], Diagnosis]) -> None:
     found = as_json(made("missing"))["settings"]
-    assert found == {"method": "full-record", "band_hz": [4.0, 32.0], "worth_nats": 8.0, "lines": 560}
+    assert found == {"method": "full-record", "band_hz": [4.0, 32.0], "worth_nats": {"": 8.0}, "lines": 560}
     assert plain({"a": np.inf, "b": (None, True, {1})}) == {"a": None, "b": [None, True, [1]]}
 
 

@@ -82,3 +82,8 @@ def test_where_nothing_was_found_there_is_no_after(drawn: list[Any], made: Made,
     drawing.draw(replace(found, after=found.before), tmp_path)
     labels = [text.get_text() for text in drawn[-1].legends[0].get_texts()]
     assert labels == ["due, nothing wrong"]
+
+
+def test_the_line_of_what_is_asked_for_is_drawn_where_a_diagnosis_says_it(made: Made) -> None:
+    assert drawing.asked(made("missing")) == 8.0
+    assert drawing.asked(replace(made("missing"), settings={})) is None
