@@ -102,3 +102,8 @@ def _present(folder: Path, what: str) -> Path:
     if not folder.is_dir():
         pytest.skip(f"{what} is absent; data/README.md of the shared folder says where its sets come from")
     return folder
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Two processes share the suite: what one of them does at the end, the other waits for."""
+    items.sort(key=lambda item: item.get_closest_marker("first") is None)

@@ -9,6 +9,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import pytest
+
 from benchmarks.blind.answering import answered
 from benchmarks.blind.drawing.case import FOREIGN, NULL, PAIR, SERIES, SINGLE, Case
 from benchmarks.blind.drawing.choices import CHOICES
@@ -71,6 +73,7 @@ def test_every_family_is_drawn_but_that_of_layers_which_four_blades_alone_have()
     assert sorted(family(one) for one in chosen() if one.kind == SINGLE) == FAMILIES
 
 
+@pytest.mark.first
 def test_the_reduced_draw_is_answered(tmp_path: Path) -> None:
     """All claims about it in one test: the draw is dear, and two processes that share the suite would each diagnose it."""
     found = outcomes(tmp_path)
