@@ -71,7 +71,7 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
     """Without a window, a profile of its own, nothing asked of anybody."""
     return (
         "--headless",
-        "--no-sandbox",
+        *(("--no-sandbox",) if _is_root() else ()),
         "--disable-gpu",
         "--disable-quic",
         "--no-first-run",
@@ -85,6 +85,11 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
         "--generate-pdf-document-outline",
         f"--print-to-pdf={made}",
     )
+
+
+def _is_root() -> bool:
+    """Whether the browser would run as root, as in a container, where it refuses to start in its sandbox."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
 def _run(words: list[str]) -> str:
