@@ -1,7 +1,7 @@
 """What a window is shown of a comparison is what `massline compare` finds, and it is there again at once."""
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from validation.comparing.as_json import as_json
 from validation.comparing.compared import compared
 from validation.comparing.gathered import gathered
-from validation.desk import comparing, entries, recorded
+from validation.desk import comparing, entries, held_against, recorded
 from validation.desk.desk import Desk
 from validation.desk.entries import Cell
 from validation.models import reading
@@ -34,6 +34,19 @@ def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
     assert [one["text"] for one in shown["worst"]] == [one["text"] for one in expected["worst"]]
     assert [one["name"] for one in shown["absurd_tolerances"]] == [one["name"] for one in expected["absurd_tolerances"]]
     assert shown["warnings"] == expected["warnings"]
+
+
+def test_a_fit_that_did_not_converge_is_said(worked: Any) -> None:
+    """In the words of the command, of both fits."""
+    ready = held_against.ground(worked.desk)
+    at = held_against.rung(worked.desk, ready, lambda what, share: None)
+    assert at.errors is not None
+    lost = replace(at, errors=replace(at.errors, converged=False))
+    said = held_against.comparison(ready, lost, lambda what, share: None).remarks
+    assert [text.partition(" fit did not converge")[0] for text in said if "did not converge" in text] == [
+        "the plain",
+        "the fitted",
+    ]
 
 
 def test_maps_and_curves_are_those_of_the_command(worked: Any, found: Any) -> None:
