@@ -131,7 +131,7 @@ def begun(
     asked = Asked(
         model=str(Path(model).resolve()),
         data=tuple(_absolute(path) for path in data),
-        hold_out=tuple(_absolute(name) for name in hold_out),
+        hold_out=tuple(_absolute(name) if _is_among(name, data) else name for name in hold_out),
         band=None if band is None else (float(band[0]), float(band[1])),
         method=method,
         effects_from=tuple(str(Path(one).resolve()) for one in effects_from),
@@ -198,8 +198,13 @@ def has_ladder(of: Desk) -> bool:
 
 
 def _absolute(path: str | Path) -> str:
-    """Of what is there; names, of runs and of shipped measurements, stay names."""
+    """Of what is there; names of shipped measurements stay names."""
     return str(Path(path).resolve()) if Path(path).exists() else str(path)
+
+
+def _is_among(name: str, data: Sequence[str | Path]) -> bool:
+    """Whether `name` is a path of the `data`, not that of a run beside which some file of that name happens to lie."""
+    return Path(name).exists() and Path(name).resolve() in {Path(one).resolve() for one in data}
 
 
 def _load_effects(asked: Asked) -> None:
