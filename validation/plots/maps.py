@@ -1,7 +1,7 @@
 """Where a model fails, in sigmas over frequency: channels and loads of a run, or the 36 pairs of axes. A cell can be clicked.
 
-A click tells the middle of its column as `x`, the name of its row as `y` (one of `labels` or of `PAIRS`), and as `customdata` what
-is worst in the cell, which may hold many lines: [σ, the frequency of that line in Hz].
+A click tells the middle of its column as `x`, the name of its row as `y` (one of `labels` or of `PAIRS`), and as `customdata` the
+worst of the lines that share the cell: [σ, its frequency in Hz].
 """
 
 from __future__ import annotations

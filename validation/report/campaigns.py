@@ -25,8 +25,8 @@ KNOWN = ("cuboid", "disc")
 
 
 NOT_MOUNTED = (
-    "the result is seen from F and the drawing from its own origin, and campaign.toml has no [mounting] that says how the article "
-    "stands; state it, and both are compared"
+    "the result is seen from F and the drawing from its own origin, and campaign.toml has no [mounting] that says how the "
+    "article stands; state it, and both are compared"
 )
 
 
