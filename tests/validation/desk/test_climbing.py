@@ -1,5 +1,7 @@
 """A rung up and down again: the error, the curve and the identified inertia move, and nothing of the user's does."""
 
+import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +12,7 @@ import pytest
 from geometry.errors import BadInput
 from validation.comparing.verdicts import expected_z2, largest_z
 from validation.desk import climbing, comparing, diagnosing, entries, explaining, jobs, saving
-from validation.desk.desk import Desk
+from validation.desk.desk import Desk, digest
 from validation.diagnosing.as_json import as_json
 from validation.ladders.climbing import standing
 from validation.models import reading
@@ -19,8 +21,6 @@ from validation.models import reading
 @pytest.fixture(scope="module")
 def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Desk:
     """A copy of the desk, on which a worker added what was missing."""
-    import shutil
-
     from validation.desk.desk import opened
 
     folder = worked.desk.folder.parent / "climbed"
@@ -59,6 +59,58 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
     assert diagnosing.diagnosis(climbed) is not None
     assert climbing.gone_to(climbed, 1).text == text
     assert comparing.comparison(climbed) is not None
+
+
+def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("cancelled")
+    text = desk.model.read_text()
+    worker = jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2")
+    until = time.monotonic() + 60
+    while desk.model.read_text() == text and time.monotonic() < until:
+        time.sleep(0.01)
+    found = worker.cancel()
+    assert found.state == jobs.CANCELLED
+    assert found.said == "rung 1 was written already and stays on the ladder; the model is back on rung 0"
+    _stands_as_before(desk, text)
+    assert climbing.gone_to(desk, 1).text != text
+
+
+def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(climbed: Desk, fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("failed")
+    text = desk.model.read_text()
+    (desk.folder / "found" / digest(climbing.ladder(climbed).ladder.rung(1).model)).write_text("in the way")
+    found = jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").wait(60)
+    assert found.state == jobs.FAILED
+    assert found.error.endswith("; rung 1 was written already and stays on the ladder; the model is back on rung 0")
+    _stands_as_before(desk, text)
+
+
+def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: Desk, fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("reopened")
+    text = desk.model.read_text()
+    for name in ("model.toml", "model.ladder.json"):
+        shutil.copy(climbed.model.with_name(name), desk.model.with_name(name))
+    climbing.gone_to(desk, 1)
+    jobs.tell(desk, jobs.Job(kind=jobs.ADD, asked={}, before=digest(text)))
+    found = jobs.recovered(desk)
+    assert found is not None
+    assert "back on rung 0" in found.said
+    _stands_as_before(desk, text)
+
+
+def test_adding_that_is_cancelled_before_says_nothing(fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("early")
+    text = desk.model.read_text()
+    assert jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").cancel().said == ""
+    _stands_as_before(desk, text)
+
+
+def _stands_as_before(desk: Desk, text: str) -> None:
+    at = climbing.ladder(desk)
+    assert desk.model.read_text() == text
+    assert at.rung is not None
+    assert at.rung.number == at.ladder.current == 0
+    assert comparing.comparison(desk) is not None
 
 
 def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: Desk, tmp_path: Path) -> None:
