@@ -47,6 +47,15 @@ def browser() -> str:
     return found
 
 
+def version(program: str) -> str:
+    """What the browser `program` says of itself; its path where it says nothing."""
+    try:
+        done = subprocess.run([program, "--version"], capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return program
+    return done.stdout.strip() or program
+
+
 def print_to(page: Path, path: Path, program: str) -> None:
     """Print the report `page` to the PDF file `path`, whole or not at all.
 
