@@ -1,8 +1,10 @@
 """A rung up and down again: the error, the curve and the identified inertia move, and nothing of the user's does."""
 
+import shlex
 import shutil
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +13,15 @@ import pytest
 
 from geometry.errors import BadInput
 from validation.comparing.verdicts import expected_z2, largest_z
-from validation.desk import climbing, comparing, diagnosing, entries, explaining, jobs, saving
-from validation.desk.desk import Desk, digest
+from validation.desk import climbing, comparing, diagnosing, entries, explaining, jobs, recorded, saving, signing
+from validation.desk.desk import Desk, begun, digest
+from validation.desk.handed import Handed, received
 from validation.diagnosing.as_json import as_json
+from validation.ladders import sources
 from validation.ladders.climbing import standing
+from validation.ladders.nouns import Source
 from validation.models import reading
+from validation.report import run
 
 
 @pytest.fixture(scope="module")
@@ -181,6 +187,39 @@ def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare: Desk) 
         explaining.explained(bare, "nonsense")
 
 
+def test_a_report_names_the_users_files_and_the_whole_command_line(
+    block: Any, tmp_path: Path, climbed: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A director signs it, and the folder of the desk is gone by then."""
+    own = str(tmp_path / "effects")
+    monkeypatch.setattr(run, "SOURCES", {"mine": f"{own}/mine.py"})
+    (tmp_path / "effects").mkdir()
+    (tmp_path / "effects" / "mine.py").write_text("")
+    made = begun(tmp_path / "d", block.model, block.data, hold_out=("z",), band=(8, 12))
+    made = replace(made, asked=replace(made.asked, effects_from=(own,)))
+    made.model.write_text(climbing.ladder(climbed).ladder.rung(1).model)
+    found = signing.signed(made, recorded.model_of(made), diagnosed=True)
+    words = ["massline", "report", block.model, *block.data, "--hold-out", "z", "--band", "8", "12", "--effects-from", own]
+    assert shlex.split(found.command) == words
+    assert found.inputs[0] == Source(path=block.model, digest=sources.digest(block.model))
+    assert [one.path for one in found.inputs] == [block.model, *block.data, f"{own}/mine.py"]
+    assert found.settings["effects added in the workbench"] == ("force-gain:fmd-z2",)
+    assert found.model_text == saving.model_text(made)
+    assert shlex.split(signing.signed(made, recorded.model_of(made), diagnosed=False).command)[-1] == "--no-diagnosis"
+
+
+def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any, tmp_path: Path) -> None:
+    root = Path(block.model).parent
+    files = [path for path in root.rglob("*") if path.is_file()]
+    names = [f"my series/{path.relative_to(root).as_posix()}" for path in files]
+    got = received(tmp_path / "desk-0", [Handed(name=name, content=path) for name, path in zip(names, files, strict=True)])
+    made = begun(tmp_path / "desk-0", got.models[0], got.data)
+    found = signing.signed(made, recorded.model_of(made), diagnosed=True)
+    shown = ["my series/model.toml", "my series/fmd+cuboid"]
+    assert shlex.split(found.command) == ["massline", "report", *shown]
+    assert [one.path for one in found.inputs] == shown
+
+
 def test_a_report_is_written_from_what_was_found(worked: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The parts that are drawn anew are proved with the report; here they stand for nothing."""
     from validation.report import assembling
@@ -192,5 +231,6 @@ def test_a_report_is_written_from_what_was_found(worked: Any, tmp_path: Path, mo
     text = path.read_text()
     assert "fitting" not in heard
     assert "force-gain:fmd-z2" in text
+    assert str(worked.desk.folder) not in text
     with pytest.raises(BadInput, match="report"):
         saving.reported(worked.desk, tmp_path / "report.txt")
