@@ -25,7 +25,6 @@ from identification.campaign import METHODS
 from validation.comparing.asked import require_band
 from validation.desk import moving
 from validation.effects import catalogue
-from validation.ladders import file as ladder_file
 from validation.ladders.climbing import read_text
 from validation.output import json_text
 
@@ -190,11 +189,6 @@ def keep_view(of: Desk, kept: dict[str, Any]) -> None:
     if len(text) > LARGEST_VIEW:
         raise ValueError(f"`kept` must be a view, at most {LARGEST_VIEW} characters, found {len(text)}")
     write_text(of.folder / VIEW, text)
-
-
-def has_ladder(of: Desk) -> bool:
-    """Whether the working copy has rungs."""
-    return ladder_file.beside(of.model).exists()
 
 
 def _absolute(path: str | Path) -> str:

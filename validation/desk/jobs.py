@@ -135,11 +135,6 @@ def start(of: Desk, kind: str, **asked: Any) -> Worker:
     return _at_work[of.folder]
 
 
-def worker(of: Desk) -> Worker | None:
-    """The one that was started last in this process, at work or done."""
-    return _at_work.get(of.folder)
-
-
 def job(of: Desk) -> Job | None:
     """The job that runs or that ran last, as its file says; None before there was one."""
     try:

@@ -13,7 +13,7 @@ import pytest
 
 from geometry.errors import BadInput
 from validation.comparing.verdicts import expected_z2, largest_z
-from validation.desk import climbing, comparing, diagnosing, entries, explaining, jobs, recorded, saving, signing
+from validation.desk import climbing, comparing, diagnosing, explaining, jobs, recorded, saving, signing
 from validation.desk.desk import Desk, begun, digest
 from validation.desk.handed import Handed, received
 from validation.diagnosing.as_json import as_json
@@ -53,9 +53,11 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
     assert at.rung.effect == "force-gain:fmd-z2"
     assert after.summary["plain_error_percent"] < 0.3 * before.summary["plain_error_percent"]
     assert after.summary["effects"] == ["force-gain:fmd-z2"]
-    one, other = (entries.curves(found, 2, 2)[0] for found in (before, after))
+    one, other = (found.maps[0].pairs for found in (before, after))
+    assert one is not None
+    assert other is not None
     assert np.array_equal(one.measured, other.measured)
-    assert np.abs(one.predicted - other.predicted).max() > 0.01 * np.abs(one.predicted).max()
+    assert np.abs(one.predicted - other.predicted)[:, 2, 2].max() > 0.01 * np.abs(one.predicted)[:, 2, 2].max()
     assert at.rung.bodies[0].values[0] != at.ladder.rung(0).bodies[0].values[0]
     text = climbed.model.read_text()
     assert climbing.undone(climbed).rung.number == 0  # type: ignore[union-attr]

@@ -15,7 +15,6 @@ from validation.desk import comparing, entries, held_against, recorded
 from validation.desk.desk import Desk
 from validation.desk.entries import Cell
 from validation.models import reading
-from validation.pictures.curves import unit
 
 
 @pytest.fixture(scope="module")
@@ -77,16 +76,6 @@ def test_a_comparison_makes_the_first_rung_and_a_second_one_fits_nothing(worked:
     assert again.summary["plain_error_percent"] == worked.compared.summary["plain_error_percent"]
 
 
-@pytest.mark.parametrize(("load", "motion"), [(0, 0), (2, 3), (4, 4)])
-def test_curves_show_one_entry_of_every_campaign(worked: Any, load: int, motion: int) -> None:
-    (curve,) = entries.curves(worked.compared, load, motion)
-    pairs = worked.compared.maps[0].pairs
-    assert np.array_equal(curve.measured, pairs.measured[:, load, motion])
-    assert np.array_equal(curve.expected, pairs.expected[:, load, motion])
-    assert curve.unit == unit(load, motion)
-    assert curve.campaign == "fmd+cuboid"
-
-
 @pytest.mark.parametrize(
     ("run", "row", "loads", "motion"),
     [("z", "fmd-z2", {2, 3, 4}, 2), ("x", "fmd-x12", {0, 5}, 0), ("beta", "t_y", {4}, 4), ("y", "cover-z1", set(range(6)), 1)],
@@ -109,14 +98,6 @@ def test_a_cell_that_is_none_leads_nowhere(worked: Any) -> None:
     ):
         with pytest.raises(KeyError):
             entries.entry_of(worked.compared, cell)
-
-
-def test_the_worst_spot_is_an_entry_to_begin_with(worked: Any) -> None:
-    found = entries.worst(worked.compared)
-    assert found is not None
-    assert found.campaign == "fmd+cuboid"
-    assert worked.compared.summary["worst"][0]["channel"] == "fmd-z2"
-    assert found.load in (2, 3, 4)
 
 
 def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare: Desk) -> None:
