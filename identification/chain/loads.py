@@ -27,6 +27,9 @@ AXES = "xyz"
 CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
 """``zx``: the x resultant shows in the z channels."""
 
+SHUNTS = {f"load-path-shunt:{axis}": k for k, axis in enumerate(AXES)}
+"""By name of the parameter: the axis along which a load goes past the cells."""
+
 OFFSETS = {"x": (4, 0, -1.0), "y": (3, 1, 1.0)}
 """By axis of the force at height h: row and column of X and sign: M_y -= h F_x, M_x += h F_y."""
 
@@ -73,10 +76,10 @@ def changes(part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]) 
     every = list(range(len(part.channels)))
     for key, change in _reading_changes(part, x):
         if key in wanted:
-            yield key, every, f[:, :, None] * (change @ X)
+            yield key, every, f[:, :, None] * (change @ X + even @ _heard(x) @ _lost(key))
     for key, change in _crosstalk(x):
         if key in wanted:
-            yield key, every, f[:, :, None] * (even @ change)
+            yield key, every, f[:, :, None] * (even @ change @ _carried(x))
     for key, change in _offsets(x):
         if key in wanted:
             yield key, every, f[:, :, None] * (reading @ change)
@@ -84,8 +87,23 @@ def changes(part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]) 
 
 def _mixed(part: Loads, x: Offsets) -> Array:
     """(c, 6) reading for a unit resultant load: cells share it as they are stiff, and cross-talk shows in all of them alike."""
-    heard = np.zeros((6, 6)) + sum(x[key] * change for key, change in _crosstalk(x))
-    return np.asarray(_reading(part, x) @ _moved(x) + _even(part) @ heard)
+    return np.asarray(_reading(part, x) @ _moved(x) + _even(part) @ _heard(x) @ _carried(x))
+
+
+def _heard(x: Offsets) -> Array:
+    """(6, 6) what shows in channels of other axes of what the cells carry."""
+    return np.zeros((6, 6)) + sum(x[key] * change for key, change in _crosstalk(x))
+
+
+def _carried(x: Offsets) -> Array:
+    """(6, 6) what shunts leave to the cells of a resultant load."""
+    return np.eye(6) + sum(x.get(key, 0.0) * _lost(key) for key in SHUNTS)
+
+
+def _lost(key: str) -> Array:
+    """(6, 6) d `_carried` / d offset of the parameter `key`; zero of one that is no shunt."""
+    axis = SHUNTS.get(key)
+    return np.zeros((6, 6)) if axis is None else -_unit(axis, axis)
 
 
 def _even(part: Loads) -> Array:

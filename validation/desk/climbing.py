@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from validation.desk import comparing
-from validation.desk.desk import Desk
+from validation.desk.desk import Desk, digest
 from validation.ladders import adding
 from validation.ladders import climbing as ladders
 from validation.ladders.as_json import of_step
@@ -80,6 +80,25 @@ def undone(of: Desk) -> Standing:
     BadInput : there is nothing below.
     """
     return ladders.undone(ladder(of))
+
+
+def put_back(of: Desk, before: str) -> str:
+    """The working copy on the rung whose text has the digest `before` again, and a sentence on that.
+
+    For a rung that was written by work that did not come to its end. It stays on the ladder, beside the way. Nothing is done, and
+    nothing said, where the working copy is as it was.
+
+    Raises
+    ------
+    BadInput, OSError : see `gone_to`.
+    """
+    at = ladder(of)
+    below = next((one for one in at.ladder.rungs if digest(one.model) == before), None)
+    if digest(at.text) == before or below is None:
+        return ""
+    ladders.gone_to(at, below.number)
+    new = "" if at.rung is None else f"rung {at.rung.number} was written already and stays on the ladder; "
+    return f"{new}the model is back on rung {below.number}"
 
 
 def gone_to(of: Desk, number: int) -> Standing:

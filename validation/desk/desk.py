@@ -25,7 +25,6 @@ from identification.campaign import METHODS
 from validation.comparing.asked import require_band
 from validation.desk import moving
 from validation.effects import catalogue
-from validation.ladders import file as ladder_file
 from validation.ladders.climbing import read_text
 from validation.output import json_text
 
@@ -131,7 +130,7 @@ def begun(
     asked = Asked(
         model=str(Path(model).resolve()),
         data=tuple(_absolute(path) for path in data),
-        hold_out=tuple(_absolute(name) for name in hold_out),
+        hold_out=tuple(_absolute(name) if _is_among(name, data) else name for name in hold_out),
         band=None if band is None else (float(band[0]), float(band[1])),
         method=method,
         effects_from=tuple(str(Path(one).resolve()) for one in effects_from),
@@ -192,14 +191,14 @@ def keep_view(of: Desk, kept: dict[str, Any]) -> None:
     write_text(of.folder / VIEW, text)
 
 
-def has_ladder(of: Desk) -> bool:
-    """Whether the working copy has rungs."""
-    return ladder_file.beside(of.model).exists()
-
-
 def _absolute(path: str | Path) -> str:
-    """Of what is there; names, of runs and of shipped measurements, stay names."""
+    """Of what is there; names of shipped measurements stay names."""
     return str(Path(path).resolve()) if Path(path).exists() else str(path)
+
+
+def _is_among(name: str, data: Sequence[str | Path]) -> bool:
+    """Whether `name` is a path of the `data`, not that of a run beside which some file of that name happens to lie."""
+    return Path(name).exists() and Path(name).resolve() in {Path(one).resolve() for one in data}
 
 
 def _load_effects(asked: Asked) -> None:

@@ -1,4 +1,4 @@
-"""Entries of the 6 x 6 dynamic mass: measured beside predicted, and where on it a click on the residual map leads."""
+"""Where a click on the residual map leads on the 6 x 6 dynamic mass."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from validation.comparing.maps import Map
 from validation.desk.comparing import Compared
-from validation.pictures.curves import unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,48 +46,6 @@ class Cell:
     frequency: float
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Curve:
-    """One entry of one campaign over frequency, about F, of all that stands on the load cells.
-
-    Attributes
-    ----------
-    campaign : data set
-    load, motion : as of `Entry`
-    frequency : (n,) [Hz]
-    measured, predicted : (n,) complex, in `unit`
-    expected : (n,) standard deviation of their difference by noise and tolerances
-    unit : kg, kg m or kg m²
-    """
-
-    campaign: str
-    load: int
-    motion: int
-    frequency: Array
-    measured: ComplexArray
-    predicted: ComplexArray
-    expected: Array
-    unit: str
-
-
-def curves(of: Compared, load: int, motion: int) -> tuple[Curve, ...]:
-    """The entry of every campaign that tells a dynamic mass."""
-    return tuple(
-        Curve(
-            campaign=pairs.campaign,
-            load=load,
-            motion=motion,
-            frequency=pairs.frequency,
-            measured=pairs.measured[:, load, motion],
-            predicted=pairs.predicted[:, load, motion],
-            expected=pairs.expected[:, load, motion],
-            unit=unit(load, motion),
-        )
-        for pairs in (one.pairs for one in of.maps)
-        if pairs is not None
-    )
-
-
 def entry_of(of: Compared, cell: Cell) -> Entry:
     """The entry that shows what a cell of the residual map shows.
 
@@ -107,14 +64,6 @@ def entry_of(of: Compared, cell: Cell) -> Entry:
     sigma = np.zeros((6, 6)) if found.pairs is None else found.pairs.sigma[_line(found.pairs.frequency, cell.frequency)]
     most = max(loads, key=lambda load: float(sigma[load, motion]))
     return Entry(campaign=cell.campaign, load=most, motion=motion, frequency=float(found.frequency[line]))
-
-
-def worst(of: Compared) -> Entry | None:
-    """Where the worst spot of the comparison is, as an entry to begin with; None where nothing stands out."""
-    for spot in of.summary["worst"]:
-        cell = Cell(campaign=spot["campaign"], run=spot["run"], row=spot["channel"], frequency=spot["frequency_hz"])
-        return entry_of(of, cell)
-    return None
 
 
 def _line(frequency: Array, wanted: float) -> int:

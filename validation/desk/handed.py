@@ -1,8 +1,10 @@
 """Files that a browser handed over, put into the desk's folder: whatever they are called, they go nowhere else.
 
-Names come from a stranger. They are taken apart at ``/`` and ``\\``; what climbs, is absolute, hidden, reserved, too long or too
-deep, or holds characters that no file name needs, is refused in words. Nothing is renamed in silence: a campaign finds its
-signals by their names. What is left keeps its folders, so that a dropped series is one.
+Names come from a stranger. They are taken apart at ``/`` and ``\\``; what climbs, is absolute, reserved, too long or too deep, or
+holds characters that no file name needs, is refused in words. Files that a system hides beside those of the user (``.DS_Store``,
+``.git``, ``.~lock``, ``Thumbs.db``) are passed over, in words too. Nothing is renamed in silence: a campaign finds its signals by
+their names. What is left keeps its folders, so that a dropped series is one. A file that is handed over again takes the place of
+the one that was.
 """
 
 from __future__ import annotations
@@ -21,6 +23,9 @@ from validation import measurement_file
 from validation.comparing.gathered import TRUTH
 from validation.desk.faults import Fault, of_error
 
+SOURCE = "the files that were handed over"
+"""What a fault of theirs is about."""
+
 GIVEN = "given"
 """The folder of a desk in which they lie."""
 
@@ -36,6 +41,9 @@ LONGEST, DEEPEST = 120, 6
 FORBIDDEN = re.compile(r'[\x00-\x1f\x7f<>:"|?*]')
 RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 """What no Windows folder can hold, so that a desk can be copied anywhere."""
+
+OF_SYSTEMS = ("thumbs.db", "desktop.ini", "__macosx")
+"""What systems put into folders without a full stop before it, in small letters."""
 
 DEEP = 3
 """Folders below the one that is looked through."""
@@ -62,9 +70,9 @@ class Received:
     Attributes
     ----------
     folder : in which everything lies
-    models : paths of model files
+    models : paths of model files, those that were handed over just now first
     data : paths of campaign folders and measurement files
-    faults : what was refused, in words
+    faults : what was refused, in words; not `grave` what was passed over and is missed by nobody
     """
 
     folder: Path
@@ -76,6 +84,8 @@ class Received:
 def received(folder: str | Path, files: Sequence[Handed], *, limit: int = LARGEST) -> Received:
     """`files` written below `folder` (that of the desk to be), in ``given/``; those that are refused are told and left out.
 
+    One of the name of a file that was handed over before, as after a fault was mended, replaces it.
+
     Parameters
     ----------
     limit : bytes of all files together, those that are there already included
@@ -86,21 +96,31 @@ def received(folder: str | Path, files: Sequence[Handed], *, limit: int = LARGES
     """
     given = Path(folder).resolve() / GIVEN
     given.mkdir(parents=True, exist_ok=True)
-    room, faults = limit - sum(path.stat().st_size for path in _files(given)), []
-    taken = {_folded(path.relative_to(given).parts) for path in _files(given)}
+    before = {_folded(path.relative_to(given).parts): path for path in _files(given)}
+    room, faults = limit - sum(path.stat().st_size for path in before.values()), []
+    taken: set[tuple[str, ...]] = set()
+    hidden: list[str] = []
     for number, one in enumerate(files):
         try:
             _require_few(number, one)
             parts = _parts(one.name)
-            _require_new(parts, taken, given, one)
-            room = _require_room(room, one, limit)
+            if any(_is_hidden(part) for part in parts):
+                hidden.append(one.name)
+                continue
+            old = before.get(_folded(parts))
+            _require_new(parts, taken | (before.keys() - {_folded(parts)}), one)
+            room = _require_room(room + (old.stat().st_size if old else 0), one, limit)
         except BadInput as error:
             faults.append(of_error(error))
             continue
+        if old is not None:
+            old.unlink()  # perhaps in other capitals
         _write(given.joinpath(*parts), one)
         taken.add(_folded(parts))
     found = sorted_out(given)
-    return Received(folder=given, models=found.models, data=found.data, faults=tuple(faults))
+    faults += [] if not hidden else [_passed_over(hidden)]
+    models = sorted(found.models, key=lambda path: _folded(Path(path).relative_to(given).parts) not in taken)
+    return Received(folder=given, models=tuple(models), data=found.data, faults=tuple(faults))
 
 
 def sorted_out(folder: str | Path) -> Received:
@@ -175,8 +195,20 @@ def _require_harmless(part: str, name: str) -> None:
         raise _refused(name, f"is longer than {LONGEST} characters")
     if FORBIDDEN.search(part) or any("\ud800" <= letter <= "\udfff" for letter in part):
         raise _refused(name, "holds a character that no file name can have everywhere")
-    if part.startswith(".") or part.endswith((".", " ")) or RESERVED.fullmatch(part):
-        raise _refused(name, "is hidden, ends in a full stop, or is the name of a device")
+    if part.endswith((".", " ")) or RESERVED.fullmatch(part):
+        raise _refused(name, "ends in a full stop, or is the name of a device")
+
+
+def _is_hidden(part: str) -> bool:
+    return part.startswith(".") or part.casefold() in OF_SYSTEMS
+
+
+def _passed_over(names: Sequence[str]) -> Fault:
+    """Of files that are no data, one word for all."""
+    more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+    problem = "hidden files and those of an operating system are passed over"
+    remedy = "There is nothing to do; a file that is meant must not begin with a full stop"
+    return Fault(file=SOURCE, field=f"{_shown(names[0])}{more}", problem=problem, remedy=remedy, grave=False)
 
 
 def _require_few(number: int, one: Handed) -> None:
@@ -184,11 +216,11 @@ def _require_few(number: int, one: Handed) -> None:
         raise _refused(one.name, f"comes behind {MOST} other files")
 
 
-def _require_new(parts: tuple[str, ...], taken: set[tuple[str, ...]], given: Path, one: Handed) -> None:
+def _require_new(parts: tuple[str, ...], taken: set[tuple[str, ...]], one: Handed) -> None:
     """Refuse a second file of a name, capitals or not, and one where a folder is."""
     folded = _folded(parts)
     clash = folded in taken or any(folded[:k] in taken for k in range(1, len(folded)))
-    if clash or any(other[: len(folded)] == folded for other in taken) or given.joinpath(*parts).exists():
+    if clash or any(other[: len(folded)] == folded for other in taken):
         raise _refused(one.name, "is there already, perhaps in other capitals")
 
 
@@ -219,8 +251,10 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def _refused(name: str, problem: str) -> BadInput:
+    return BadInput(source=SOURCE, field=_shown(name), problem=problem, remedy="Rename it, and hand it over again")
+
+
+def _shown(name: str) -> str:
+    """`name` as a page can say it."""
     shown = name.encode("unicode_escape", "backslashreplace").decode("ascii") if not name.isprintable() else name
-    short = shown if len(shown) <= LONGEST else f"{shown[:LONGEST]}…"
-    return BadInput(
-        source="the files that were handed over", field=short, problem=problem, remedy="Rename it, and hand it over again"
-    )
+    return shown if len(shown) <= LONGEST else f"{shown[:LONGEST]}…"

@@ -10,7 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from validation.comparing.compared import beside, explained, few, mapped_all, meant, modes_of
+from validation.comparing.compared import _remarks as remarks
+from validation.comparing.compared import beside, explained, mapped_all, meant, modes_of
 from validation.comparing.comparison import Comparison
 from validation.comparing.gathered import Data
 from validation.comparing.spots import worst
@@ -149,7 +150,7 @@ def comparison(ready: Ground, at: Rung, progress: Progress) -> Comparison:
         worst=spots,
         facts=beside(ready.facts, ready.problem, evaluation),
         effects=tuple(one.named.id for one in ready.model.effects),
-        remarks=_remarks(ready, tuple(text for one in maps for text in one.remarks)),
+        remarks=remarks(ready.made, maps, evaluation),
     )
 
 
@@ -181,13 +182,6 @@ def _squares(known: Problem, offsets: Offsets) -> list[Squares]:
 
 def _share(percent: float | None, figures: Errors | None) -> Share | None:
     return None if percent is None else Share(percent=percent, by_fold={} if figures is None else dict(figures.by_fold))
-
-
-def _remarks(ready: Ground, of_maps: tuple[str, ...]) -> tuple[str, ...]:
-    tested = [one.tested for one in ready.made]
-    said = [text for one in tested for text in (*one.campaign.warnings, *one.remarks, *one.carried.standing.remarks)]
-    said += [*of_maps, *(few(one.measured.name, len(one.measured.frequency)) for one in tested)]
-    return tuple(dict.fromkeys(text.rstrip(".") for text in said if text))
 
 
 def _article(model: Model, series: tuple[SeriesPrediction, ...]) -> str:

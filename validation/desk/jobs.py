@@ -2,7 +2,7 @@
 
 A worker is started by `start`, writes ``job.json`` as it goes and its results into the desk, and ends with the process that
 started it, whatever happens to that (a pipe between both closes). `Worker.cancel` ends it within a second and takes away what it
-left half-done. One job a desk at a time.
+left half-done. A rung that was written by work which did not come to its end is left again. One job a desk at a time.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.atomic import write_text
 from geometry.errors import BadInput
-from validation.desk.desk import Desk
+from validation.desk.desk import Desk, digest
+from validation.ladders.climbing import read_text
 from validation.output import json_text
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ class Job:
     what : what it does now, in words
     share : of `what`, 0 to 1
     error : in words, for a person; empty unless it failed
+    said : of one that was cancelled, a sentence on what became of the model; empty where nothing has changed
+    before : digest of the model as it was when it began
     seconds : since it began, until it ended
     """
 
@@ -55,6 +58,8 @@ class Job:
     what: str = ""
     share: float = 0.0
     error: str = ""
+    said: str = ""
+    before: str = ""
     seconds: float = 0.0
 
     @property
@@ -68,6 +73,7 @@ class Worker:
 
     def __init__(self, of: Desk, kind: str, process: SpawnProcess, watch: Connection) -> None:
         self.desk, self.kind, self._process, self._watch = of, kind, process, watch
+        self._cancelling = False
 
     @property
     def pid(self) -> int | None:
@@ -78,9 +84,9 @@ class Worker:
         """How it stands; a process that died without a word is told as failed."""
         alive = self._process.is_alive()
         found = job(self.desk) or Job(kind=self.kind, asked={})
-        if alive or found.ended:
+        if alive or found.ended or self._cancelling:
             return found
-        return _kept(self.desk, replace(found, state=FAILED, error=_died(self._process.exitcode)))
+        return _kept(self.desk, failed(self.desk, found, _died(self._process.exitcode)))
 
     def wait(self, seconds: float | None = None) -> Job:
         """Until it ended, or `seconds` are over."""
@@ -89,6 +95,7 @@ class Worker:
 
     def cancel(self) -> Job:
         """End it now: within a second it is gone, and nothing half-done is left. What ended by itself stays as it ended."""
+        self._cancelling = True  # whoever asks meanwhile, in another thread, finds it dead, and would call that a failure
         if self._process.is_alive():
             self._process.terminate()
             self._process.join(GRACE)
@@ -98,7 +105,7 @@ class Worker:
         self._watch.close()
         found = job(self.desk) or Job(kind=self.kind, asked={})
         swept(self.desk)
-        return found if found.ended else _kept(self.desk, replace(found, state=CANCELLED))
+        return found if found.ended else _kept(self.desk, _cancelled(self.desk, found))
 
 
 def start(of: Desk, kind: str, **asked: Any) -> Worker:
@@ -119,18 +126,13 @@ def start(of: Desk, kind: str, **asked: Any) -> Worker:
     here, there = context.Pipe()
     from validation.desk.working import work
 
-    began = Job(kind=kind, asked=dict(asked), what="starting")
+    began = Job(kind=kind, asked=dict(asked), what="starting", before=digest(read_text(of.model)))
     _kept(of, began)
     process = context.Process(target=work, args=(str(of.folder), kind, dict(asked), there), name=f"massline {kind}", daemon=True)
     process.start()
     there.close()
     _at_work[of.folder] = Worker(of, kind, process, here)
     return _at_work[of.folder]
-
-
-def worker(of: Desk) -> Worker | None:
-    """The one that was started last in this process, at work or done."""
-    return _at_work.get(of.folder)
 
 
 def job(of: Desk) -> Job | None:
@@ -153,7 +155,7 @@ def recovered(of: Desk) -> Job | None:
     if found is None or found.ended:
         return found
     swept(of)
-    return _kept(of, replace(found, state=CANCELLED))
+    return _kept(of, _cancelled(of, found))
 
 
 def swept(of: Desk) -> None:
@@ -162,6 +164,29 @@ def swept(of: Desk) -> None:
         for path in folder.glob(".*"):
             if path.is_file():
                 path.unlink(missing_ok=True)
+
+
+def failed(of: Desk, found: Job, error: str) -> Job:
+    """`found` as one that failed with `error`, the model being as it was before."""
+    said = _put_back(of, found)
+    return replace(found, state=FAILED, error=f"{error}; {said}" if said else error)
+
+
+def _cancelled(of: Desk, found: Job) -> Job:
+    said = _put_back(of, found)
+    return replace(found, state=CANCELLED, said=said)
+
+
+def _put_back(of: Desk, found: Job) -> str:
+    """Leave a rung that the work wrote before it ended; what is to be said of that."""
+    from validation.desk import climbing
+
+    if found.kind != ADD or not found.before:
+        return ""
+    try:
+        return climbing.put_back(of, found.before)
+    except (BadInput, OSError) as error:
+        return f"the model could not be put back to where it was: {error}"
 
 
 def _kept(of: Desk, said: Job) -> Job:

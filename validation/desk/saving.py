@@ -100,29 +100,27 @@ def reported(of: Desk, to: str | Path, progress: Progress | None = None) -> Path
     CheckFailed : a fit that does not converge.
     OSError : a file cannot be written.
     """
-    from validation.comparing.asked import Asked as Compared
+    from validation.desk.signing import as_given, signed
     from validation.report.assembling import How, assembled
     from validation.report.page import write
-    from validation.report.run import Asked, provenance
 
     tell, path, asked = progress or (lambda what, share: None), Path(to), of.asked
     require_ending(path, (".html", ".htm"), "a report", "report.html")
     require_file(path, "report")
     ready, compared = _compared(of, tell)
     found = diagnosing.noun(of)
-    question = Compared(model=str(of.model), data=asked.data, hold_out=asked.hold_out, band=asked.band, method=asked.method)
     report = assembled(
         ready.model,
         data_of(of, ready.model, tell),
         compared,
-        provenance=provenance(Asked(compared=question)),
+        provenance=signed(of, ready.model, diagnosed=found is not None),
         how=How(band=asked.band, method=asked.method),
         diagnosis=found,
         not_diagnosed="" if found else "nobody asked for it",
         standing=standing(of.model),
         progress=tell,
     )
-    write(report, path, tell)
+    write(as_given(of, report), path, tell)
     return path
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from geometry.errors import BadInput, CheckFailed
 from validation.desk.desk import Asked, Desk, opened
-from validation.desk.jobs import ADD, COMPARE, DIAGNOSE, DONE, FAILED, REPORT, Job, tell
+from validation.desk.jobs import ADD, COMPARE, DIAGNOSE, DONE, REPORT, Job, failed, job, tell
 
 Progress = Callable[[str, float], None]
 
@@ -35,18 +35,19 @@ def work(folder: str, kind: str, asked: dict[str, Any], watch: Connection) -> No
     threading.Thread(target=_end_with, args=(watch,), daemon=True).start()
     began = time.monotonic()
     of = Desk(folder=Path(folder), asked=Asked(model="", data=()))  # what it was asked is read where a fault is told
-    told = _Told(of, Job(kind=kind, asked=asked))
+    known = job(of)
+    told = _Told(of, Job(kind=kind, asked=asked, before=known.before if known else ""))
     try:
         _verb(kind)(opened(folder), asked, told.hear)
         end = replace(told.job, state=DONE, share=1.0)
     except (BadInput, CheckFailed) as error:
-        end = replace(told.job, state=FAILED, error=str(error))
+        end = failed(of, told.job, str(error))
     except OSError as error:
-        end = replace(told.job, state=FAILED, error=f"{error.filename or 'a file'}: {error.strerror or error}")
+        end = failed(of, told.job, f"{error.filename or 'a file'}: {error.strerror or error}")
     except Exception as error:
         _logged(of)
         problem = f"the program failed where nobody foresaw it ({type(error).__name__}: {error})"
-        end = replace(told.job, state=FAILED, error=f"{problem}; nothing is lost. {of.folder / LOG} says where")
+        end = failed(of, told.job, f"{problem}; nothing is lost. {of.folder / LOG} says where")
     tell(of, replace(end, seconds=time.monotonic() - began))
 
 

@@ -1,6 +1,7 @@
 """Where a model fails, in sigmas over frequency: channels and loads of a run, or the 36 pairs of axes. A cell can be clicked.
 
-A click tells the middle of its column as `x` and the name of its row as `y`: one of `labels` or of `PAIRS`.
+A click tells the middle of its column as `x`, the name of its row as `y` (one of `labels` or of `PAIRS`), and as `customdata` the
+worst of the lines that share the cell: [σ, its frequency in Hz].
 """
 
 from __future__ import annotations
@@ -71,17 +72,17 @@ def _map(
     """`sigma` (n, m) over `frequency` (n,) and `rows`."""
     from plotly import graph_objects as go
 
-    at, thin = worst(frequency, sigma)
+    thin = worst(frequency, sigma)
     shown = [escaped(row) for row in rows]
     heat = go.Heatmap(
-        x=np.asarray(at, dtype=np.float32),
+        x=np.asarray(thin.middle, dtype=np.float32),
         y=shown,
-        z=np.asarray(levels(thin).T, dtype=np.float32),
-        customdata=np.asarray(thin.T, dtype=np.float32),
+        z=np.asarray(levels(thin.values).T, dtype=np.float32),
+        customdata=np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
         zmin=-0.5,
         zmax=len(BOUNDS) - 0.5,
         hoverongaps=False,
-        hovertemplate="%{y}<br>%{x:.2f} Hz: %{customdata:.1f} σ<extra></extra>",
+        hovertemplate="%{y}<br>%{customdata[1]:.2f} Hz: %{customdata[0]:.1f} σ<extra></extra>",
         colorbar=_bar(),
     )
     figure = go.Figure(heat)

@@ -45,7 +45,11 @@ HEIGHTS = ((0.09, 0.60), (0.64, 0.86))
 """Where magnitude and phase begin and end in a third of the page, from its top."""
 
 WIDE = 2.0
-"""Standard deviations of the band about the prediction."""
+"""Standard deviations (those of the maps) by which the band is wider than the prediction on both sides.
+
+They are those of a complex difference, so that no single share of magnitudes is due in the band: of noise that is alike in all
+directions 98 % of the differences are smaller, and more of the magnitudes.
+"""
 
 NONE: Mapping[str, ComplexArray] = MappingProxyType({})
 
@@ -188,7 +192,7 @@ def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float, le
     size = np.abs(H)
     look = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", **_lines(f)}
     low = go.Scatter(y=_short(np.maximum(size - WIDE * expected, bottom)), showlegend=False, legendgroup="expected", **look)
-    name = "expected, 95 %"
+    name = f"expected, ± {WIDE:g} σ"
     fill = {
         "fill": "tonexty",
         "fillcolor": "rgba(59,125,221,0.18)",

@@ -13,7 +13,7 @@ from validation.article_reference import is_stack, reference
 from validation.campaigns.sensor_map import draw
 from validation.identifying.asked import Asked
 from validation.identifying.findings import Findings
-from validation.identifying.known import FMD, above_fmd
+from validation.identifying.known import FMD, above_fmd, stated
 from validation.identifying.run import identified
 from validation.models.model import Model
 from validation.report.articles import drawing_of, drawn
@@ -22,6 +22,12 @@ from validation.statement import Statement
 
 KNOWN = ("cuboid", "disc")
 """Parts that are known well enough to tell the FMD by: a campaign of nothing else is the tare of the others."""
+
+
+NOT_MOUNTED = (
+    "the result is seen from F and the drawing from its own origin, and campaign.toml has no [mounting] that says how the "
+    "article stands; state it, and both are compared"
+)
 
 
 def campaign_part(
@@ -36,7 +42,7 @@ def campaign_part(
         campaign=one,
         sensors=_sensors(one, missing),
         findings=findings,
-        reference=None if findings is None else _reference(findings, model),
+        reference=None if findings is None else _reference(findings, model, missing),
         command=command(asked),
         missing=tuple(missing),
     )
@@ -72,15 +78,30 @@ def _sensors(one: Campaign, missing: list[str]) -> Picture | None:
         return None
 
 
-def _reference(found: Findings, model: Model) -> Statement | None:
-    """Of what was identified, as it is drawn; None where no drawing is known, and with an FMD that the model knows otherwise."""
+def _reference(found: Findings, model: Model, missing: list[str]) -> Statement | None:
+    """Of what was identified, as it is drawn, in the frame of the result.
+
+    None where no drawing is known, with an FMD that the model knows otherwise, and where nothing says how the article stands.
+    """
     if found.article.split("+")[0] == FMD and model.fmd is not None:
         return None
-    changes = model.changes if is_stack(found.article) else {}
     source = drawing_of(found.article, model)
     if not source:
         return None
+    frame = _frame(found)
+    if frame is None:
+        missing.append(f"Nothing is held against the drawing of {found.article}: {NOT_MOUNTED}")
+        return None
+    changes = model.changes if is_stack(found.article) else {}
     try:
-        return reference(source, None, Drawn(changes=changes), Pose())[1]
+        return reference(source, None, Drawn(changes=changes), frame)[1]
     except (BadInput, CheckFailed):
         return None
+
+
+def _frame(found: Findings) -> Pose | None:
+    """That of the result, seen from the drawing's; None where nobody stated it. The frame of a stack from the FMD up is F's."""
+    if found.origin != "F" or found.article.split("+")[0] == FMD:
+        return Pose()
+    mount = stated(found.request.campaign)
+    return None if mount is None else mount.inverse

@@ -47,6 +47,15 @@ def browser() -> str:
     return found
 
 
+def version(program: str) -> str:
+    """What the browser `program` says of itself; its path where it says nothing."""
+    try:
+        done = subprocess.run([program, "--version"], capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return program
+    return done.stdout.strip() or program
+
+
 def print_to(page: Path, path: Path, program: str) -> None:
     """Print the report `page` to the PDF file `path`, whole or not at all.
 
@@ -71,7 +80,7 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
     """Without a window, a profile of its own, nothing asked of anybody."""
     return (
         "--headless",
-        "--no-sandbox",
+        *(("--no-sandbox",) if _is_root() else ()),
         "--disable-gpu",
         "--disable-quic",
         "--no-first-run",
@@ -85,6 +94,11 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
         "--generate-pdf-document-outline",
         f"--print-to-pdf={made}",
     )
+
+
+def _is_root() -> bool:
+    """Whether the browser would run as root, as in a container, where it refuses to start in its sandbox."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
 def _run(words: list[str]) -> str:

@@ -13,6 +13,7 @@ from platform import platform, python_version
 import click
 
 from geometry.errors import BadInput, CheckFailed
+from identification.campaign import METHODS
 from validation.article_reference import file_name
 from validation.comparing.asked import Asked as Compared
 from validation.comparing.asked import ready
@@ -21,6 +22,7 @@ from validation.comparing.gathered import Data
 from validation.diagnosing import diagnosed
 from validation.diagnosing.asked import require_runs
 from validation.diagnosing.diagnosis import Diagnosis
+from validation.effects.catalogue import SOURCES
 from validation.ladders.climbing import standing
 from validation.ladders.nouns import Source
 from validation.ladders.sources import digest
@@ -32,8 +34,12 @@ from validation.report.assembling import How, assembled
 from validation.report.nouns import Provenance, Report
 from validation.report.page import write
 
-PROGRAMS = ("massline", "numpy", "scipy", "plotly", "pyvista", "exudyn", "pin", "cadquery", "trimesh")
-"""Whose versions stand in the report, beside Python's."""
+PROGRAMS = (
+    *("massline", "numpy", "scipy", "plotly", "pyvista", "vtk", "matplotlib", "exudyn", "pin", "cadquery", "cadquery-ocp"),
+    *("trimesh", "gmsh", "scikit-fem", "h5py", "libigl", "networkx", "pillow", "pint", "pyuff", "pyyeti", "tomlkit"),
+    "uncertainties",
+)
+"""Whose versions stand in the report, beside Python's: every library that reads, computes or draws what is on it."""
 
 NOT_ASKED = "--no-diagnosis"
 
@@ -151,18 +157,39 @@ def provenance(asked: Asked) -> Provenance:
     return Provenance(
         when=datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
         by=asked.by,
-        command=asked.command or shlex.join(["massline", "report", question.model, *question.data]),
-        versions={**{name: version(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()},
-        inputs=inputs((question.model, *question.data)),
+        command=asked.command or command_line(question, diagnosis=asked.diagnosis),
+        versions=_versions(asked),
+        inputs=inputs((question.model, *question.data, *_own_effects())),
         settings={
             "method": question.method,
             "band_hz": question.band or "what all runs drive",
             "held out": question.hold_out or "each run in turn",
+            "effects of the user's own": [f"{name} ({source})" for name, source in SOURCES.items()],
         },
         model_text=Path(question.model).read_text(encoding="utf-8") if Path(question.model).is_file() else "",
     )
 
 
+def command_line(of: Compared, *, effects_from: Sequence[str] = (), diagnosis: bool = True) -> str:
+    """What is typed for a report of `of`."""
+    words = ["massline", "report", of.model, *of.data]
+    words += [word for name in of.hold_out for word in ("--hold-out", name)]
+    words += [] if of.band is None else ["--band", *(f"{end:g}" for end in of.band)]
+    words += [] if of.method == METHODS[0] else ["--method", of.method]
+    words += [word for folder in effects_from for word in ("--effects-from", folder)]
+    return shlex.join([*words, *([] if diagnosis else [NOT_ASKED])])
+
+
+def _versions(asked: Asked) -> dict[str, str]:
+    found = {**{name: version(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
+    return {**found, "browser that prints": pdf.version(pdf.browser())} if asked.pdf else found
+
+
+def _own_effects() -> tuple[str, ...]:
+    """Files of code that take part in every figure."""
+    return tuple(source for source in SOURCES.values() if Path(source).is_file())
+
+
 def inputs(paths: Sequence[str]) -> tuple[Source, ...]:
-    """Files and campaign folders with their digests."""
+    """Files and campaign folders with their digests; those of effects are files of code."""
     return tuple(Source(path=path, digest=digest(path)) for path in paths)

@@ -1,6 +1,10 @@
 """A rung up and down again: the error, the curve and the identified inertia move, and nothing of the user's does."""
 
+import shlex
+import shutil
+import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,18 +13,20 @@ import pytest
 
 from geometry.errors import BadInput
 from validation.comparing.verdicts import expected_z2, largest_z
-from validation.desk import climbing, comparing, diagnosing, entries, explaining, jobs, saving
-from validation.desk.desk import Desk
+from validation.desk import climbing, comparing, diagnosing, explaining, jobs, recorded, saving, signing
+from validation.desk.desk import Desk, begun, digest
+from validation.desk.handed import Handed, received
 from validation.diagnosing.as_json import as_json
+from validation.ladders import sources
 from validation.ladders.climbing import standing
+from validation.ladders.nouns import Source
 from validation.models import reading
+from validation.report import run
 
 
 @pytest.fixture(scope="module")
 def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Desk:
     """A copy of the desk, on which a worker added what was missing."""
-    import shutil
-
     from validation.desk.desk import opened
 
     folder = worked.desk.folder.parent / "climbed"
@@ -47,9 +53,11 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
     assert at.rung.effect == "force-gain:fmd-z2"
     assert after.summary["plain_error_percent"] < 0.3 * before.summary["plain_error_percent"]
     assert after.summary["effects"] == ["force-gain:fmd-z2"]
-    one, other = (entries.curves(found, 2, 2)[0] for found in (before, after))
+    one, other = (found.maps[0].pairs for found in (before, after))
+    assert one is not None
+    assert other is not None
     assert np.array_equal(one.measured, other.measured)
-    assert np.abs(one.predicted - other.predicted).max() > 0.01 * np.abs(one.predicted).max()
+    assert np.abs(one.predicted - other.predicted)[:, 2, 2].max() > 0.01 * np.abs(one.predicted)[:, 2, 2].max()
     assert at.rung.bodies[0].values[0] != at.ladder.rung(0).bodies[0].values[0]
     text = climbed.model.read_text()
     assert climbing.undone(climbed).rung.number == 0  # type: ignore[union-attr]
@@ -59,6 +67,58 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
     assert diagnosing.diagnosis(climbed) is not None
     assert climbing.gone_to(climbed, 1).text == text
     assert comparing.comparison(climbed) is not None
+
+
+def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("cancelled")
+    text = desk.model.read_text()
+    worker = jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2")
+    until = time.monotonic() + 60
+    while desk.model.read_text() == text and time.monotonic() < until:
+        time.sleep(0.01)
+    found = worker.cancel()
+    assert found.state == jobs.CANCELLED
+    assert found.said == "rung 1 was written already and stays on the ladder; the model is back on rung 0"
+    _stands_as_before(desk, text)
+    assert climbing.gone_to(desk, 1).text != text
+
+
+def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(climbed: Desk, fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("failed")
+    text = desk.model.read_text()
+    (desk.folder / "found" / digest(climbing.ladder(climbed).ladder.rung(1).model)).write_text("in the way")
+    found = jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").wait(60)
+    assert found.state == jobs.FAILED
+    assert found.error.endswith("; rung 1 was written already and stays on the ladder; the model is back on rung 0")
+    _stands_as_before(desk, text)
+
+
+def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: Desk, fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("reopened")
+    text = desk.model.read_text()
+    for name in ("model.toml", "model.ladder.json"):
+        shutil.copy(climbed.model.with_name(name), desk.model.with_name(name))
+    climbing.gone_to(desk, 1)
+    jobs.tell(desk, jobs.Job(kind=jobs.ADD, asked={}, before=digest(text)))
+    found = jobs.recovered(desk)
+    assert found is not None
+    assert "back on rung 0" in found.said
+    _stands_as_before(desk, text)
+
+
+def test_adding_that_is_cancelled_before_says_nothing(fresh: Callable[[str], Desk]) -> None:
+    desk = fresh("early")
+    text = desk.model.read_text()
+    assert jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").cancel().said == ""
+    _stands_as_before(desk, text)
+
+
+def _stands_as_before(desk: Desk, text: str) -> None:
+    at = climbing.ladder(desk)
+    assert desk.model.read_text() == text
+    assert at.rung is not None
+    assert at.rung.number == at.ladder.current == 0
+    assert comparing.comparison(desk) is not None
 
 
 def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: Desk, tmp_path: Path) -> None:
@@ -129,6 +189,39 @@ def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare: Desk) 
         explaining.explained(bare, "nonsense")
 
 
+def test_a_report_names_the_users_files_and_the_whole_command_line(
+    block: Any, tmp_path: Path, climbed: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A director signs it, and the folder of the desk is gone by then."""
+    own = str(tmp_path / "effects")
+    monkeypatch.setattr(run, "SOURCES", {"mine": f"{own}/mine.py"})
+    (tmp_path / "effects").mkdir()
+    (tmp_path / "effects" / "mine.py").write_text("")
+    made = begun(tmp_path / "d", block.model, block.data, hold_out=("z",), band=(8, 12))
+    made = replace(made, asked=replace(made.asked, effects_from=(own,)))
+    made.model.write_text(climbing.ladder(climbed).ladder.rung(1).model)
+    found = signing.signed(made, recorded.model_of(made), diagnosed=True)
+    words = ["massline", "report", block.model, *block.data, "--hold-out", "z", "--band", "8", "12", "--effects-from", own]
+    assert shlex.split(found.command) == words
+    assert found.inputs[0] == Source(path=block.model, digest=sources.digest(block.model))
+    assert [one.path for one in found.inputs] == [block.model, *block.data, f"{own}/mine.py"]
+    assert found.settings["effects added in the workbench"] == ("force-gain:fmd-z2",)
+    assert found.model_text == saving.model_text(made)
+    assert shlex.split(signing.signed(made, recorded.model_of(made), diagnosed=False).command)[-1] == "--no-diagnosis"
+
+
+def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any, tmp_path: Path) -> None:
+    root = Path(block.model).parent
+    files = [path for path in root.rglob("*") if path.is_file()]
+    names = [f"my series/{path.relative_to(root).as_posix()}" for path in files]
+    got = received(tmp_path / "desk-0", [Handed(name=name, content=path) for name, path in zip(names, files, strict=True)])
+    made = begun(tmp_path / "desk-0", got.models[0], got.data)
+    found = signing.signed(made, recorded.model_of(made), diagnosed=True)
+    shown = ["my series/model.toml", "my series/fmd+cuboid"]
+    assert shlex.split(found.command) == ["massline", "report", *shown]
+    assert [one.path for one in found.inputs] == shown
+
+
 def test_a_report_is_written_from_what_was_found(worked: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The parts that are drawn anew are proved with the report; here they stand for nothing."""
     from validation.report import assembling
@@ -140,5 +233,6 @@ def test_a_report_is_written_from_what_was_found(worked: Any, tmp_path: Path, mo
     text = path.read_text()
     assert "fitting" not in heard
     assert "force-gain:fmd-z2" in text
+    assert str(worked.desk.folder) not in text
     with pytest.raises(BadInput, match="report"):
         saving.reported(worked.desk, tmp_path / "report.txt")

@@ -1,7 +1,7 @@
 """What a window is shown of a comparison is what `massline compare` finds, and it is there again at once."""
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,10 @@ from numpy.testing import assert_allclose
 from validation.comparing.as_json import as_json
 from validation.comparing.compared import compared
 from validation.comparing.gathered import gathered
-from validation.desk import comparing, entries, recorded
+from validation.desk import comparing, entries, held_against, recorded
 from validation.desk.desk import Desk
 from validation.desk.entries import Cell
 from validation.models import reading
-from validation.pictures.curves import unit
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +33,19 @@ def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
     assert [one["text"] for one in shown["worst"]] == [one["text"] for one in expected["worst"]]
     assert [one["name"] for one in shown["absurd_tolerances"]] == [one["name"] for one in expected["absurd_tolerances"]]
     assert shown["warnings"] == expected["warnings"]
+
+
+def test_a_fit_that_did_not_converge_is_said(worked: Any) -> None:
+    """In the words of the command, of both fits."""
+    ready = held_against.ground(worked.desk)
+    at = held_against.rung(worked.desk, ready, lambda what, share: None)
+    assert at.errors is not None
+    lost = replace(at, errors=replace(at.errors, converged=False))
+    said = held_against.comparison(ready, lost, lambda what, share: None).remarks
+    assert [text.partition(" fit did not converge")[0] for text in said if "did not converge" in text] == [
+        "the plain",
+        "the fitted",
+    ]
 
 
 def test_maps_and_curves_are_those_of_the_command(worked: Any, found: Any) -> None:
@@ -64,16 +76,6 @@ def test_a_comparison_makes_the_first_rung_and_a_second_one_fits_nothing(worked:
     assert again.summary["plain_error_percent"] == worked.compared.summary["plain_error_percent"]
 
 
-@pytest.mark.parametrize(("load", "motion"), [(0, 0), (2, 3), (4, 4)])
-def test_curves_show_one_entry_of_every_campaign(worked: Any, load: int, motion: int) -> None:
-    (curve,) = entries.curves(worked.compared, load, motion)
-    pairs = worked.compared.maps[0].pairs
-    assert np.array_equal(curve.measured, pairs.measured[:, load, motion])
-    assert np.array_equal(curve.expected, pairs.expected[:, load, motion])
-    assert curve.unit == unit(load, motion)
-    assert curve.campaign == "fmd+cuboid"
-
-
 @pytest.mark.parametrize(
     ("run", "row", "loads", "motion"),
     [("z", "fmd-z2", {2, 3, 4}, 2), ("x", "fmd-x12", {0, 5}, 0), ("beta", "t_y", {4}, 4), ("y", "cover-z1", set(range(6)), 1)],
@@ -96,14 +98,6 @@ def test_a_cell_that_is_none_leads_nowhere(worked: Any) -> None:
     ):
         with pytest.raises(KeyError):
             entries.entry_of(worked.compared, cell)
-
-
-def test_the_worst_spot_is_an_entry_to_begin_with(worked: Any) -> None:
-    found = entries.worst(worked.compared)
-    assert found is not None
-    assert found.campaign == "fmd+cuboid"
-    assert worked.compared.summary["worst"][0]["channel"] == "fmd-z2"
-    assert found.load in (2, 3, 4)
 
 
 def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare: Desk) -> None:

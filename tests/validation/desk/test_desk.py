@@ -29,6 +29,16 @@ def test_a_desk_is_opened_as_it_was_begun(block: Series, tmp_path: Path) -> None
     assert made.asked.title == "<b>"
 
 
+def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(
+    block: Series, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "z").mkdir()
+    (tmp_path / "here").symlink_to(block.data[0])
+    made = begun(tmp_path / "d", block.model, ["here"], hold_out=("z", "here/"))
+    assert made.asked.hold_out == ("z", str(Path(block.data[0]).resolve()))
+
+
 def test_what_a_page_keeps_is_there_after_a_reload(bare: Desk) -> None:
     assert desks.view(bare) == {}
     desks.keep_view(bare, {"entry": [2, 4], "campaign": "é"})

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from geometry.errors import BadInput
 from validation.desk.examples import Series
+from validation.desk.faults import faults
 from validation.desk.handed import Handed, received, sorted_out
 
 MALICIOUS = (
@@ -23,8 +24,6 @@ MALICIOUS = (
     ".",
     "",
     "a//../b",
-    ".ssh/authorized_keys",
-    "dir/.hidden",
     "con",
     "lpt1.txt",
     "x" * 300,
@@ -45,6 +44,62 @@ def test_a_malicious_name_goes_nowhere(tmp_path: Path, name: str) -> None:
     assert fault.grave
     assert fault.remedy
     assert fault.field.isprintable()
+
+
+HIDDEN = (
+    ".DS_Store",
+    ".ssh/authorized_keys",
+    "dir/.hidden",
+    ".git/config",
+    "a/.~lock.model.toml#",
+    "a/Thumbs.db",
+    "a\\desktop.ini",
+)
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_what_a_system_hides_beside_the_users_files_is_passed_over_in_words(tmp_path: Path, name: str) -> None:
+    found = received(tmp_path / "desk", [Handed(name="a/x.h5", content=b"1"), Handed(name=name, content=b"2")])
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["x.h5"]
+    (fault,) = found.faults
+    assert not fault.grave
+    assert "passed over" in fault.problem
+    assert fault.field == name
+
+
+@pytest.mark.parametrize("name", ["a/../.ssh/config", "../.x", "/.x"])
+def test_a_hidden_name_that_climbs_is_still_refused(tmp_path: Path, name: str) -> None:
+    found = received(tmp_path / "deep" / "desk", [Handed(name=name, content=b"x")])
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    assert found.faults[0].grave
+
+
+@pytest.mark.parametrize("name", ["s/model.toml", "S/Model.toml"])
+def test_a_file_that_was_mended_takes_the_place_of_the_one_before(tmp_path: Path, block: Series, name: str) -> None:
+    """Handed over whole, with what did not change."""
+    root = Path(block.model).parent
+    others = [path for path in root.rglob("*") if path.is_file() and path.name != "model.toml"]
+    rest = [Handed(name=f"s/{path.relative_to(root).as_posix()}", content=path) for path in others]
+    assert received(tmp_path, [Handed(name="s/model.toml", content=b"[model"), *rest]).faults == ()
+    again = received(tmp_path, [Handed(name=name, content=Path(block.model)), *rest])
+    assert again.faults == ()
+    assert [Path(path).name for path in again.models] == [Path(name).name]
+    assert Path(again.models[0]).read_bytes() == Path(block.model).read_bytes()
+    assert len(again.data) == 1
+    assert not [one for one in faults(again.models[0], again.data) if one.grave]
+
+
+def test_the_model_that_was_handed_over_last_comes_first(tmp_path: Path, block: Series) -> None:
+    received(tmp_path, [Handed(name="a/model.toml", content=b"[model")])
+    found = received(tmp_path, [Handed(name="b/model.toml", content=Path(block.model))])
+    assert [Path(path).parent.name for path in found.models] == ["b", "a"]
+
+
+def test_a_file_that_replaces_another_counts_once(tmp_path: Path) -> None:
+    received(tmp_path, [Handed(name="a", content=b"x" * 60)], limit=100)
+    found = received(tmp_path, [Handed(name="a", content=b"y" * 80), Handed(name="b", content=b"x" * 20)], limit=100)
+    assert found.faults == ()
+    assert (found.folder / "a").read_bytes() == b"y" * 80
 
 
 @given(name=st.text(alphabet=st.sampled_from("ab./\\:.. \x00\u202e~$%"), max_size=24))

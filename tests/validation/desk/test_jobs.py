@@ -71,12 +71,21 @@ def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare: Desk) 
     assert worker.cancel() == found
 
 
+def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A window asks every moment, and cancels in another thread."""
+    worker = jobs.start(bare, COMPARE)
+    at_work(worker)
+    heard: list[Job] = []
+    monkeypatch.setattr(jobs, "swept", lambda of: heard.append(worker.job()))
+    assert worker.cancel().state == CANCELLED
+    assert [one.state for one in heard] == [RUNNING]
+
+
 def test_one_job_a_desk_at_a_time(bare: Desk) -> None:
     worker = jobs.start(bare, COMPARE)
     with pytest.raises(BadInput, match="at work already"):
         jobs.start(bare, DIAGNOSE)
     worker.cancel()
-    assert jobs.worker(bare) is worker
 
 
 def test_a_worker_that_dies_is_an_error_in_words(bare: Desk) -> None:

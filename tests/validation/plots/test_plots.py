@@ -162,23 +162,24 @@ def test_the_band_is_two_standard_deviations_wide() -> None:
     figure = overlay.overlay(pairs(), 1, 1)
     low, high = (trace.y for trace in figure.data[:2])
     assert_allclose(high - low, 4 * 0.1, rtol=1e-2)  # single precision at a resonance
+    assert figure.data[1].name == "expected, ± 2 σ"  # of a complex difference: of magnitudes no per cent is due in it
 
 
 def test_a_map_keeps_its_worst_cell_and_leaves_unchecked_rows_empty() -> None:
     heat = maps.channel_map(channel_map()).data[0]
     assert tuple(heat.y) == maps.labels(channel_map()) == ("fmd-z1", "fmd-z2", "force along x")
-    assert heat.customdata[1, 20] == 7.5
+    assert tuple(heat.customdata[1, 20]) == (7.5, F[20])
     assert heat.z[1, 20] == 5  # the step from 6 to 10 sigma
     assert np.isnan(heat.z[2]).all()
     quiet = maps.channel_map(channel_map(), 0).data[0]
-    assert np.nanmax(quiet.customdata) == 0
+    assert np.nanmax(quiet.customdata[:, :, 0]) == 0
 
 
 def test_a_map_of_pairs_names_load_first_and_motion_second() -> None:
     heat = maps.pair_map(pairs()).data[0]
     row = list(heat.y).index("zβ")
-    assert_allclose(heat.customdata[row], pairs().sigma[:, 2, 4], rtol=1e-6)
-    assert not np.allclose(heat.customdata[row], pairs().sigma[:, 4, 2])
+    assert_allclose(heat.customdata[row, :, 0], pairs().sigma[:, 2, 4], rtol=1e-6)
+    assert not np.allclose(heat.customdata[row, :, 0], pairs().sigma[:, 4, 2])
 
 
 def test_levels_follow_the_bounds_of_the_scale() -> None:
@@ -190,10 +191,22 @@ def test_thinning_keeps_every_peak() -> None:
     frequency = np.linspace(0, 1, 1000)
     values = np.zeros((1000, 2))
     values[613, 1] = 9.0
-    at, thin = thinning.worst(frequency, values, most=100)
-    assert len(at) == len(thin) == 100
-    assert thin[:, 1].max() == 9.0
-    assert abs(at[thin[:, 1].argmax()] - frequency[613]) < 0.01
+    thin = thinning.worst(frequency, values, most=100)
+    assert len(thin.middle) == len(thin.values) == len(thin.at) == 100
+    assert thin.values[:, 1].max() == 9.0
+    column = thin.values[:, 1].argmax()
+    assert abs(thin.middle[column] - frequency[613]) < 0.01
+    assert thin.at[column, 1] == frequency[613] != thin.middle[column]
+
+
+@pytest.mark.parametrize("most", [100, 1000])
+def test_a_line_that_nothing_checks_hides_no_other(most: int) -> None:
+    values = np.ones((1000, 2))
+    values[501, 0], values[[500, 502], 0], values[:, 1] = 80.0, np.nan, np.nan
+    thin = thinning.worst(np.arange(1000.0), values, most=most)
+    assert np.nanmax(thin.values[:, 0]) == 80.0
+    assert thin.at[np.nanargmax(thin.values[:, 0]), 0] == 501.0
+    assert np.isnan(thin.values[:, 1]).all()
 
 
 def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size() -> None:

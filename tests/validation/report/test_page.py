@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from numpy.testing import assert_allclose
 
 from validation.diagnosing.as_json import as_json
+from validation.report import pdf
+from validation.report import run as asked
 from validation.report.figures import Figures
 from validation.report.nouns import Report
 from validation.report.page import SECTIONS, html
@@ -143,8 +148,32 @@ def test_where_everything_comes_from_is_said(read: Any, report: Report, series: 
     inputs = read.table("Inputs")
     assert [row[1] for row in inputs.rows[1:]] == [digest(str(path)) for path in (series.model, series.campaign, series.scale)]
     assert {row[0] for row in read.table("Versions").rows} >= {"massline", "numpy", "Python", "plotly"}
+    assert dict(read.table("Settings").rows)["effects of the user's own"] == "none"
     assert "massline report cuboid.toml gain" in read.text
     assert "none: the same data give the same answer" in read.text
+
+
+def test_code_of_the_user_and_the_browser_that_prints_are_said(
+    series: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.py").write_text("FAMILY = None")
+    (tmp_path / "browser").write_text("#!/bin/sh\necho Brow 7.1\n")
+    (tmp_path / "browser").chmod(0o755)
+    monkeypatch.setattr(asked, "SOURCES", {"mine": str(tmp_path / "mine.py"), "theirs": "entry point theirs"})
+    monkeypatch.setenv(pdf.BROWSER, str(tmp_path / "browser"))
+    made = asked.provenance(asked.Asked(compared=series.asked, pdf=True, diagnosis=False))
+    assert made.inputs[-1].path == str(tmp_path / "mine.py")
+    assert made.settings["effects of the user's own"] == [f"mine ({tmp_path}/mine.py)", "theirs (entry point theirs)"]
+    assert made.versions["browser that prints"] == "Brow 7.1"
+    words = ["massline", "report", str(series.model), *series.data, "--hold-out", "z", "--no-diagnosis"]
+    assert shlex.split(made.command) == words
+
+
+def test_every_library_that_reads_computes_or_draws_has_its_version() -> None:
+    declared = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
+    names = {re.split(r"[<>=~ \[]", one)[0] for one in declared}
+    faces = {"click", "rich", *(one for one in names if one.startswith("trame"))}
+    assert names - faces <= set(asked.PROGRAMS)
 
 
 def test_what_nobody_asked_for_is_said_instead_of_shown(report: Report, parsed: Callable[[str], Any]) -> None:

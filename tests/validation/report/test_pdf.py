@@ -62,6 +62,21 @@ def test_a_browser_that_hangs_is_ended(page: Path, tmp_path: Path, monkeypatch: 
         pdf.print_to(page, tmp_path / "report.pdf", str(script))
 
 
+@pytest.mark.parametrize(("user", "sandboxed"), [(0, False), (1000, True)])
+def test_nobody_but_root_prints_without_the_browsers_sandbox(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, user: int, *, sandboxed: bool
+) -> None:
+    """Titles on the page are a stranger's."""
+    script, page = tmp_path / "browser", tmp_path / "page.html"
+    script.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/words\n')
+    script.chmod(0o755)
+    page.write_text("")
+    monkeypatch.setattr("os.geteuid", lambda: user)
+    with pytest.raises(CheckFailed, match="did not print"):
+        pdf.print_to(page, tmp_path / "report.pdf", str(script))
+    assert ("--no-sandbox" not in (tmp_path / "words").read_text()) == sandboxed
+
+
 def test_without_a_browser_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv(pdf.BROWSER, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))

@@ -22,8 +22,8 @@ PAIRS = 10
 
 NOTE = (
     "Blocked dynamic mass of all that stands on the load cells, about F. Dots: measured, Eqs. 9 to 11. Line: the model at the "
-    "plain fit, its channels put through the same equations. Band: 95 % of what noise and tolerances that were not "
-    "fitted let expect. Phase of an entry that is next to nothing means nothing"
+    "plain fit, its channels put through the same equations. Band: two standard deviations, the σ of the maps, of the complex "
+    "difference that noise and unfitted tolerances let expect. Phase of an entry that is next to nothing means nothing"
 )
 
 

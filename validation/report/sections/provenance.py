@@ -12,7 +12,7 @@ from validation.report.nouns import Report
 from validation.report.sections.parts import section
 from validation.report.tables import Column, table
 
-SEEDS = "none: the same data give the same answer"
+SEEDS = "none: the same data give the same answer (of a simulated campaign the seed stands in its own description)"
 """Of the random numbers behind figures of this page."""
 
 
