@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from validation.app.bench import Bench
 from validation.app.figures import as_state
 from validation.desk.whatif import WhatIf
@@ -40,16 +38,12 @@ async def drawn(bench: Bench) -> None:
 
 
 def further(bench: Bench) -> dict[str, ComplexArray]:
-    """What the overlay draws beside the prediction: by name, the entry with the effect in an otherwise empty 6 x 6."""
+    """What the overlay draws beside the prediction: by name, the 6 x 6 with the effect, whichever entry is shown."""
     tried, state = bench.tried, bench.state
     if tried is None:
         return {}
     trace = next((one for one in tried.traces if one.campaign == state.campaign), None)
-    if trace is None:
-        return {}
-    matrix = np.full((len(trace.frequency), 6, 6), np.nan, dtype=np.complex128)
-    matrix[:, state.load, state.motion] = trace.after
-    return {name_of(tried): matrix}
+    return {} if trace is None else {name_of(tried): trace.matrix}
 
 
 def name_of(tried: WhatIf) -> str:
