@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import log2
 
 from geometry.errors import BadInput, CheckFailed
 from validation.app.bench import Bench
 from validation.desk import scene, shapes
 from validation.pictures.turntable import Turn, Turntable
+
+NEAR = 0.5
+"""Octaves between a frequency and a mode that has anything to do with it."""
 
 AT_REST = -1
 """In place of a mode: bodies with their sensors."""
@@ -39,7 +43,7 @@ async def mode(bench: Bench, number: int) -> None:
 
 
 async def nearest(bench: Bench) -> None:
-    """Show the mode nearest the frequency that is marked, where there is one."""
+    """Show the mode nearest the frequency that is marked, where there is one; how far it is stands below it."""
     state = bench.state
     if bench.compared is None or state.marked is None:
         return
@@ -89,7 +93,16 @@ async def _swinging(bench: Bench, campaign: str, number: int) -> None:
     note = (
         f"{found.name}, {found.frequency:.2f} Hz, damping ratio {found.damping_ratio:.3g}; base held, size of the swing as drawn."
     )
+    if bench.state.marked is not None:
+        note += apart(bench.state.marked, found.frequency)
     await _put(bench, Turntable(found.bodies, scale=found.scale), label, note)
+
+
+def apart(marked: float, found: float) -> str:
+    """What is said of a mode at the frequency `found` when another is marked; nothing where they are neighbours."""
+    if abs(log2(found / marked)) < NEAR:
+        return ""
+    return f" It is the mode nearest {marked:.4g} Hz, and far from it: what is seen there is no resonance of this model."
 
 
 async def _put(bench: Bench, table: Turntable, label: str, note: str) -> None:
