@@ -42,8 +42,7 @@ class Bench:
     opened : what the command line asked to begin with
     desk : what is worked on, None before something is open
     compared : the comparison of the model as it stands
-    table : predictions that stand ready for a slider that is dragged
-    settled : the same for one that rests, which takes longer: the next drag does not wait behind it
+    table : predictions that stand ready for what-if
     effects : that can be tried, by id
     worker : the job that runs
     ending : its end, once it is cancelled
@@ -61,7 +60,6 @@ class Bench:
     desk: Desk | None = None
     compared: Compared | None = None
     table: Table | None = None
-    settled: Table | None = None
     effects: dict[str, Effect] = field(default_factory=dict)
     worker: Worker | None = None
     ending: asyncio.Future[Job] | None = None
@@ -76,8 +74,7 @@ class Bench:
     tasks: set[asyncio.Task[None]] = field(default_factory=set)
     # One thread each: a desk computes one thing at a time, and OpenGL wants to be spoken to by one thread only.
     _computing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "desk"))
-    # What takes long and is no process gets threads beside these.
-    _settling: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "settled"))
+    # What takes long and is no process gets a thread beside these.
     _aside: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "aside"))
     _drawing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "view"))
 
@@ -88,10 +85,6 @@ class Bench:
     async def aside(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The same for what takes seconds: no click waits behind it."""
         return await asyncio.get_running_loop().run_in_executor(self._aside, partial(work, *args, **kwargs))
-
-    async def at_rest(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """The same for what follows when a slider rests."""
-        return await asyncio.get_running_loop().run_in_executor(self._settling, partial(work, *args, **kwargs))
 
     async def drawn(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The same for pictures."""

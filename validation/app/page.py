@@ -110,6 +110,7 @@ def first_state() -> dict[str, Any]:
         "view": "",
         "view_label": "",
         "view_note": "",
+        "view_far": "",
         "tab": "structure",
         "part": "fails",
         "big": "",

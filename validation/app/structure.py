@@ -25,6 +25,7 @@ async def shown(bench: Bench) -> None:
     state.modes = _modes(bench)
     if state.mode not in [one["value"] for one in state.modes]:
         state.mode = AT_REST
+    state.view_far = _far(bench)
     state.flush()
     try:
         if state.mode == AT_REST:
@@ -51,6 +52,7 @@ async def nearest(bench: Bench) -> None:
     if number is not None and number != state.mode:
         state.mode = number
         bench.begin(shown(bench))
+    state.view_far = _far(bench)
 
 
 def picture(bench: Bench, asked: Mapping[str, str]) -> bytes:
@@ -93,16 +95,23 @@ async def _swinging(bench: Bench, campaign: str, number: int) -> None:
     note = (
         f"{found.name}, {found.frequency:.2f} Hz, damping ratio {found.damping_ratio:.3g}; base held, size of the swing as drawn."
     )
-    if bench.state.marked is not None:
-        note += apart(bench.state.marked, found.frequency)
     await _put(bench, Turntable(found.bodies, scale=found.scale), label, note)
 
 
 def apart(marked: float, found: float) -> str:
     """What is said of a mode at the frequency `found` when another is marked; nothing where they are neighbours."""
-    if abs(log2(found / marked)) < NEAR:
+    if found <= 0.0 or abs(log2(found / marked)) < NEAR:
         return ""
-    return f" It is the mode nearest {marked:.4g} Hz, and far from it: what is seen there is no resonance of this model."
+    return f"No mode is near {marked:.4g} Hz: this one is at {found:.4g} Hz, and what is seen there is no resonance of the model."
+
+
+def _far(bench: Bench) -> str:
+    """What is said of the mode that is shown, and of the frequency that is marked."""
+    state = bench.state
+    modes = () if bench.compared is None else bench.compared.modes_of(state.campaign)
+    if state.marked is None or not 0 <= state.mode < len(modes):
+        return ""
+    return apart(float(state.marked), modes[state.mode].frequency)
 
 
 async def _put(bench: Bench, table: Turntable, label: str, note: str) -> None:

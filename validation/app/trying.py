@@ -40,9 +40,6 @@ async def made_ready(bench: Bench) -> None:
     bench.state.flush()
     if bench.wanted is not None:
         await chosen(bench, bench.wanted)
-    settled = await bench.at_rest(whatif.table, desk)
-    if bench.compared is compared:
-        bench.settled = settled
 
 
 async def chosen(bench: Bench, effect: str | None) -> None:
@@ -64,14 +61,6 @@ async def chosen(bench: Bench, effect: str | None) -> None:
     state.flush()
     await follow(bench)
     keep(bench)
-    await _dragged_once(bench)
-
-
-async def _dragged_once(bench: Bench) -> None:
-    """Have the first move of the slider find everything ready."""
-    effect, table = _chosen(bench), bench.table
-    if effect is not None and table is not None and bench.settled is not None:
-        await bench.away(whatif.what_if, table, effect.written(bench.sizes), bench.state.load, bench.state.motion, exact=False)
 
 
 async def drag(bench: Bench, key: str, at: float) -> None:
@@ -109,11 +98,7 @@ async def follow(bench: Bench) -> None:
             await drawing.drawn(bench)  # without the curve of what was tried before
         return
     asked = effect.written(bench.sizes)
-    how = asked, bench.state.load, bench.state.motion
-    if bench.settled is None:
-        found = await bench.away(whatif.what_if, table, *how)
-    else:
-        found = await bench.at_rest(whatif.what_if, bench.settled, *how)
+    found = await bench.away(whatif.what_if, table, asked, bench.state.load, bench.state.motion)
     if _stale(bench, effect, table):
         return
     bench.tried = found

@@ -10,7 +10,7 @@ import json
 import os
 import sys
 from pathlib import Path
-from secrets import token_urlsafe
+from secrets import token_hex
 from typing import Any
 
 from validation.app import lifeline, shell
@@ -42,7 +42,7 @@ def _serve(folder: Path, opened: Opened, secret: str, told: int) -> None:
 
     from validation.app import page, routes
 
-    key = token_urlsafe(32)
+    key = token_hex(32)  # nothing that begins with a dash: it becomes an argument
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
     bench = page.build(server, folder, opened)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import climbing, comparing, drawing, jobs, leaving, opening, saving, structure, trying, working
+from validation.app import climbing, drawing, jobs, leaving, opening, saving, structure, trying, working
 from validation.app.asked import Opened
 from validation.app.bench import Bench
 from validation.desk.handed import Handed
@@ -176,7 +176,6 @@ def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.M
 def test_modes_far_from_what_was_clicked_say_so() -> None:
     assert structure.apart(8.0, 8.4) == ""
     assert "8 Hz" in structure.apart(8.0, 351.0)
-    assert comparing.TINTS  # the module of clicks is imported
 
 
 def test_what_nobody_saved_is_kept_where_the_terminal_says(
