@@ -2,7 +2,7 @@
 
 The page is driven by Chromium like a user's: a slider moves a step, and the clock stops with the frame in which the
 overlay shows the new curve. The bar is 200 ms for every effect tried. Times are shown on the screen, beside the bar, and as
-ratios to what a page costs that computes nothing.
+ratios to what a page costs that computes nothing. A move over the bar ends it with exit code 1.
 
     python -m benchmarks.bench_app [EXAMPLE]
 """
@@ -106,8 +106,10 @@ def followed(page: Any, effect: str) -> list[float]:
     )
     found = []
     for _ in range(MOVES):
+        drawn = int(page.locator("#overlay").get_attribute("data-drawn"))
         found.append(page.evaluate(FOLLOWED) / 1e3)
-        page.wait_for_timeout(1500)  # until it rests: every line is computed then
+        # Until it rests and every line is computed: a move that comes before waits for that, as anything else does.
+        page.wait_for_function("(drawn) => Number(document.querySelector('#overlay').dataset.drawn) > drawn", arg=drawn)
     return found
 
 
@@ -127,7 +129,8 @@ def main(example: str) -> None:
         empty = waited(page, "header.bar", began)
         table.add_row("command until its address", f"{printed:.2f}", f"{printed / empty:.2f}", "")
         table.add_row("address until the page", f"{empty:.2f}", "1", "")
-        page.locator("#overlay[data-drawn]").wait_for()
+        first = waited(page, "#overlay[data-drawn]", began)
+        table.add_row("address until the first figure, compared anew", f"{first:.2f}", f"{first / empty:.2f}", "")
         page.locator("canvas[data-shown]").wait_for()
         page.get_by_role("tab", name="What if").click()
         page.locator("#try").wait_for()
@@ -149,6 +152,8 @@ def main(example: str) -> None:
     Console().print(table)
     met = f"{sum(one <= BAR for one in every)} of {len(every)} moves within {BAR:g} s"
     Console().print(f"{example}: {met}, median {np.median(every):.3f} s, worst {max(every):.3f} s")
+    if max(every) > BAR:
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":

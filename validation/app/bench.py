@@ -22,7 +22,7 @@ from validation.app.asked import Opened
 if TYPE_CHECKING:
     from validation.desk.comparing import Compared
     from validation.desk.desk import Desk
-    from validation.desk.jobs import Worker
+    from validation.desk.jobs import Job, Worker
     from validation.desk.sliders import Effect
     from validation.desk.whatif import Table, WhatIf
     from validation.pictures.turntable import Turntable
@@ -45,6 +45,7 @@ class Bench:
     table : predictions that stand ready for what-if
     effects : that can be tried, by id
     worker : the job that runs
+    ending : its end, once it is cancelled
     turntable : what the view shows
     sizes : where the sliders of the chosen effect stand, by key
     wanted : the effect that was chosen last, with its size where one was said
@@ -61,6 +62,7 @@ class Bench:
     table: Table | None = None
     effects: dict[str, Effect] = field(default_factory=dict)
     worker: Worker | None = None
+    ending: asyncio.Future[Job] | None = None
     turntable: Turntable | None = None
     sizes: dict[str, float] = field(default_factory=dict)
     wanted: str | None = None
@@ -72,11 +74,17 @@ class Bench:
     tasks: set[asyncio.Task[None]] = field(default_factory=set)
     # One thread each: a desk computes one thing at a time, and OpenGL wants to be spoken to by one thread only.
     _computing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "desk"))
+    # What takes long and is no process gets a thread beside these.
+    _aside: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "aside"))
     _drawing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "view"))
 
     async def away(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """`work` done beside the page, which goes on."""
         return await asyncio.get_running_loop().run_in_executor(self._computing, partial(work, *args, **kwargs))
+
+    async def aside(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The same for what takes seconds: no click waits behind it."""
+        return await asyncio.get_running_loop().run_in_executor(self._aside, partial(work, *args, **kwargs))
 
     async def drawn(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The same for pictures."""

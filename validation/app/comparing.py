@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.app import rungs, structure, trying
+from validation.app import rungs, structure
 from validation.app.bench import Bench
 from validation.app.drawing import WORST_OF_ALL, drawn
 from validation.comparing.maps import Map
@@ -51,7 +51,6 @@ async def entry(bench: Bench, load: int, motion: int) -> None:
     """Show another entry, where it was looked at."""
     bench.state.load, bench.state.motion = int(load), int(motion)
     await drawn(bench)
-    await trying.follow(bench)
 
 
 async def marked(bench: Bench, frequency: float) -> None:
@@ -92,7 +91,6 @@ async def campaign(bench: Bench, name: str) -> None:
     _of_campaign(bench)
     await drawn(bench)
     await structure.shown(bench)
-    await trying.follow(bench)
 
 
 async def show_map(bench: Bench, kind: str) -> None:
@@ -110,7 +108,6 @@ async def show_run(bench: Bench, number: int) -> None:
 async def _went(bench: Bench) -> None:
     await structure.nearest(bench)
     await drawn(bench)
-    await trying.follow(bench)
 
 
 def _of_campaign(bench: Bench) -> None:

@@ -11,7 +11,7 @@ from validation.app.bench import Bench
 from validation.app.trying import sized
 from validation.desk import diagnosing
 from validation.diagnosing import figures
-from validation.plots.evidence import place
+from validation.plots.evidence import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, place
 
 SHOWN = 12
 """Causes in the list."""
@@ -35,17 +35,22 @@ async def shown(bench: Bench) -> None:
 
 
 def _ranking(found: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """What was accepted, then what was ranked last, then what earlier steps had ranked; each once."""
+    """What was accepted, then what was ranked last, then what earlier steps had ranked; each once, with the step it is from."""
     accepted = {one["id"] for one in found["accepted"]}
-    told = [*found["accepted"], *found["ranking"], *(one for step in found["steps"] for one in step["ranking"])]
     first: dict[str, Mapping[str, Any]] = {}
-    for one in told:
+    step_of: dict[str, int] = {}
+    for one in (*found["accepted"], *found["ranking"]):
         first.setdefault(one["id"], one)
+    for number, step in enumerate(found["steps"], start=1):
+        for one in step["ranking"]:
+            if one["id"] not in first:
+                first[one["id"]], step_of[one["id"]] = one, number
     order = list(first.values())[:SHOWN]
     nats = np.array([one["evidence_nats"] if one["evidence_nats"] is not None else np.inf for one in order], dtype=float)
     finite = place(np.minimum(nats, 1e9))
     most = max(float(finite.max(initial=0.0)), 1e-9)
-    return [_cause(one, found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
+    causes = [_cause(one, found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
+    return [one | {"step": step_of.get(one["id"])} for one in causes]
 
 
 def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str], share: float) -> dict[str, Any]:
@@ -65,11 +70,12 @@ def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str],
 
 
 def _standing(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str]) -> tuple[str, str]:
-    if one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1:
-        return "one of these, which the data cannot tell apart", "doubt"
+    alike = one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1
     if one["id"] in accepted:
-        return "accepted", "good"
-    return ("explains less", "faint") if one["as_where_nothing_is_missing"] else ("leaves too much", "bad")
+        return (ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")), "doubt" if alike else "good"
+    if alike:
+        return ALIKE, "doubt"
+    return (LESS, "faint") if one["as_where_nothing_is_missing"] else (TOO_MUCH_LEFT, "bad")
 
 
 def _interval(one: Mapping[str, Any]) -> dict[str, float] | None:

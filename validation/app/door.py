@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import re
 import signal
 import socket
 import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import BadInput, CheckFailed
-from validation.app import guard
+from validation.app import guard, leaving
 from validation.app.asked import Asked, is_loopback
 from validation.app.entry import Entry, cookie_name
 from validation.app.guard import Place, Refusal
@@ -32,6 +33,16 @@ NAME = re.compile(r"[a-z0-9]{8,64}")
 
 LARGEST_UPLOAD = 2 * 2**30
 """Bytes of one request: a series of campaigns dropped on the page. The desk has a limit of its own."""
+
+
+REFRESH = """<!doctype html><html lang="en"><meta charset="utf-8"><meta name="referrer" content="no-referrer">
+<meta http-equiv="refresh" content="0; url={address}"><title>massline</title>
+<p><a href="{address}">The workbench</a></p></html>
+"""
+"""A page that leads to another."""
+
+
+GONE = Refusal(status=503, text="this window's process has ended. Load the page again.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,11 +65,13 @@ def run(asked: Asked, say: Callable[[str], None]) -> None:
     """
     with _bound(asked) as bound, tempfile.TemporaryDirectory(prefix="massline-app-") as home:
         asyncio.run(_served(asked, bound, Path(home), say))
+        leaving.kept(Path(home), say)
 
 
 def _bound(asked: Asked) -> socket.socket:
     try:
-        return socket.create_server((asked.host, asked.port))
+        family = socket.AF_INET6 if ":" in asked.host else socket.AF_INET
+        return socket.create_server((asked.host, asked.port), family=family)
     except (OSError, OverflowError) as error:
         problem = f"{asked.host}:{asked.port} cannot be listened on: {getattr(error, 'strerror', None) or error}"
         raise BadInput(source="--port", problem=problem, remedy="Choose another port, or 0 for any that is free") from None
@@ -81,7 +94,7 @@ async def _served(asked: Asked, bound: socket.socket, home: Path, say: Callable[
         windows.ready()
         _announce(asked, door, say)
         if asked.linger is not None:
-            windows.emptied = partial(_end_in, asked.linger, windows, ended)
+            windows.emptied = _Linger(asked.linger, windows, ended).begin
         try:
             await ended.wait()
         finally:
@@ -89,12 +102,25 @@ async def _served(asked: Asked, bound: socket.socket, home: Path, say: Callable[
             await runner.cleanup()
 
 
-def _end_in(seconds: float, windows: Windows, ended: asyncio.Event) -> None:
-    asyncio.get_running_loop().call_later(seconds, lambda: None if windows.any_alive() else ended.set())
+class _Linger:
+    """One clock for the door: begun anew with every last page that is closed, and heeded only if none is there then."""
+
+    def __init__(self, seconds: float, windows: Windows, ended: asyncio.Event) -> None:
+        self._seconds, self._windows, self._ended = seconds, windows, ended
+        self._clock: asyncio.TimerHandle | None = None
+
+    def begin(self) -> None:
+        if self._clock is not None:
+            self._clock.cancel()
+        self._clock = asyncio.get_running_loop().call_later(self._seconds, self._over)
+
+    def _over(self) -> None:
+        if not self._windows.any_alive():
+            self._ended.set()
 
 
 def _announce(asked: Asked, door: Door, say: Callable[[str], None]) -> None:
-    shown = "127.0.0.1" if asked.host in ("0.0.0.0", "::", "localhost") else asked.host
+    shown = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(asked.host, f"[{asked.host}]" if ":" in asked.host else asked.host)
     address = f"http://{shown}:{door.place.port}/?token={door.entry.token}"
     if not is_loopback(asked.host):
         say(
@@ -107,7 +133,19 @@ def _announce(asked: Asked, door: Door, say: Callable[[str], None]) -> None:
         import webbrowser
 
         with suppress(webbrowser.Error):
-            webbrowser.open(address)
+            webbrowser.open(leading(address, door.windows.home).as_uri())
+
+
+def leading(address: str, home: Path) -> Path:
+    """A page in the file system, for this user's eyes only, that leads to `address`.
+
+    The system's browser is told this file's name: whatever stands in a command line can be read by every user of the machine.
+    """
+    page = home / "enter.html"
+    descriptor = os.open(page, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        file.write(REFRESH.format(address=escape(address)))
+    return page
 
 
 def application(door: Door) -> web.Application:
@@ -121,7 +159,7 @@ def application(door: Door) -> web.Application:
         raise web.HTTPSeeOther(f"/w/{door.windows.new()}/")
 
     async def is_open(request: web.Request) -> web.StreamResponse:
-        return web.json_response({"open": door.windows.is_open(_name(request))})
+        return web.json_response({"open": door.windows.is_open(_name(request, door.windows))})
 
     async def shown(request: web.Request) -> web.StreamResponse:
         return await _shown(request, door)
@@ -130,10 +168,12 @@ def application(door: Door) -> web.Application:
     async def guarded(
         request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        refusal = guard.refused(door.place, request.headers, method=request.method, websocket=is_websocket(request))
+        entering = request.path == "/" and request.method == "GET" and "token" in request.query
+        joining = is_websocket(request)
+        refusal = guard.refused(door.place, request.headers, method=request.method, websocket=joining, entering=entering)
         if refusal is not None:
             return _said(refusal)
-        if request.path == "/" and "token" in request.query:
+        if entering:
             return await came(request)
         if not door.entry.admits(request.cookies.get(cookie_name(door.place.port))):
             return _said(guard.NO_SESSION)
@@ -160,36 +200,44 @@ async def _came(request: web.Request, door: Door) -> web.StreamResponse:
     cookie = cookie_name(door.place.port)
     if session is None and not door.entry.admits(request.cookies.get(cookie)):
         return _said(guard.NO_SESSION)
-    onward = web.HTTPSeeOther("/", headers=NEVER_KEPT)
+    onward: web.Response = web.Response(status=303, headers={**NEVER_KEPT, "Location": "/"})
+    if request.headers.get("Sec-Fetch-Site") == "cross-site":
+        # From the file of `leading`. A cookie that is strict does not go along when that is sent on; it does from a page of ours.
+        onward = web.Response(text=REFRESH.format(address="/"), content_type="text/html", headers=NEVER_KEPT)
     if session is not None:
         onward.set_cookie(cookie, session, httponly=True, samesite="Strict", path="/")
-    raise onward
+    return onward
 
 
 async def _shown(request: web.Request, door: Door) -> web.StreamResponse:
     """What a window's own server answers."""
-    name = _name(request)
+    name = _name(request, door.windows)
     try:
         window = await door.windows.window(name)
     except CheckFailed as error:
         door.say(f"massline: {error}.")
         return _said(Refusal(status=503, text=str(error)))
     onward: dict[str, Any] = {"port": window.port, "path": request.match_info["path"], "secret": door.windows.secret}
-    if not is_websocket(request):
-        return await passed(request, door.client, **onward)
-    door.windows.page_opened(window)
+    from aiohttp import ClientConnectorError
+
     try:
-        return await joined(request, door.client, **onward)
-    finally:
-        door.windows.page_closed(window)
+        if not is_websocket(request):
+            return await passed(request, door.client, **onward)
+        door.windows.page_opened(window)
+        try:
+            return await joined(request, door.client, **onward)
+        finally:
+            door.windows.page_closed(window)
+    except ClientConnectorError:  # its process died since it was asked for; nothing of an answer has been sent
+        return _said(GONE)
 
 
-def _name(request: web.Request) -> str:
+def _name(request: web.Request, windows: Windows) -> str:
     from aiohttp import web
 
     name = request.match_info["name"]
-    if not NAME.fullmatch(name):
-        raise web.HTTPNotFound(text="massline: there is no such window.")
+    if not NAME.fullmatch(name) or not windows.gave(name):
+        raise web.HTTPNotFound(text="massline: there is no such window. The address without a name opens a new one.")
     return name
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from validation.app.bench import Bench
 from validation.app.figures import as_state
@@ -14,6 +12,12 @@ from validation.plots import maps, overlay
 
 if TYPE_CHECKING:
     from geometry.dynamic_mass import ComplexArray
+
+ROW, TOP = 12, 30
+"""Height of a row of the map and room above its rows [pixels]."""
+
+TITLE = 16
+"""Height that a title takes beyond that [pixels]."""
 
 WORST_OF_ALL = -1
 """In place of a run: the worst of all."""
@@ -32,24 +36,28 @@ async def drawn(bench: Bench) -> None:
     else:
         state.fig_overlay = {}
     if state.map_kind == "pairs" and (pairs := of.pairs) is not None:
-        state.fig_map = await bench.away(lambda: as_state(maps.pair_map(pairs, modes=modes, dark=dark)))
+        state.fig_map = await bench.away(lambda: _low(maps.pair_map(pairs, modes=modes, dark=dark)))
     else:
         number = None if state.run == WORST_OF_ALL else state.run
-        state.fig_map = await bench.away(lambda: as_state(maps.channel_map(of, number, modes=modes, dark=dark)))
+        state.fig_map = await bench.away(lambda: _low(maps.channel_map(of, number, modes=modes, dark=dark)))
     state.flush()
 
 
+def _low(figure: Any) -> dict[str, Any]:
+    """A map without its title, which tabs and choices above it say, in rows that a low panel has more of."""
+    rows = len(figure.data[0].y)
+    figure.update_layout(title_text="", height=figure.layout.height - TITLE - (maps.ROW - ROW) * rows, margin_t=TOP)
+    figure.update_yaxes(tickfont_size=ROW - 2, selector={"type": "category"})
+    return as_state(figure)
+
+
 def further(bench: Bench) -> dict[str, ComplexArray]:
-    """What the overlay draws beside the prediction: by name, the entry with the effect in an otherwise empty 6 x 6."""
+    """What the overlay draws beside the prediction: by name, the 6 x 6 with the effect, whichever entry is shown."""
     tried, state = bench.tried, bench.state
     if tried is None:
         return {}
     trace = next((one for one in tried.traces if one.campaign == state.campaign), None)
-    if trace is None:
-        return {}
-    matrix = np.full((len(trace.frequency), 6, 6), np.nan, dtype=np.complex128)
-    matrix[:, state.load, state.motion] = trace.after
-    return {name_of(tried): matrix}
+    return {} if trace is None else {name_of(tried): trace.matrix}
 
 
 def name_of(tried: WhatIf) -> str:

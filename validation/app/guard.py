@@ -3,7 +3,10 @@
 - **Host.** A foreign name that was made to resolve to 127.0.0.1 (DNS rebinding) still says its own name here, and is refused.
 - **Origin.** A page of another site may send requests and open websockets to this machine, and a browser says from where.
   Whatever changes something, and every websocket, must say that it comes from here.
-- **Session.** The cookie of `entry`.
+- **Site.** A page of another server on this machine is of the same site, since cookies and sites know no ports. Browsers that say
+  where a request comes from (``Sec-Fetch-Site``) must say: this page, or the user. Only the token may come from anywhere.
+- **Session.** The cookie of `entry`. The browser sends it to every server at this host, whatever its port: a program that serves
+  pages on this machine and is not to be trusted could take it over. Nothing but a name for every door would help against that.
 """
 
 from __future__ import annotations
@@ -18,6 +21,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 READING = ("GET", "HEAD")
+
+HTTP = 80
+"""The port that an address need not name."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,15 +44,21 @@ class Place:
     def answers_to(self, name: str) -> bool:
         """Whether `name`, a Host header, means this door and cannot have come from a foreign name."""
         host, _, port = name.rpartition(":")
+        if not host and self.port == HTTP:  # a browser leaves it out
+            host, port = name, str(HTTP)
         if port != str(self.port) or not host:
             return False
-        if host.lower() in ("127.0.0.1", "localhost", self.host.lower()):
+        host = host.strip("[]")
+        if host.lower() in ("127.0.0.1", "::1", "localhost", self.host.lower()):
             return True
         return not is_loopback(self.host) and _is_address(host)
 
 
-def refused(place: Place, headers: Mapping[str, str], *, method: str, websocket: bool) -> Refusal | None:
-    """Why a request with `headers` is not answered whoever sends it; None if it may go on to be asked for its session."""
+def refused(place: Place, headers: Mapping[str, str], *, method: str, websocket: bool, entering: bool = False) -> Refusal | None:
+    """Why a request with `headers` is not answered whoever sends it; None if it may go on to be asked for its session.
+
+    `entering` is one that brings the token.
+    """
     host = headers.get("Host", "")
     if not place.answers_to(host):
         return Refusal(status=403, text="this address serves no other host; open the one that the terminal shows.")
@@ -56,6 +68,8 @@ def refused(place: Place, headers: Mapping[str, str], *, method: str, websocket:
             return Refusal(status=403, text="a request that changes something must say which page sends it.")
     elif origin.lower() != f"http://{host.lower()}":
         return Refusal(status=403, text="a page of another origin may not ask this one.")
+    if not entering and headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
+        return Refusal(status=403, text="a page of another server may not ask this one.")
     return None
 
 
@@ -69,7 +83,7 @@ NO_SESSION = Refusal(
 def _is_address(host: str) -> bool:
     """Whether `host` is a numeric address: those no name server can bend."""
     try:
-        ip_address(host.strip("[]"))
+        ip_address(host)
     except ValueError:
         return False
     return True

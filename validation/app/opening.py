@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.errors import BadInput
-from validation.app import jobs, working
+from validation.app import jobs, leaving, working
 from validation.app.bench import Bench
 from validation.desk import desk as desks
 from validation.desk import examples, handed
@@ -54,10 +54,12 @@ async def _warmed(bench: Bench) -> None:
 
 async def example(bench: Bench, name: str) -> None:
     """Open the example `name`, simulated first where it was never used here."""
+    if _busy(bench):
+        return
     bench.state.opening = True
     tell = jobs.teller(bench, f"The example {name} is made ready")
     try:
-        series = await bench.away(examples.series, name, tell)
+        series = await bench.aside(examples.series, name, tell)
     finally:
         bench.state.opening, bench.state.job = False, None
     _begin(bench, series.model, series.data, series.hold_out, series.band, title=series.title)
@@ -66,6 +68,12 @@ async def example(bench: Bench, name: str) -> None:
 
 async def paths(bench: Bench) -> None:
     """Open what the fields name; faults stay beside them, and nothing is opened where one is grave."""
+    if not _busy(bench):
+        await _opened(bench, ())
+
+
+async def _opened(bench: Bench, refused: Sequence[Fault]) -> None:
+    """The same, with what was refused on the way, and leaves the rest usable."""
     state = bench.state
     model, data = str(state.model_path or "").strip(), _lines(state.data_paths)
     try:
@@ -73,7 +81,7 @@ async def paths(bench: Bench) -> None:
         band = _band(str(state.band or ""))
         hold_out = tuple(name.strip() for name in str(state.hold_out or "").split(",") if name.strip())
     except BadInput as error:
-        _tell(bench, [of_error(error)], model)
+        _tell(bench, [*refused, of_error(error)], model)
         return
     state.model_path, state.data_paths = model, "\n".join(data)
     state.opening = True
@@ -82,7 +90,7 @@ async def paths(bench: Bench) -> None:
         found = await bench.away(faults, model, data, effects_from=bench.opened.effects_from)
     finally:
         state.opening = False
-    _tell(bench, found, model)
+    _tell(bench, [*refused, *found], model)
     if any(one.grave for one in found):
         return
     _begin(bench, model, data, hold_out, band, effects_from=bench.opened.effects_from)
@@ -91,18 +99,43 @@ async def paths(bench: Bench) -> None:
 
 async def arrived(bench: Bench, files: Sequence[Handed]) -> None:
     """Take over what a browser handed in, name it in the fields, and open it if nothing is wrong with it."""
-    folder = _new(bench)
-    received = await bench.away(handed.received, folder, files)
+    if _busy(bench):
+        bench.state.failure = "Something is being read or computed. Hand the files over when that is done."
+        return
+    before = _drops(bench)
+    folder = bench.folder / f"drop-{_number(bench)}-{len(before)}"
+    room = handed.LARGEST - sum(path.stat().st_size for one in before for path in one.rglob("*") if path.is_file())
+    received = await bench.away(handed.received, folder, files, limit=max(room, 0))
     state = bench.state
-    models, data = list(received.models), list(received.data)
+    models, data = list(received.models), _beside(bench, received.data)
     if models:
         state.models, state.model_path = models, models[0]
     if data:
         state.data_paths = "\n".join(data)
-    if received.faults or not (state.model_path and state.data_paths):
-        _tell(bench, received.faults or [_lacking(bool(state.model_path))], str(state.model_path or ""))
+    grave = any(one.grave for one in received.faults)
+    if grave or not (state.model_path and state.data_paths):
+        lacking = [] if grave else [_lacking(bool(state.model_path))]
+        _tell(bench, [*received.faults, *lacking], str(state.model_path or ""))
         return
-    await paths(bench)
+    await _opened(bench, received.faults)
+
+
+def _busy(bench: Bench) -> bool:
+    """Whether a desk could not be changed for another now."""
+    return bool(bench.state.opening) or bench.worker is not None or bench.state.job is not None
+
+
+def _drops(bench: Bench) -> list[Path]:
+    """What was dropped since a desk was begun, each time into a folder of its own: a file that was mended has the same name."""
+    return sorted(bench.folder.glob(f"drop-{_number(bench)}-*"))
+
+
+def _beside(bench: Bench, data: Sequence[str]) -> list[str]:
+    """`data` with what was dropped before and is not replaced by it: campaigns may come one after the other."""
+    named = {Path(one).name for one in data}
+    ours = f"{bench.folder / f'drop-{_number(bench)}-'}"
+    earlier = [one for one in _lines(bench.state.data_paths) if one.startswith(ours) and Path(one).name not in named]
+    return [*earlier, *data]
 
 
 def another(bench: Bench) -> None:
@@ -124,15 +157,20 @@ def _begin(
     bench.desk = desks.begun(
         folder, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from, title=title
     )
+    leaving.saved(bench.desk)
     (bench.folder / CURRENT).write_text(folder.name, encoding="utf-8")
 
 
 def _new(bench: Bench) -> Path:
-    """A folder for a desk: one that holds only what was dropped just now, or else a new one."""
-    number = sum(1 for one in bench.folder.glob("desk-*") if desks.is_desk(one))
-    folder = bench.folder / f"desk-{number}"
+    """A folder for the next desk."""
+    folder = bench.folder / f"desk-{_number(bench)}"
     folder.mkdir(exist_ok=True)
     return folder
+
+
+def _number(bench: Bench) -> int:
+    """Of the next desk."""
+    return sum(1 for one in bench.folder.glob("desk-*") if desks.is_desk(one))
 
 
 def _looked_into(model: str, data: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:

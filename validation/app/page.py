@@ -77,6 +77,7 @@ def first_state() -> dict[str, Any]:
         "opening": False,
         "failure": "",
         "ready": None,
+        "unsaved": False,
         "examples": opening.listed(),
         "models": [],
         "model_path": "",
@@ -109,6 +110,7 @@ def first_state() -> dict[str, Any]:
         "view": "",
         "view_label": "",
         "view_note": "",
+        "view_far": "",
         "tab": "structure",
         "part": "fails",
         "big": "",
@@ -204,7 +206,8 @@ HANDLERS: Mapping[str, Handler] = {
 def _heard(bench: Bench, handler: Handler) -> Callable[..., Awaitable[None]]:
     async def heard(*arguments: Any) -> None:
         await bench.told(handler(bench, *arguments))
-        keep(bench)
+        if handler is not trying.drag:  # which keeps what it comes to at rest
+            keep(bench)
 
     return heard
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 LARGEST_MESSAGE = 64 * 2**20
 """Bytes of one message of a websocket: a page's whole state with room to spare."""
 
+HEARTBEAT = 20.0
+"""Seconds between two questions whether the page is still there: a laptop that is shut says no word of farewell."""
+
 HOP_BY_HOP = {"connection", "keep-alive", "te", "trailer", "transfer-encoding", "upgrade", "host", "cookie", "content-length"}
 """Headers that speak of one connection only, and the cookie, which is the door's."""
 
@@ -51,7 +54,7 @@ async def joined(request: web.Request, client: ClientSession, *, port: int, path
     """A websocket of the page joined with one to the server at `port`, until either end closes."""
     from aiohttp import web
 
-    page = web.WebSocketResponse(max_msg_size=LARGEST_MESSAGE, compress=False)
+    page = web.WebSocketResponse(max_msg_size=LARGEST_MESSAGE, compress=False, heartbeat=HEARTBEAT)
     async with client.ws_connect(
         _address(port, path, request), headers={DOOR_SECRET: secret}, max_msg_size=LARGEST_MESSAGE
     ) as server:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from validation.app import leaving
 from validation.app.bench import Bench
 from validation.app.figures import as_state
 from validation.desk import climbing
@@ -23,6 +24,7 @@ async def shown(bench: Bench) -> None:
     state, at = bench.state, await bench.away(climbing.ladder, bench.desk)
     state.rungs = [_rung(one, at) for one in reversed(at.ladder.rungs)]
     state.before = _before(at)
+    state.unsaved = leaving.unsaved(bench.desk)
     state.undoable = at.below is not None and at.below.parent is not None
     state.step = _step(at)
     dark = bool(state.dark)

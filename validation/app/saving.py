@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 from geometry.errors import BadInput
-from validation.app import jobs
+from validation.app import jobs, leaving
 from validation.app.bench import Bench
 from validation.desk import jobs as desk_jobs
 from validation.desk import saving
@@ -36,8 +36,8 @@ async def figures(bench: Bench) -> None:
     try:
         folder = _kept(desk) / "figures"
         folder.mkdir(parents=True, exist_ok=True)
-        paths = await bench.away(saving.figures, desk, folder, tell)
-        (_kept(desk) / FIGURES).write_bytes(await bench.away(_zipped, paths))
+        paths = await bench.aside(saving.figures, desk, folder, tell)
+        (_kept(desk) / FIGURES).write_bytes(await bench.aside(_zipped, paths))
     finally:
         bench.state.job = None
     _ready(bench, "The figures are ready:", FIGURES)
@@ -57,6 +57,9 @@ def content(bench: Bench, name: str) -> tuple[bytes, str]:
     kept = {REPORT: _kept(desk) / REPORT, FIGURES: _kept(desk) / FIGURES}
     if name == "model.toml":
         body = saving.model_text(desk).encode()
+        leaving.saved(desk)
+        bench.state.unsaved = False
+        bench.state.flush()
     elif name == "ladder.json":
         body = saving.ladder_text(desk).encode()
     elif name in kept and kept[name].is_file():

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import log2
 
 from geometry.errors import BadInput, CheckFailed
 from validation.app.bench import Bench
 from validation.desk import scene, shapes
 from validation.pictures.turntable import Turn, Turntable
+
+NEAR = 0.5
+"""Octaves between a frequency and a mode that has anything to do with it."""
 
 AT_REST = -1
 """In place of a mode: bodies with their sensors."""
@@ -21,6 +25,7 @@ async def shown(bench: Bench) -> None:
     state.modes = _modes(bench)
     if state.mode not in [one["value"] for one in state.modes]:
         state.mode = AT_REST
+    state.view_far = _far(bench)
     state.flush()
     try:
         if state.mode == AT_REST:
@@ -39,7 +44,7 @@ async def mode(bench: Bench, number: int) -> None:
 
 
 async def nearest(bench: Bench) -> None:
-    """Show the mode nearest the frequency that is marked, where there is one."""
+    """Show the mode nearest the frequency that is marked, where there is one; how far it is stands below it."""
     state = bench.state
     if bench.compared is None or state.marked is None:
         return
@@ -47,6 +52,7 @@ async def nearest(bench: Bench) -> None:
     if number is not None and number != state.mode:
         state.mode = number
         bench.begin(shown(bench))
+    state.view_far = _far(bench)
 
 
 def picture(bench: Bench, asked: Mapping[str, str]) -> bytes:
@@ -90,6 +96,22 @@ async def _swinging(bench: Bench, campaign: str, number: int) -> None:
         f"{found.name}, {found.frequency:.2f} Hz, damping ratio {found.damping_ratio:.3g}; base held, size of the swing as drawn."
     )
     await _put(bench, Turntable(found.bodies, scale=found.scale), label, note)
+
+
+def apart(marked: float, found: float) -> str:
+    """What is said of a mode at the frequency `found` when another is marked; nothing where they are neighbours."""
+    if found <= 0.0 or abs(log2(found / marked)) < NEAR:
+        return ""
+    return f"No mode is near {marked:.4g} Hz: this one is at {found:.4g} Hz, and what is seen there is no resonance of the model."
+
+
+def _far(bench: Bench) -> str:
+    """What is said of the mode that is shown, and of the frequency that is marked."""
+    state = bench.state
+    modes = () if bench.compared is None else bench.compared.modes_of(state.campaign)
+    if state.marked is None or not 0 <= state.mode < len(modes):
+        return ""
+    return apart(float(state.marked), modes[state.mode].frequency)
 
 
 async def _put(bench: Bench, table: Turntable, label: str, note: str) -> None:

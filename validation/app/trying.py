@@ -14,7 +14,7 @@ from validation.app.keeping import keep
 from validation.desk import explaining, sliders, whatif
 from validation.desk.explaining import Explained
 from validation.desk.sliders import Effect, Slider
-from validation.desk.whatif import WhatIf
+from validation.desk.whatif import Table, WhatIf
 from validation.diagnosing import figures
 from validation.diagnosing.words import listed
 from validation.effects.identifiers import parse
@@ -45,7 +45,7 @@ async def made_ready(bench: Bench) -> None:
 async def chosen(bench: Bench, effect: str | None) -> None:
     """Explain `effect` (an id, or with its size) and draw what it would do; None puts it aside."""
     state = bench.state
-    bench.wanted, bench.tried = effect, None
+    bench.wanted, bench.tried, bench.exact = effect, None, True  # whatever was dragged is at rest now
     if effect is None or bench.desk is None:
         state.effect, bench.sizes = None, {}
         await drawing.drawn(bench)
@@ -91,14 +91,19 @@ async def size(bench: Bench, key: str, typed: str) -> None:
 
 async def follow(bench: Bench) -> None:
     """Compute the chosen effect at its size, at every line, and draw everything with it."""
-    effect = None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
-    if effect is None or bench.table is None:
+    effect, table = _chosen(bench), bench.table
+    if effect is None or table is None:
         if bench.state.effect is not None:
-            _answer(bench, "" if bench.table is None else "It acts on nothing that was tested here, so no curve would move.")
+            _answer(bench, "" if table is None else "It acts on nothing that was tested here, so no curve would move.")
+            await drawing.drawn(bench)  # without the curve of what was tried before
         return
     asked = effect.written(bench.sizes)
-    bench.tried = await bench.away(whatif.what_if, bench.table, asked, bench.state.load, bench.state.motion)
-    _answer(bench, _said(bench.tried, bench.table.at))
+    found = await bench.away(whatif.what_if, table, asked, bench.state.load, bench.state.motion)
+    if _stale(bench, effect, table):
+        return
+    bench.tried = found
+    if bench.exact:
+        _answer(bench, _said(found, table.at))
     await drawing.drawn(bench)
 
 
@@ -138,16 +143,19 @@ async def _followed(bench: Bench) -> None:
 async def _chased(bench: Bench) -> None:
     """Curves for where the slider is, as fast as they come, until it is where the last one was."""
     done: dict[str, float] | None = None
+    state = bench.state
     while not bench.exact and done != bench.sizes and bench.table is not None:
+        effect, table = _chosen(bench), bench.table
+        if effect is None:  # put aside meanwhile
+            return
         done = dict(bench.sizes)
-        effect = bench.effects[bench.state.effect["id"]]
-        asked = effect.written(done)
-        state = bench.state
-        found = await bench.away(whatif.what_if, bench.table, asked, state.load, state.motion, exact=False)
+        found = await bench.away(whatif.what_if, table, effect.written(done), state.load, state.motion, exact=False)
+        if _stale(bench, effect, table):
+            return
         trace = next((one for one in found.traces if one.campaign == state.campaign), None)
         bench.drags += 1
         if trace is not None and bench.tried is not None:
-            after = trace.after
+            after = trace.matrix[:, state.load, state.motion]  # of the entry that is shown now, whichever was then
             curves = [np.abs(after), np.degrees(np.angle(after))]
             state.live = {
                 "group": drawing.name_of(bench.tried),
@@ -156,14 +164,24 @@ async def _chased(bench: Bench) -> None:
                 "number": bench.drags,
             }
         sizes = _sliders(bench, effect)
-        state.effect = {**state.effect, "sliders": sizes, "answer": _said(found, bench.table.at)}
+        state.effect = {**state.effect, "sliders": sizes, "answer": _said(found, table.at)}
         state.flush()  # all at once: each word to the page has it laid out anew
 
 
+def _chosen(bench: Bench) -> Effect | None:
+    """The effect on the sliders; None where there is none, or where it acts on nothing."""
+    return None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
+
+
+def _stale(bench: Bench, effect: Effect, table: Table) -> bool:
+    """Whether an answer came too late: another effect is chosen meanwhile, or the model is another."""
+    return _chosen(bench) is not effect or bench.table is not table
+
+
 def _said(found: WhatIf, at: str) -> str:
-    told = (
-        f"{found.written}: the plain error goes from {found.before_percent:.3g} to {found.plain_percent:.3g} %, nothing refitted"
-    )
+    """What it would do, and whether anything was fitted anew for that: the size itself never is."""
+    how = "with what the plain fit frees fitted anew beside it" if found.followed else "with nothing fitted anew"
+    told = f"{found.written}: the plain error goes from {found.before_percent:.3g} to {found.plain_percent:.3g} %, {how}"
     if not any(one.reached for one in found.traces):
         told += "; no curve of the dynamic mass moves"
     facts = [f"{name} from {before:.1f} to {after:.1f} σ" for name, (before, after) in found.facts.items() if before != after]
@@ -176,7 +194,7 @@ def _answer(bench: Bench, text: str) -> None:
 
 
 def _slider(bench: Bench, key: str) -> Slider | None:
-    effect = None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
+    effect = _chosen(bench)
     return None if effect is None else next((one for one in effect.sliders if one.key == key), None)
 
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 import json
 import os
 import sys
-from hmac import compare_digest
 from pathlib import Path
-from secrets import token_urlsafe
+from secrets import token_hex
 from typing import Any
 
 from validation.app import lifeline, shell
 from validation.app.asked import Opened
+from validation.app.entry import same
 from validation.app.headers import DOOR_SECRET, NEVER_KEPT
 
 
@@ -42,7 +42,7 @@ def _serve(folder: Path, opened: Opened, secret: str, told: int) -> None:
 
     from validation.app import page, routes
 
-    key = token_urlsafe(32)
+    key = token_hex(32)  # nothing that begins with a dash: it becomes an argument
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
     bench = page.build(server, folder, opened)
@@ -74,7 +74,7 @@ def _guard(app: Any, secret: str, session: dict[str, str]) -> None:
 
     @web.middleware
     async def guarded(request: web.Request, handler: Any) -> web.StreamResponse:
-        if not compare_digest(request.headers.get(DOOR_SECRET, ""), secret):
+        if not same(request.headers.get(DOOR_SECRET, ""), secret):
             return web.Response(status=403, text="massline: this port belongs to a window of the workbench.")
         if request.path == "/":
             return web.Response(text=first, content_type="text/html", headers=NEVER_KEPT)

@@ -25,13 +25,16 @@ if TYPE_CHECKING:
     from validation.app.asked import Opened
 
 STARTS_WITHIN = 60.0
-"""Seconds that a window's process may take until it answers: an hour's worth of patience for a laptop that is busy."""
+"""Seconds that a window's process may take until it answers: patience for a laptop that is busy."""
 
 LINGERS = 3.0
-"""Seconds that a process stays after its last page was closed; a reload takes less than one."""
+"""Seconds that a process stays after its last page was closed; a reload asks for its page again in less than one."""
 
 NEVER_OPENED = 120.0
-"""Seconds after which a process ends that was asked for by something that then never opened a page."""
+"""Seconds after which a process ends that was asked for something and then got no page: a browser may be slow to load it all."""
+
+MOST = 32
+"""Processes at once."""
 
 
 @dataclass(kw_only=True)
@@ -70,6 +73,7 @@ class Windows:
     secret: str = field(default_factory=lambda: token_urlsafe(32))
     _by_name: dict[str, asyncio.Task[Window]] = field(default_factory=dict)
     _spare: str = ""
+    _given: set[str] = field(default_factory=set)
     _beside: set[asyncio.Task[None]] = field(default_factory=set)
 
     def ready(self) -> None:
@@ -80,21 +84,28 @@ class Windows:
     def new(self) -> str:
         """The name of a window that no page has yet."""
         name, self._spare = self._spare or token_hex(9), ""
+        self._given.add(name)
         return name
+
+    def gave(self, name: str) -> bool:
+        """Whether `name` is one of `new`: no process begins under a name that somebody thought of."""
+        return name in self._given
 
     async def window(self, name: str) -> Window:
         """The window called `name`, its process started if there is none.
 
         Raises
         ------
-        CheckFailed : it does not start; its log says why.
+        CheckFailed : it does not start, and its log says why; or there are too many.
         """
         task = self._by_name.get(name)
         if task is None or (task.done() and not _alive(task)):
+            if sum(_alive(one) or not one.done() for one in self._by_name.values()) >= MOST:
+                raise CheckFailed(f"{MOST} windows are open already; close one of them")
             task = asyncio.ensure_future(self._started(name))
             self._by_name[name] = task
         window = await asyncio.shield(task)
-        if window.pages == 0 and window.ends is None:
+        if window.pages == 0:  # a reload that takes its time keeps the process with whatever it computes
             self._end_in(NEVER_OPENED, window)
         return window
 
@@ -104,8 +115,8 @@ class Windows:
         return task is not None and task.done() and _alive(task) and task.result().pages > 0
 
     def any_alive(self) -> bool:
-        """Whether any window's process runs."""
-        return any(_alive(task) for task in self._by_name.values())
+        """Whether any window's process runs, or is about to."""
+        return any(_alive(task) or not task.done() for task in self._by_name.values())
 
     def page_opened(self, window: Window) -> None:
         """A page has taken up its websocket."""

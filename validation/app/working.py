@@ -31,7 +31,7 @@ async def stands(bench: Bench) -> None:
     if bench.desk is None:
         return
     bench.compared = await bench.away(desk_comparing.comparison, bench.desk)
-    bench.table, bench.effects = None, {}
+    bench.table, bench.effects, bench.tried = None, {}, None  # all of the model that stood there before
     bench.state.compared = bench.compared is not None
     await comparing.shown(bench)
     await rungs.shown(bench)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -97,6 +98,42 @@ def test_a_window_is_no_path(bench: Any, cookie: str) -> None:
     assert len(bench.windows()) <= 1
 
 
+def test_a_page_of_another_server_at_this_host_starts_nothing(bench: Any, cookie: str) -> None:
+    before = bench.windows()
+    for site in ("same-site", "cross-site"):
+        for path in ("/", "/w/aaaaaaaa1/", "/w/aaaaaaaa2/plotly.js"):
+            assert answer(bench, path, Cookie=cookie, Sec_Fetch_Site=site).status == 403
+    assert answer(bench, "/w/aaaaaaaa1/", Cookie=cookie, Sec_Fetch_Site="none").status == 404  # a name that nobody gave out
+    assert set(bench.windows()) <= set(before) | set(bench.windows()[:1])
+
+
+def test_at_port_80_and_on_the_new_protocol_a_host_is_known() -> None:
+    from validation.app.guard import Place
+
+    assert Place(host="127.0.0.1", port=80).answers_to("127.0.0.1")
+    assert not Place(host="127.0.0.1", port=80).answers_to("evil.example")
+    assert not Place(host="127.0.0.1", port=8080).answers_to("127.0.0.1")
+    assert Place(host="::1", port=8080).answers_to("[::1]:8080")
+    assert not Place(host="127.0.0.1", port=8080).answers_to("127.0.0.1:80")
+
+
+def test_the_browser_is_led_by_a_file_that_nobody_else_reads(
+    chromium: Any, start_app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from validation.app.door import leading
+
+    bench = start_app("--stay")
+    file = leading(bench.address, tmp_path)
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert bench.token not in str(file)
+    page = chromium.new_context().new_page()
+    page.goto(file.as_uri())
+    page.locator("#open-files").wait_for()
+    assert "token" not in page.url
+    page.context.close()
+    bench.interrupted()
+
+
 def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: Any, cookie: str) -> None:
     for response in (answer(bench), answer(bench, Cookie=cookie), answer(bench, "/nothing", Cookie=cookie)):
         policy = str(response.getheader("Content-Security-Policy"))
@@ -109,9 +146,9 @@ def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: A
 
 def test_a_windows_own_port_answers_the_door_only(bench: Any, cookie: str, until: Any) -> None:
     assert until(lambda: len(bench.windows()) == 1)  # the one that stands ready
-    before = bench.windows()
-    assert answer(bench, "/w/abcdefgh/index.html", Cookie=cookie).status == 200
-    (window,) = set(bench.windows()) - set(before)
+    place = str(answer(bench, "/", Cookie=cookie).getheader("Location"))
+    assert answer(bench, f"{place}index.html", Cookie=cookie).status == 200
+    (window,) = bench.windows()
     own = http.client.HTTPConnection("127.0.0.1", listening(window), timeout=20)
     own.request("GET", "/index.html", headers={"Cookie": cookie})
     assert own.getresponse().status == 403
@@ -120,8 +157,6 @@ def test_a_windows_own_port_answers_the_door_only(bench: Any, cookie: str, until
 
 def listening(pid: int) -> int:
     """The port that a process listens on."""
-    from pathlib import Path
-
     inodes = {str(entry.readlink()) for entry in Path(f"/proc/{pid}/fd").iterdir()}
     for line in Path("/proc/net/tcp").read_text().splitlines()[1:]:
         words = line.split()

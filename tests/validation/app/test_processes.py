@@ -26,8 +26,12 @@ def test_two_windows_do_not_disturb_each_other_and_a_reload_keeps_the_state(star
     assert number(first).input_value() == "12"
     assert first.url != second.url
     assert len(bench.windows()) == 2
+    place, held = first.url, iter([True] * 7)
+    told = lambda route: route.fulfill(json={"open": next(held, False)})  # noqa: E731 - the old page lets go slowly
+    first.route("**/open", told)
     first.reload()
     assert number(first).input_value() == "12"
+    assert first.url == place
 
 
 def test_a_duplicated_tab_gets_a_window_of_its_own(start_app: Any, visit: Any) -> None:
@@ -52,25 +56,39 @@ def test_closing_the_pages_leaves_no_process(start_app: Any, visit: Any, until: 
     assert bench.process.wait(timeout=20) == 0
 
 
-def test_ctrl_c_takes_every_window_with_it(start_app: Any, visit: Any) -> None:
-    bench = start_app("--stay")
+def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> tuple[Any, Any, list[int]]:
+    """A workbench whose window has a worker that computes, its page, and all of its processes."""
+    bench = start_app("--linger", "1", *series)
     page = visit(bench)
-    number(page).wait_for()
-    (window,) = bench.windows()
+    page.locator("#cancel").wait_for()  # a comparison begins by itself
+    assert until(lambda: len(bench.descendants()) > len(bench.windows()))
+    return bench, page, bench.descendants()
+
+
+def test_closing_the_page_of_a_window_at_work_leaves_no_process(
+    start_app: Any, visit: Any, until: Any, series: tuple[str, str]
+) -> None:
+    bench, page, every = at_work(start_app, visit, until, series)
+    page.close()
+    assert bench.process.wait(timeout=20) == 0
+    assert not any(running(one) for one in every)
+
+
+def test_ctrl_c_takes_every_window_and_its_work_with_it(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> None:
+    bench, page, every = at_work(start_app, visit, until, series)
     page.context.close()
     assert bench.interrupted() == 0
-    assert not running(window)
+    assert not any(running(one) for one in every)
 
 
-def test_a_killed_door_takes_every_window_with_it(start_app: Any, visit: Any, until: Any) -> None:
-    bench = start_app("--stay")
-    page = visit(bench)
-    number(page).wait_for()
-    (window,) = bench.windows()
+def test_a_killed_door_takes_every_window_and_its_work_with_it(
+    start_app: Any, visit: Any, until: Any, series: tuple[str, str]
+) -> None:
+    bench, page, every = at_work(start_app, visit, until, series)
     page.context.close()
     bench.process.send_signal(signal.SIGKILL)
     bench.process.wait()
-    assert until(lambda: not running(window), 5)
+    assert until(lambda: not any(running(one) for one in every), 5)
 
 
 def test_a_port_that_is_taken_is_said_in_words(start_app: Any, massline: Any) -> None:

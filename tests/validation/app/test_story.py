@@ -37,16 +37,24 @@ def test_compare_click_diagnose_add_undo_and_report(
     page.locator("#diagnose").click()
     page.locator("#verdict").wait_for()
     assert "force-gain:fmd-z2" in page.locator("#verdict").inner_text()
+    assert page.evaluate(script("contrast")) == []
+    assert page.evaluate(script("unlabelled")) == []
     shot(page, "diagnosed")
     page.locator(".cause").first.click()
     page.locator("#effect").wait_for()
     curve(page, "with force-gain:fmd-z2")
     assert "calibration" in page.locator("#effect").inner_text()  # what would confirm it
+    page.locator("#answer", has_text="plain error goes from").wait_for()
+    assert "fitted anew beside it" in page.locator("#answer").inner_text()  # what the plain fit frees follows the effect
+    assert page.evaluate(script("contrast")) == []
+    assert page.evaluate(script("unlabelled")) == []
     shot(page, "cause")
 
     page.locator("#add").click()
     page.locator('[data-rung="1"][aria-pressed="true"]').wait_for()
     page.locator("#falling[data-drawn]").wait_for()
+    assert not page.evaluate("document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))")
+    assert left_unasked(page) is False
     page.get_by_role("tab", name="Where it fails").click()
     page.locator("th", has_text="before").wait_for()
     after = percent(page, "plain error"), percent(page, "held-out error")
@@ -56,6 +64,7 @@ def test_compare_click_diagnose_add_undo_and_report(
 
     with page.expect_download() as downloaded:
         page.get_by_role("link", name="Model").click()
+    page.wait_for_function(f"() => {LEFT}")
     saved = tmp_path / "model.toml"
     downloaded.value.save_as(saved)
     assert "force-gain:fmd-z2" in saved.read_text()
@@ -81,9 +90,20 @@ def test_compare_click_diagnose_add_undo_and_report(
     downloaded.value.save_as(report)
     opened = chromium.new_context().new_page()  # from disk, as whoever it is sent to opens it
     opened.goto(report.as_uri())
-    assert "massline" in opened.content()
+    opened.locator("html[data-drawn=all]").wait_for()
+    told = opened.inner_text("body")
+    assert f"{before[0]:.3g} %" in told  # of the model after Undo
+    assert "force-gain:fmd-z2" in told
     shot(opened, "report")
     opened.context.close()
+
+
+LEFT = "window.dispatchEvent(new Event('beforeunload', { cancelable: true }))"
+
+
+def left_unasked(page: Any) -> bool:
+    """Whether the browser would leave the page without a question."""
+    return bool(page.evaluate(LEFT))
 
 
 def curve(page: Any, name: str) -> None:

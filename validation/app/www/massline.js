@@ -15,6 +15,23 @@
     return plotly;
   }
 
+  const axis = (id) => `${id[0]}axis${id.slice(1)}`;
+
+  // The path of a curve in the pixels of its axes; it is broken where it has no place, as at zero of a logarithm.
+  function way(x, y, across, up) {
+    let [path, pen] = ["", "M"];
+    x.forEach((at, k) => {
+      const [right, down] = [across.c2p(across.d2c(at)), up.c2p(up.d2c(y[k]))];
+      if (!Number.isFinite(right) || !Number.isFinite(down)) {
+        pen = "M";
+        return;
+      }
+      path += `${pen}${right.toFixed(1)},${Math.max(-9999, Math.min(9999, down)).toFixed(1)}`;
+      pen = "L";
+    });
+    return path || "M0,0";
+  }
+
   // A figure as the server made it. `live` are points of one curve, exchanged while a slider is dragged; a click is told as `pick`.
   const Plot = {
     props: { figure: Object, live: Object, label: String, tall: Boolean },
@@ -43,6 +60,7 @@
       async draw() {
         const root = this.$refs.root;
         if (!this.Plotly || !root || !this.figure?.data) return;
+        this.ahead = false;
         const figure = structuredClone(window.Vue.toRaw(this.figure));
         const layout = figure.layout;
         layout.autosize = true;
@@ -56,6 +74,7 @@
         await this.Plotly.react(root, figure.data, layout, config);
         if (!this.drawn) {
           root.on("plotly_click", (event) => this.picked(event.points[0]));
+          root.on("plotly_afterplot", () => this.ahead && this.bend()); // zoomed, or of another size
           this.drawn = true;
         }
         root.dataset.drawn = String(Number(root.dataset.drawn ?? 0) + 1);
@@ -65,14 +84,30 @@
         const root = this.$refs.root;
         const at = root.data.map((trace, k) => (trace.legendgroup === this.live.group ? k : -1)).filter((k) => k >= 0);
         if (at.length !== this.live.y.length) return;
-        const x = at.map(() => this.live.x);
         const range = [...root.layout.yaxis.range];
         const sizes = this.live.y[0].filter((size) => size > 0).map(Math.log10);
         const [low, high] = [Math.min(...sizes), Math.max(...sizes)];
         const beyond = sizes.length > 0 && (high > range[1] || low < range[0]);
-        const layout = beyond ? { "yaxis.range": [Math.max(Math.min(low - 0.1, range[0]), high - 6), Math.max(high + 0.1, range[1])] } : {};
-        this.Plotly.update(root, { x, y: this.live.y }, layout, at);
+        this.ahead = true;
+        if (beyond) {
+          const wider = [Math.max(Math.min(low - 0.1, range[0]), high - 6), Math.max(high + 0.1, range[1])];
+          this.Plotly.relayout(root, { "yaxis.range": wider }); // and then bend
+        } else {
+          this.bend();
+        }
         root.dataset.live = String(this.live.number);
+      },
+      // The curve alone gets its new way. Plotly itself would work out and draw every trace anew, which takes longer than the physics;
+      // it gets the points with the next figure, at rest.
+      bend() {
+        const root = this.$refs.root;
+        if (!root || !this.live) return;
+        const all = root._fullData.filter((trace) => trace.legendgroup === this.live.group);
+        if (all.length !== this.live.y.length) return;
+        all.forEach((trace, k) => {
+          const [across, up] = [root._fullLayout[axis(trace.xaxis)], root._fullLayout[axis(trace.yaxis)]];
+          root.querySelector(`.trace${trace.uid} path.js-line`)?.setAttribute("d", way(this.live.x, this.live.y[k], across, up));
+        });
       },
       picked(point) {
         this.$emit("pick", { x: point.x, y: point.y, custom: point.customdata ?? null, name: point.data.name ?? "" });
@@ -315,6 +350,10 @@
       },
       async send(found) {
         if (found.length === 0) return;
+        if (this.busy) {
+          this.words = "Something is being read or computed. Hand the files over when that is done.";
+          return;
+        }
         this.words = `${found.length} file${found.length === 1 ? "" : "s"} on the way ...`;
         const form = new FormData();
         for (const [name, file] of found) form.append(encodeURIComponent(name), file, "file");
@@ -329,18 +368,23 @@
     },
   };
 
-  // Tells whether the page is dark: as the system is, unless the user chose.
+  // Tells whether the page is dark: as the system is, unless the user chose. Asks before it is left with rungs that nobody has saved.
   const Scheme = {
-    props: { choice: String },
+    props: { choice: String, unsaved: Boolean },
     emits: ["dark"],
     render: () => null,
     mounted() {
+      this.leaving = (event) => { if (this.unsaved) event.preventDefault(); };
+      window.addEventListener("beforeunload", this.leaving);
       this.system = window.matchMedia("(prefers-color-scheme: dark)");
       this.tell = () => this.$emit("dark", this.choice === "system" ? this.system.matches : this.choice === "dark");
       this.system.addEventListener("change", this.tell);
       this.tell();
     },
-    beforeUnmount() { this.system.removeEventListener("change", this.tell); },
+    beforeUnmount() {
+      this.system.removeEventListener("change", this.tell);
+      window.removeEventListener("beforeunload", this.leaving);
+    },
     watch: { choice() { this.tell(); } },
   };
 
