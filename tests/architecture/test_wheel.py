@@ -40,6 +40,8 @@ def test_its_files_are_code_types_and_data(wheel: zipfile.ZipFile) -> None:
         ".typed",
         ".css",
         ".js",
+        ".html",
+        ".svg",
     }
     assert {f"{package}/py.typed" for package in PACKAGES} <= members(wheel)[False]
 

@@ -37,9 +37,9 @@ FAULTS = {
 }
 """Effects of the catalogue that no seed draws, all planted at once."""
 
-AGREED = {"cover": 2e-5, "table": 2e-5, "fmd": 2e-5}
-"""By group, of a channel's rms over runs and lines. Left are products of two tolerances: a pick-up that is turned reads a shift along
-its nominal direction."""
+AGREED = {"cover": 2e-5, "table": 2e-5, "fmd": 5e-5}
+"""By group, of a channel's rms over runs and lines. Left are products of two tolerances: moments of an offset plane are shared
+evenly there and by the stiffness of the cells here, and a pick-up that is turned reads a shift along its nominal direction."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -16,17 +16,7 @@ from typing import Any
 
 import pytest
 
-CHROMIUM = "/usr/bin/chromium"
 SHOTS = Path("out/workbench")
-ARGUMENTS = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
 PATIENCE = 180_000
 """Milliseconds that a page may take to do what it was asked: a machine that does many things at once is slow, not wrong."""
 
@@ -156,19 +146,6 @@ def series(tmp_path_factory: pytest.TempPathFactory, massline: Any) -> tuple[str
     ):
         assert massline(*line).returncode == 0
     return str(model), str(data)
-
-
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """The browser."""
-    if not Path(CHROMIUM).exists():
-        pytest.fail(f"{CHROMIUM} is missing: the workbench is tested in a real browser. As root: apt-get install chromium")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(ARGUMENTS))
-        yield browser
-        browser.close()
 
 
 @dataclass(kw_only=True)

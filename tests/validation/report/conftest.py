@@ -207,19 +207,6 @@ def read(page: Path) -> Page:
     return Page(page.read_text("utf-8"))
 
 
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """A browser without a window."""
-    from playwright.sync_api import sync_playwright
-
-    flags = ("no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking")
-    more = ("disable-component-update", "disable-sync")
-    with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path="/usr/bin/chromium", args=[f"--{flag}" for flag in (*flags, *more)])
-        yield browser
-        browser.close()
-
-
 @dataclass(kw_only=True)
 class Opened:
     """The page in a browser, with everything that it complained of and asked for."""
