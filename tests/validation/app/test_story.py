@@ -64,7 +64,6 @@ def test_compare_click_diagnose_add_undo_and_report(
 
     with page.expect_download() as downloaded:
         page.get_by_role("link", name="Model").click()
-    page.wait_for_function(f"() => {LEFT}")
     saved = tmp_path / "model.toml"
     downloaded.value.save_as(saved)
     assert "force-gain:fmd-z2" in saved.read_text()

@@ -374,8 +374,13 @@
     emits: ["dark"],
     render: () => null,
     mounted() {
-      this.leaving = (event) => { if (this.unsaved) event.preventDefault(); };
-      window.addEventListener("beforeunload", this.leaving);
+      // Before trame's own listener, which lets go of the server at once: whoever stays after all still needs it.
+      this.leaving = (event) => {
+        if (!this.unsaved) return;
+        event.preventDefault();
+        event.stopImmediatePropagation();
+      };
+      window.addEventListener("beforeunload", this.leaving, true);
       this.system = window.matchMedia("(prefers-color-scheme: dark)");
       this.tell = () => this.$emit("dark", this.choice === "system" ? this.system.matches : this.choice === "dark");
       this.system.addEventListener("change", this.tell);
@@ -383,7 +388,7 @@
     },
     beforeUnmount() {
       this.system.removeEventListener("change", this.tell);
-      window.removeEventListener("beforeunload", this.leaving);
+      window.removeEventListener("beforeunload", this.leaving, true);
     },
     watch: { choice() { this.tell(); } },
   };
