@@ -37,8 +37,7 @@ def test_compare_click_diagnose_add_undo_and_report(
     page.locator("#diagnose").click()
     page.locator("#verdict").wait_for()
     assert "force-gain:fmd-z2" in page.locator("#verdict").inner_text()
-    assert page.evaluate(script("contrast")) == []
-    assert page.evaluate(script("unlabelled")) == []
+    readable(page, script)
     shot(page, "diagnosed")
     page.locator(".cause").first.click()
     page.locator("#effect").wait_for()
@@ -46,8 +45,7 @@ def test_compare_click_diagnose_add_undo_and_report(
     assert "calibration" in page.locator("#effect").inner_text()  # what would confirm it
     page.locator("#answer", has_text="plain error goes from").wait_for()
     assert "fitted anew beside it" in page.locator("#answer").inner_text()  # what the plain fit frees follows the effect
-    assert page.evaluate(script("contrast")) == []
-    assert page.evaluate(script("unlabelled")) == []
+    readable(page, script)
     shot(page, "cause")
 
     page.locator("#add").click()
@@ -103,6 +101,13 @@ LEFT = "window.dispatchEvent(new Event('beforeunload', { cancelable: true }))"
 def left_unasked(page: Any) -> bool:
     """Whether the browser would leave the page without a question."""
     return bool(page.evaluate(LEFT))
+
+
+def readable(page: Any, script: Any) -> None:
+    """Every text stands out and every control has a name, once colours have stopped to fade into each other."""
+    page.wait_for_function("() => document.getAnimations().every((one) => one.playState !== 'running')")
+    assert page.evaluate(script("contrast")) == []
+    assert page.evaluate(script("unlabelled")) == []
 
 
 def curve(page: Any, name: str) -> None:

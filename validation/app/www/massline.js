@@ -368,19 +368,12 @@
     },
   };
 
-  // Tells whether the page is dark: as the system is, unless the user chose. Asks before it is left with rungs that nobody has saved.
+  // Tells whether the page is dark: as the system is, unless the user chose. Tells start.js of rungs that nobody has saved.
   const Scheme = {
     props: { choice: String, unsaved: Boolean },
     emits: ["dark"],
     render: () => null,
     mounted() {
-      // Before trame's own listener, which lets go of the server at once: whoever stays after all still needs it.
-      this.leaving = (event) => {
-        if (!this.unsaved) return;
-        event.preventDefault();
-        event.stopImmediatePropagation();
-      };
-      window.addEventListener("beforeunload", this.leaving, true);
       this.system = window.matchMedia("(prefers-color-scheme: dark)");
       this.tell = () => this.$emit("dark", this.choice === "system" ? this.system.matches : this.choice === "dark");
       this.system.addEventListener("change", this.tell);
@@ -388,9 +381,11 @@
     },
     beforeUnmount() {
       this.system.removeEventListener("change", this.tell);
-      window.removeEventListener("beforeunload", this.leaving, true);
     },
-    watch: { choice() { this.tell(); } },
+    watch: {
+      choice() { this.tell(); },
+      unsaved: { immediate: true, handler() { window.massline.unsaved = this.unsaved; } },
+    },
   };
 
   window.massline = {

@@ -1,3 +1,11 @@
+// Before it is left with rungs that nobody has saved, the browser asks; trame's own listener comes later and would let go of the
+// server at once, which whoever then stays still needs.
+window.addEventListener("beforeunload", (event) => {
+  if (!window.massline?.unsaved) return;
+  event.preventDefault();
+  event.stopImmediatePropagation();
+}, true);
+
 // Begins the page, unless another tab holds the window of this address (a duplicated tab): then this one gets a window of its own.
 // A reload never does: the page before it is still letting go, however long that takes on a busy machine.
 (async () => {
