@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import signal
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -206,3 +208,15 @@ def shot() -> Callable[[Any, str], None]:
         page.screenshot(path=str(SHOTS / f"{name}.png"))
 
     return kept
+
+
+@pytest.fixture(autouse=True)
+def _loops_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The browser's driver has a loop running in this thread for all of the session: others run in a thread of their own."""
+    run = asyncio.run
+
+    def alone(main: Any) -> Any:
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(run, main).result()
+
+    monkeypatch.setattr(asyncio, "run", alone)
