@@ -1,15 +1,14 @@
-"""Pictures of every built-in article and set-up, and those that README and docs show.
+"""Pictures of every built-in article and set-up, and of what they do: modes, dynamic mass, a sweep, a pendulum.
 
     python examples/pictures.py [FOLDER] [SHEET]
 
 Writes one picture an article into FOLDER (``out/pictures``) and the contact sheet to SHEET (``docs/pictures/articles.png``);
-beside the sheet go the modes of Clumod, its dynamic mass, a sweep that it was driven with, Clumod on three ropes, and, where the
-measured data are, the three-storey frame. These carry what they show in figures too, so that a test sees when the articles have
-moved on.
+beside the sheet go the modes of Clumod, its dynamic mass, a sweep that it was driven with, and Clumod on three ropes. These carry
+what they show in figures too, so that a test sees when the articles have moved on. All pictures of the docs, these among them:
+``examples/gallery.py``.
 """
 
 import json
-import os
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -97,86 +96,6 @@ def pendulum(folder: Path) -> None:
     pendulum_picture(drawn(found, Unchanged()), folder / "swing.png", about=json.dumps(swung(found.record.setup)))
 
 
-def three_storey_frame(folder: Path, data: Path) -> None:
-    """Draw the three-storey frame of `data` with the models of its ladder into `folder`; nothing where the data are absent."""
-    if not data.is_dir():
-        return
-    from frame_story.pictures import draw, draw_ladder
-    from three_storey_frame import GROWN, LADDER, MODELS, climbed, nominal, tested
-
-    found = climbed(tested(data, nominal()), MODELS, GROWN)
-    draw(found, LADDER, folder)
-    draw_ladder(found, LADDER, folder)
-
-
-PLANTED = ("modulus:mast=0.06", "point-mass:mast-top=0.2")
-UNSEEN = ("fmd+clumod-1/x", "fmd+clumod-1/beta")
-
-
-def cross_check(folder: Path) -> None:
-    """Draw the ladder of docs/ladder.md, the map of docs/compare.md and what they quote in words into `folder`."""
-    from tempfile import TemporaryDirectory
-
-    from validation.cli import run
-
-    with TemporaryDirectory() as place:
-        model, tests = f"{place}/model.toml", [f"{place}/test/fmd+cuboid", f"{place}/test/fmd+clumod-1"]
-        planted = [word for effect in PLANTED for word in ("--effect", effect)]
-        held = [word for name in UNSEEN for word in ("--hold-out", name)]
-        for command in (
-            [
-                "simulate",
-                "fmd+cuboid",
-                "fmd+clumod-1",
-                "--seed",
-                "4",
-                "--octaves-per-minute",
-                "6",
-                *planted,
-                "--out",
-                f"{place}/test",
-            ],
-            ["model", "fmd+clumod-1", "--out", model],
-            ["compare", model, *tests, *held, "--out", place],
-            ["add", model, "force-gain:fmd-z2", *tests, *held],
-            ["undo", model],
-            ["add", model, "point-mass:mast-top", *tests, *held],
-            ["ladder", model, "--out", place],
-        ):
-            if run(command):
-                raise SystemExit(f"`massline {' '.join(command)}` failed")
-        drawn = {
-            "model-ladder": "ladder-fall",
-            "model-ladder-clumod-1": "ladder-inertia",
-            "compare-fmd+clumod-1-channels": "compare-channels",
-        }
-        for name, shown in drawn.items():
-            (folder / f"{shown}.png").write_bytes(Path(place, f"{name}.png").read_bytes())
-
-
-HIDDEN = "force-gain:fmd-z2=0.15"
-
-
-def diagnosis(folder: Path) -> None:
-    """Draw the errors before and after the diagnosis of the demo's series into `folder`."""
-    from tempfile import TemporaryDirectory
-
-    from validation.cli import run
-
-    with TemporaryDirectory() as place:
-        series = ["fmd+disc+cuboid", "fmd+clumod-1"]
-        model, tests = f"{place}/model.toml", [f"{place}/test/{name}" for name in series]
-        hidden = ["--seed", "3", "--octaves-per-minute", "16", "--effect", HIDDEN]
-        for command in (
-            ["simulate", *series, *hidden, "--out", f"{place}/test"],
-            ["model", "fmd+clumod-1", "--out", model],
-            ["diagnose", model, *tests, "--out", place],
-        ):
-            if run(command):
-                raise SystemExit(f"`massline {' '.join(command)}` failed")
-        (folder / "diagnose-errors.png").write_bytes(Path(place, "diagnose-errors.png").read_bytes())
-
-
 def swing_setup() -> Setup:
     """The pendulum of the picture."""
     texts = {
@@ -222,6 +141,3 @@ if __name__ == "__main__":
     flexible_bodies(sheet.parent)
     base_excitation(sheet.parent)
     pendulum(sheet.parent)
-    cross_check(sheet.parent)
-    diagnosis(sheet.parent)
-    three_storey_frame(sheet.parent, Path(os.environ.get("MASSLINE_DATA", "../shared/data")) / "three_storey_frame")

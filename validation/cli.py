@@ -38,7 +38,9 @@ COMMANDS = {
     "correct": "A corrected copy of a campaign: a gain, delay, polarity or place of the measurement taken out.",
     "add": "Add an effect to a model: fitted, with the errors before and after, as the next rung of its ladder.",
     "ladder": "Every version of a model, and how its errors fell from rung to rung.",
+    "report": "All that is known of a model and its measurements on one page, to be read, printed and signed.",
     "undo": "Go back to the rung below; what was there is kept.",
+    "app": "The workbench in the browser: compare, diagnose, add, undo, what if.",
 }
 """Every command and its line in the help; `validation.commands.<name>` holds it."""
 

@@ -47,6 +47,9 @@ EXAMPLE = shlex.quote(str(DATA / "example_series"))
 HIDDEN, MODEL = "out/hidden", "out/hidden/model.toml"
 """A series with an effect that its model lacks, and the model."""
 
+REPORT = f"{HIDDEN}/report.html"
+"""What is known of both at the end."""
+
 SERIES, IDENTIFIED = "out/series", "out/identified"
 """Of the virtual test."""
 
@@ -146,10 +149,17 @@ STEPS = (
         needs=DATA / "three_storey_frame",
     ),
     Step(title="An effect of one's own, from its file to a campaign", command="python examples/own_effect.py"),
+    Step(
+        title="All of the hidden effect on one page, to be read, printed and signed",
+        command=f"massline report {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --no-diagnosis --out {REPORT}",
+    ),
 )
 
-WHERE = """Pictures: {pictures}
-Tables:   every table above is one command; `massline COMMAND --help` says more, and --json gives a program the same figures."""
+WHERE = """Pictures:  {pictures}
+Tables:    every table above is one command; `massline COMMAND --help` says more, and --json gives a program the same figures.
+Report:    {report} opens in any browser.
+Workbench: {massline} app {model} {data}
+           opens the same in the browser, to click on, to add and to undo; `{massline} app` alone begins with examples."""
 
 
 def main() -> int:
@@ -168,7 +178,11 @@ def main() -> int:
         "\n"
         + WHERE.format(
             pictures=", ".join(sorted(str(path) for kind in ("png", "gif") for path in Path("out").glob(f"**/*.{kind}")))
-            or "none"
+            or "none",
+            report=Path(REPORT).absolute().as_uri(),
+            massline=os.path.relpath(Path(sys.executable).with_name("massline")),
+            model=MODEL,
+            data=f"{HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1",
         )
     )
     return DONE

@@ -38,6 +38,10 @@ def test_its_files_are_code_types_and_data(wheel: zipfile.ZipFile) -> None:
         ".py",
         ".toml",
         ".typed",
+        ".css",
+        ".js",
+        ".html",
+        ".svg",
     }
     assert {f"{package}/py.typed" for package in PACKAGES} <= members(wheel)[False]
 

@@ -107,3 +107,37 @@ def test_the_bias_of_peak_hold_is_drawn_as_it_is_measured_now(root: Path, tmp_pa
     now, then = (json.loads(said_about(path)) for path in (tmp_path / "bias.png", root / "docs/pictures/peak-hold-bias.png"))
     for which, errors in now.items():
         assert errors == pytest.approx(then[which], rel=0.01), "draw it again: python examples/peak_hold_bias.py"
+
+
+def test_the_gallery_draws_every_picture_of_the_docs_and_each_once(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "examples"))
+    drawn = runpy.run_path(str(root / "examples" / "gallery.py"))["drawn"]().values()
+    names = [name for shown in drawn for name in shown]
+    assert sorted(names) == sorted(path.stem for path in (root / "docs" / "pictures").iterdir())
+
+
+def test_a_story_of_the_gallery_is_what_a_reader_types_and_leaves_its_picture(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(root / "examples"))
+    program = runpy.run_path(str(root / "examples" / "gallery.py"))
+    before = Path.cwd()
+    program["draw"]("peak-hold-bias", tmp_path)
+    assert Path.cwd() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["peak-hold-bias.png"]
+
+
+def test_a_line_of_a_story_that_fails_ends_it(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "examples"))
+    program = runpy.run_path(str(root / "examples" / "gallery.py"))
+    with pytest.raises(SystemExit, match="massline check nowhere"):
+        program["done"]("massline check nowhere")
+    with pytest.raises(SystemExit, match="there is no moon"):
+        program["main"](["moon"])
+
+
+def test_a_page_is_photographed_as_a_browser_shows_it(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "examples"))
+    (tmp_path / "page.html").write_text("<!doctype html><title>A page</title><h1>Mass</h1>", encoding="utf-8")
+    runpy.run_path(str(root / "examples" / "in_browser.py"))["report"](tmp_path / "page.html", tmp_path / "page.png")
+    assert (tmp_path / "page.png").read_bytes()[16:24] == (1366).to_bytes(4, "big") + (1500).to_bytes(4, "big")

@@ -328,7 +328,7 @@ def test_the_pictures_of_the_page_show_what_is_found_now(
 ) -> None:
     said = json.loads(said_about(root / "docs" / "pictures" / name))
     now = program["figures"](rungs)
-    again = "draw it again: python examples/pictures.py"
+    again = "draw it again: python examples/gallery.py three-storey-frame"
     assert said.keys() == now.keys(), again
     for kind, percents in now.items():
         assert percents == pytest.approx(said[kind], rel=0.03), again  # less than a line's width

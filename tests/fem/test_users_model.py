@@ -1,7 +1,5 @@
 """Models of users: whatever file and units they come in, it is the same structure, and K, M and modal data agree."""
 
-import hashlib
-import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -284,31 +282,3 @@ def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path
         assert users_model.is_model(bracket_files / name)
     for path in ("clumod-4", "hammer.step", tmp_path / "article.toml", tmp_path / "broken.toml", tmp_path, "absent.toml"):
         assert not users_model.is_model(path)
-
-
-# --- the page ---------------------------------------------------------------------------------------------------------------
-
-
-def blocks(root: Path, language: str) -> list[str]:
-    text = (root / "docs" / "own-model.md").read_text(encoding="utf-8")
-    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-
-
-def test_the_python_of_the_page_runs(
-    root: Path, bracket_files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shutil.copytree(bracket_files, tmp_path / "out" / "own-model")
-    monkeypatch.chdir(tmp_path)
-    (program,) = blocks(root, "python")
-    exec(compile(program, "own-model.md", "exec"), {})
-    lowest = fixed_base(users_model.read(bracket_files / "bracket.h5"), 1).frequency[0]
-    assert float(capsys.readouterr().out.strip("[ ").split()[0]) == pytest.approx(lowest, rel=1e-6)
-
-
-def test_the_description_of_the_page_is_one(root: Path, bracket_files: Path) -> None:
-    (text,) = blocks(root, "toml")
-    digest = hashlib.sha256((bracket_files / "bracket.op4").read_bytes()).hexdigest()
-    (bracket_files / "page.toml").write_text(text.replace('"..."', f'"{digest}"'), encoding="utf-8")
-    found = users_model.load(bracket_files / "page.toml")
-    assert found.damping is not None
-    assert found.damping.loss_factors == {"all": 0.01}

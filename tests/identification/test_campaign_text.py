@@ -1,6 +1,7 @@
 """``campaign.toml``: read to the letter, written and read again, and refused by name where it is wrong."""
 
 import json
+import re
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
-from identification.campaign import Campaign, Excitation, Processing, Run
+from identification import campaign_channels, campaign_text
+from identification.campaign import METHODS, Campaign, Excitation, Processing, Run
 from identification.campaign_text import parse
 from identification.campaign_values import Problems
 from identification.campaign_words import text
@@ -293,3 +295,17 @@ def test_text_escapes_what_toml_does_not_allow() -> None:
     odd = replace(parsed(CONTRACT), title='a "b" \\ \x7f \x01 \n é')
     assert parsed(text(odd)).title == odd.title
     assert json.dumps(odd.title, ensure_ascii=False)[:5] in text(odd)
+
+
+def test_every_key_of_the_file_is_on_the_page_for_users(root: Path) -> None:
+    page = (root / "docs" / "campaigns.md").read_text(encoding="utf-8")
+    kinds = {word for kind, figures in campaign_text.EXCITATIONS.items() for word in (kind, *figures)}
+    tables = (
+        *campaign_text.TOP,
+        *campaign_text.CAMPAIGN,
+        *campaign_text.RUN,
+        *campaign_text.PROCESSING,
+        *campaign_channels.CHANNEL,
+    )
+    for key in (*tables, *kinds, *METHODS, *GROUPS, *SI):
+        assert re.search(rf'`"?{re.escape(key)}"?`', page), key

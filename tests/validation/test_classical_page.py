@@ -10,9 +10,6 @@ import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
 
-from validation import weighing
-from validation.measurement_file import read
-
 PAGE = Path(__file__).parents[2] / "docs" / "classical-measurements.md"
 
 
@@ -26,14 +23,6 @@ def commands() -> list[str]:
 
 def test_the_page_holds_its_commands() -> None:
     assert {line.split()[1] for line in commands()} == {"weigh", "cog", "pendulum", "swing"}
-
-
-def test_the_weighing_on_the_page_reduces(tmp_path: Path) -> None:
-    (text,) = blocks("toml")
-    (tmp_path / "page.toml").write_text(text, encoding="utf-8")
-    assert_allclose(
-        weighing.reduce(read(str(tmp_path / "page.toml"), ("weighing",))).results["mass"].nominal_value, 47.4, rtol=1e-14
-    )
 
 
 def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its_corrections(root: Path) -> None:

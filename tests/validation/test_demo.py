@@ -15,6 +15,9 @@ def test_every_step_is_a_command_or_an_example_that_exists(step: demo.Step, root
     assert what in COMMANDS if program == "massline" else (program == "python" and (root / what).is_file())
 
 
+PLANNED = demo.STEPS
+
+
 def _steps(monkeypatch: pytest.MonkeyPatch, code: int, *steps: demo.Step) -> list[list[str]]:
     heard: list[list[str]] = []
     monkeypatch.setattr(demo, "STEPS", steps)
@@ -60,3 +63,20 @@ def test_a_script_runs_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch, 
     script.write_text("import sys; sys.exit(3)")
     _steps(monkeypatch, DONE, demo.Step(title="One", command=f"python {script}"))
     assert demo.main() == 3
+
+
+def test_its_last_words_say_where_the_report_lies_and_how_to_open_the_workbench(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _steps(monkeypatch, DONE)
+    assert demo.main() == DONE
+    said = capsys.readouterr().out
+    assert Path(demo.REPORT).absolute().as_uri() in said
+    (line,) = [line for line in said.splitlines() if line.startswith("Workbench:")]
+    program, what, model, *data = line.removeprefix("Workbench:").split()
+    assert (Path(program).name, what, model) == ("massline", "app", demo.MODEL)
+    assert all(any(folder in step.command for step in PLANNED) for folder in data)
+
+
+def test_the_report_of_which_the_last_words_speak_is_written_by_a_step() -> None:
+    assert any(step.command.startswith("massline report") and demo.REPORT in step.command for step in PLANNED)

@@ -146,14 +146,6 @@ def test_the_papers_table_2_comes_out(run: Run) -> None:
     assert "MoI Θyy (+15.50 %" in err
 
 
-def test_the_result_of_the_documentation_is_within(run: Run, root: Path, tmp_path: Path) -> None:
-    page = (root / "docs" / "reference-tables.md").read_text(encoding="utf-8")
-    (tmp_path / "mine.toml").write_text(page.split("```toml\n")[1].split("```")[0], encoding="utf-8")
-    code, out, err = run("validate", "mine.toml", "--against", "clumod-1")
-    assert code == cli.DONE, err
-    assert "all 10 stated values agree with clumod-1 (occ)" in out
-
-
 def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
     import trimesh
 

@@ -1,7 +1,6 @@
 """Anyone's ten parameters: the same body, however it is stated, deviates by nothing; everything else is refused in words."""
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -268,14 +267,6 @@ def test_parameters_that_no_body_has_are_a_failed_check_not_bad_input() -> None:
 def test_the_papers_own_result_ships_as_a_result_file() -> None:
     result = read("clumod-1-table2", article="clumod-1").statement
     assert [v is None for v in result.values] == [False] * 7 + [True] * 3
-
-
-def test_the_format_of_the_documentation_reads(root: Path) -> None:
-    page = (root / "docs" / "reference-tables.md").read_text(encoding="utf-8")
-    block = page.split("```toml\n")[1].split("```")[0]
-    table = tomllib.loads(block)
-    assert table["format"] == 1
-    assert stated_inertia.read(table, "docs", IDENTITY).complete
 
 
 @pytest.mark.parametrize("rotation", [[0, -1, 0, 1, 0, 0, 0, 0, 1], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "z 90 deg"])

@@ -1,7 +1,6 @@
 """docs/measurement-chain.md: its program runs, and its table holds the families and tolerances of the code."""
 
 import re
-import shutil
 from math import exp
 from pathlib import Path
 
@@ -37,13 +36,3 @@ def test_the_table_holds_every_family_with_its_tolerance(paper: ChannelTable) ->
     exponents = [float(figure) for figure in re.findall(r"e\^([\d.]+)", said["fmd-compliance"])]
     assert exponents == [pytest.approx(ASSUMED, abs=5e-3), STATED]
     assert exp(ASSUMED) == pytest.approx(5.0)
-
-
-def test_the_program_of_the_page_runs(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:  # type: ignore[no-untyped-def]
-    (program,) = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    shutil.copytree(written, tmp_path / "out" / "own-campaign" / "h5")
-    monkeypatch.chdir(tmp_path)
-    exec(compile(program, str(PAGE), "exec"), {})
-    printed = capsys.readouterr().out
-    assert "+1 force-gain (all 8) +1 accelerometer-gain (all 14)" in printed
-    assert "+1 force-delay (all 8) +1 accelerometer-delay (all 14)" in printed

@@ -8,7 +8,6 @@ from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from geometry.tolerances import Tolerances
 from validation.correcting.corrected import CORRECTIONS
@@ -22,25 +21,6 @@ EXAMPLE = ROOT / "examples" / "example_series.toml"
 
 def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-
-
-def test_the_file_on_the_page_is_the_example() -> None:
-    assert blocks("toml")[0] == EXAMPLE.read_text(encoding="utf-8")
-
-
-def test_the_effects_on_the_page_can_stand_in_it() -> None:
-    model = reading.of_text(blocks("toml")[0] + blocks("toml")[1], "page.toml")
-    assert [(one.named.id, dict(one.deviation), one.fixed) for one in model.effects] == [
-        ("force-gain:fmd-z2", {"": 0.003}, False),
-        ("appendage:z", {"m": 0.004, "f": 0.02}, False),
-        ("polarity:fmd-z1", {}, True),
-    ]
-
-
-def test_an_article_of_ones_own_is_written_as_on_the_page(tmp_path: Path) -> None:
-    (tmp_path / "satellite.h5").touch()
-    text = 'format = 1\n[model]\narticle = "fmd+satellite"\n' + blocks("toml")[2]
-    assert reading.of_text(text, str(tmp_path / "lab.toml")).own == {"fmd+satellite": str(tmp_path / "satellite.h5")}
 
 
 def test_the_example_says_what_nominal_json_says(data: Path) -> None:
@@ -72,12 +52,3 @@ def test_every_key_is_on_the_page() -> None:
 def test_every_correction_is_on_the_page() -> None:
     for family in CORRECTIONS:
         assert f"`{family}`" in PAGE, family
-
-
-def test_the_program_on_the_page_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.chdir(ROOT)
-    (program,) = blocks("python")
-    exec(compile(program, "page", "exec"), {})
-    printed = capsys.readouterr().out.splitlines()
-    assert printed[0] == "fmd+clumod-1 18.08 0.0005"
-    assert printed[1:] == ["['force-gain:fmd-z2=0.08']", "True"]

@@ -54,7 +54,7 @@ def test_the_limits_of_the_study_are_told(text: str) -> None:
 
 @pytest.mark.parametrize(("module", "command"), [("benchmarks.blind", drawing.main), ("benchmarks.blind.score", scoring.main)])
 def test_the_commands_of_the_page_know_the_options_that_stand_there(module: str, command: Command, text: str) -> None:
-    (typed,) = re.findall(rf"^    python -m {module} (--.*)$", text, re.MULTILINE)
+    (typed,) = re.findall(rf"^python -m {module} (--.*)$", text, re.MULTILINE)
     helped = CliRunner().invoke(command, ["--help"]).output
     assert all(option in helped for option in re.findall(r"--[a-z]+", typed))
 

@@ -1,0 +1,201 @@
+"""What a window does with clicks that come at a bad moment, without a browser."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from validation.app import climbing, drawing, jobs, leaving, opening, saving, structure, trying, working
+from validation.app.asked import Opened
+from validation.app.bench import Bench
+from validation.desk.handed import Handed
+from validation.desk.jobs import CANCELLED, FAILED, RUNNING, Job
+
+
+class State(SimpleNamespace):
+    """As trame's, as far as it is used."""
+
+    def flush(self) -> None:
+        pass
+
+    def update(self, said: dict[str, Any]) -> None:
+        vars(self).update(said)
+
+    def __getitem__(self, name: str) -> Any:
+        return getattr(self, name)
+
+
+def bench(folder: Path, **state: Any) -> Bench:
+    from validation.app.page import first_state
+
+    return Bench(state=State(**first_state() | state), folder=folder, opened=Opened())
+
+
+def run(work: Callable[[], Awaitable[None]]) -> None:
+    async def whole() -> None:
+        await work()
+
+    asyncio.run(whole())
+
+
+def tried(written: str = "force-gain:fmd-z2=0.1", *, followed: bool) -> Any:
+    matrix = np.arange(36.0).reshape(1, 6, 6) * np.ones((3, 1, 1)) + 0j
+    trace = SimpleNamespace(campaign="a", matrix=matrix, after=matrix[:, 2, 2], reached=True, frequency=np.arange(3.0))
+    return SimpleNamespace(written=written, traces=(trace,), before_percent=2.0, plain_percent=1.0, facts={}, followed=followed)
+
+
+def test_the_answer_says_whether_anything_was_fitted() -> None:
+    assert "nothing fitted" in trying._said(tried(followed=False), "the plain fit")
+    said = trying._said(tried(followed=True), "the plain fit")
+    assert "nothing" not in said
+    assert "fitted anew beside it" in said
+
+
+def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None:
+    of = bench(tmp_path, campaign="a", load=2, motion=2)
+    of.tried = tried(followed=True)
+    of.state.load, of.state.motion = 1, 4
+    (matrix,) = drawing.further(of).values()
+    assert np.array_equal(matrix[:, 1, 4], np.full(3, 10.0))
+
+
+def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    slider = SimpleNamespace(
+        key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0
+    )
+    effect = SimpleNamespace(id="x", sliders=(slider,), written=lambda sizes: f"x={sizes}")
+
+    def slow(*_: Any, **__: Any) -> Any:
+        time.sleep(0.1)
+        return tried(followed=True)
+
+    monkeypatch.setattr(trying.whatif, "what_if", slow)
+
+    async def story() -> None:
+        of = bench(tmp_path, campaign="a", effect={"id": "x"})
+        of.effects, of.table, of.sizes = {"x": effect}, object(), {"": 0.0}  # type: ignore[assignment, dict-item]
+        await trying.drag(of, "", 300)
+        await asyncio.sleep(0.02)
+        await trying.chosen(of, None)
+        assert of.dragging is not None
+        await asyncio.wait_for(of.dragging, 5)
+        assert of.state.failure == ""
+        assert of.tried is None
+
+    run(story)
+
+
+class Worker:
+    """One that dies slowly, and tells every look at it meanwhile as a failure."""
+
+    def __init__(self) -> None:
+        self.ending = False
+
+    def job(self) -> Job:
+        return Job(kind="add", asked={}, state=FAILED if self.ending else RUNNING)
+
+    def cancel(self) -> Job:
+        self.ending = True
+        time.sleep(4 * jobs.PACE)
+        return Job(kind="add", asked={}, state=CANCELLED)
+
+
+@pytest.mark.parametrize(("rung", "says"), [(0, "nothing has changed"), (1, "it is rung 1")])
+def test_a_cancelled_add_is_told_as_the_ladder_has_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rung: int, says: str
+) -> None:
+    stood: list[int] = []
+
+    async def stands(_: Bench) -> None:
+        stood.append(rung)
+
+    numbers = iter([0, rung])
+    monkeypatch.setattr(climbing.climbing, "ladder", lambda _: SimpleNamespace(rung=SimpleNamespace(number=next(numbers))))
+    monkeypatch.setattr(working, "stands", stands)
+    monkeypatch.setattr(climbing, "keep", lambda _: None)
+    monkeypatch.setattr(jobs.jobs, "start", lambda *_, **__: Worker())
+
+    async def story() -> None:
+        of = bench(tmp_path, effect={"id": "x"})
+        of.desk, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
+        await climbing.add(of)
+        await jobs.cancel(of)
+        await asyncio.gather(*of.tasks)
+        assert of.state.failure == ""
+        assert says in of.state.ready["text"]
+        assert stood == ([1] if rung else [])
+
+    run(story)
+
+
+def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[str] = []
+
+    async def taken(of: Bench, _: Any) -> None:
+        opened.append(Path(of.state.model_path).read_text(encoding="utf-8"))
+
+    monkeypatch.setattr(opening, "_opened", taken)
+
+    async def story() -> None:
+        of = bench(tmp_path, data_paths="/somewhere")
+        for text in (b"model = 1", b"model = 2"):
+            await opening.arrived(of, [Handed(name="s/model.toml", content=text)])
+        assert opened == ["model = 1", "model = 2"]
+        of.state.opening = True
+        await opening.arrived(of, [Handed(name="s/model.toml", content=b"model = 3")])
+        assert len(opened) == 2
+        assert "when that is done" in of.state.failure
+
+    run(story)
+
+
+def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(saving.saving, "figures", lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))
+    (tmp_path / "a.png").write_bytes(b"png")
+
+    async def story() -> None:
+        of = bench(tmp_path)
+        of.desk = SimpleNamespace(folder=tmp_path)  # type: ignore[assignment]
+        drawing_them = asyncio.ensure_future(saving.figures(of))
+        await asyncio.sleep(0.05)
+        assert of.state.job["cancellable"] is False  # no button that does nothing
+        await asyncio.wait_for(of.away(lambda: None), 0.2)
+        await drawing_them
+        assert of.state.ready["links"][0]["name"] == "figures.zip"
+
+    run(story)
+
+
+def test_modes_far_from_what_was_clicked_say_so() -> None:
+    assert structure.apart(8.0, 8.4) == ""
+    assert "8 Hz" in structure.apart(8.0, 351.0)
+
+
+def test_what_nobody_saved_is_kept_where_the_terminal_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, series: tuple[str, str]
+) -> None:
+    from validation.desk.desk import begun
+
+    desk = begun(tmp_path / "home" / "abc" / "desk-0", series[0], [series[1]])
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / "cache"))
+    said: list[str] = []
+    rungs = {"of": 1}
+    monkeypatch.setattr(leaving, "_rungs", lambda _: rungs["of"])
+    leaving.saved(desk)
+    leaving.kept(tmp_path / "home", said.append)
+    assert said == []
+    rungs["of"] = 2
+    assert leaving.unsaved(desk)
+    leaving.kept(tmp_path / "home", said.append)
+    kept = Path(said[0].splitlines()[-1].strip())
+    assert kept.read_bytes() == desk.model.read_bytes()
+    assert kept.is_relative_to(tmp_path / "cache")
+    leaving.saved(desk)
+    assert not leaving.unsaved(desk)

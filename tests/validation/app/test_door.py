@@ -1,0 +1,171 @@
+"""Nobody comes in who was not let in, whatever way they ask."""
+
+from __future__ import annotations
+
+import http.client
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+COOKIE = "Set-Cookie"
+
+
+def answer(bench: Any, path: str = "/", method: str = "GET", **headers: str) -> http.client.HTTPResponse:
+    """The answer to one request with exactly these headers."""
+    connection = http.client.HTTPConnection("127.0.0.1", bench.port, timeout=20)
+    connection.putrequest(method, path, skip_host=True)
+    for key, value in {"Host": bench.host, **headers}.items():
+        connection.putheader(key.replace("_", "-"), value)
+    connection.endheaders()
+    response = connection.getresponse()
+    response.body = response.read()  # type: ignore[attr-defined]
+    connection.close()
+    return response
+
+
+@pytest.fixture(scope="module")
+def bench(start_app: Any) -> Any:
+    return start_app("--stay")
+
+
+@pytest.fixture(scope="module")
+def cookie(bench: Any) -> str:
+    """The cookie that the token is good for, once."""
+    response = answer(bench, f"/?token={bench.token}")
+    assert response.status == 303
+    return str(response.getheader(COOKIE)).split(";")[0]
+
+
+def upgrade(bench: Any, path: str, **headers: str) -> int:
+    """The status of an attempt at a websocket."""
+    asked = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec_WebSocket_Version": "13", "Sec_WebSocket_Key": "A" * 22 + "=="}
+    return answer(bench, path, **asked, **headers).status
+
+
+def test_without_the_token_nothing_is_shown_and_nothing_is_started(bench: Any) -> None:
+    for path in ("/", "/w/abcdefgh/", "/w/abcdefgh/index.html", "/?token=", "/?token=wrong", "/anything"):
+        assert answer(bench, path).status == 401, path
+    assert len(bench.windows()) <= 1  # the one that stands ready
+
+
+def test_a_token_is_good_once_and_leaves_no_trace_in_the_address(bench: Any, cookie: str) -> None:
+    assert answer(bench, f"/?token={bench.token}").status == 401
+    again = answer(bench, f"/?token={bench.token}", Cookie=cookie)  # a reload of the first page, by the browser that was let in
+    assert (again.status, again.getheader("Location")) == (303, "/")
+
+
+def test_the_cookie_can_be_read_by_no_script_and_sent_by_no_other_site(start_app: Any) -> None:
+    bench = start_app("--stay")
+    given = str(answer(bench, f"/?token={bench.token}").getheader(COOKIE))
+    assert "HttpOnly" in given
+    assert "SameSite=Strict" in given
+    assert given.startswith(f"massline-{bench.port}=")  # cookies know no ports
+    bench.interrupted()
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:{port}", ""]
+)
+def test_another_host_is_not_served(bench: Any, cookie: str, host: str) -> None:
+    named = host.format(port=bench.port)
+    assert answer(bench, "/", Host=named, Cookie=cookie).status == 403
+    assert upgrade(bench, "/w/abcdefgh/ws", Host=named, Cookie=cookie, Origin=f"http://{named}") == 403
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "https://{host}", "http://127.0.0.1:1", "null", "http://{host}.evil.example"]
+)
+def test_another_origin_is_refused_by_http_and_by_websocket(bench: Any, cookie: str, origin: str) -> None:
+    named = origin.format(host=bench.host)
+    assert answer(bench, "/", Origin=named, Cookie=cookie).status == 403
+    assert answer(bench, "/w/abcdefgh/files", method="POST", Origin=named, Cookie=cookie).status == 403
+    assert upgrade(bench, "/w/abcdefgh/ws", Origin=named, Cookie=cookie) == 403
+
+
+def test_what_changes_something_must_say_where_it_comes_from(bench: Any, cookie: str) -> None:
+    assert answer(bench, "/w/abcdefgh/files", method="POST", Cookie=cookie).status == 403
+    assert upgrade(bench, "/w/abcdefgh/ws", Cookie=cookie) == 403
+
+
+def test_a_websocket_without_the_cookie_is_refused(bench: Any) -> None:
+    assert upgrade(bench, "/w/abcdefgh/ws", Origin=f"http://{bench.host}") == 401
+
+
+def test_a_window_is_no_path(bench: Any, cookie: str) -> None:
+    for name in ("..", "%2e%2e", "..%2f..%2fetc", "short", "x" * 65):
+        assert answer(bench, f"/w/{name}/", Cookie=cookie).status in (400, 404), name
+    assert len(bench.windows()) <= 1
+
+
+def test_a_page_of_another_server_at_this_host_starts_nothing(bench: Any, cookie: str) -> None:
+    before = bench.windows()
+    for site in ("same-site", "cross-site"):
+        for path in ("/", "/w/aaaaaaaa1/", "/w/aaaaaaaa2/plotly.js"):
+            assert answer(bench, path, Cookie=cookie, Sec_Fetch_Site=site).status == 403
+    assert answer(bench, "/w/aaaaaaaa1/", Cookie=cookie, Sec_Fetch_Site="none").status == 404  # a name that nobody gave out
+    assert set(bench.windows()) <= set(before) | set(bench.windows()[:1])
+
+
+def test_at_port_80_and_on_the_new_protocol_a_host_is_known() -> None:
+    from validation.app.guard import Place
+
+    assert Place(host="127.0.0.1", port=80).answers_to("127.0.0.1")
+    assert not Place(host="127.0.0.1", port=80).answers_to("evil.example")
+    assert not Place(host="127.0.0.1", port=8080).answers_to("127.0.0.1")
+    assert Place(host="::1", port=8080).answers_to("[::1]:8080")
+    assert not Place(host="127.0.0.1", port=8080).answers_to("127.0.0.1:80")
+
+
+def test_the_browser_is_led_by_a_file_that_nobody_else_reads(
+    chromium: Any, start_app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from validation.app.door import leading
+
+    bench = start_app("--stay")
+    file = leading(bench.address, tmp_path)
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert bench.token not in str(file)
+    page = chromium.new_context().new_page()
+    page.goto(file.as_uri())
+    page.locator("#open-files").wait_for()
+    assert "token" not in page.url
+    page.context.close()
+    bench.interrupted()
+
+
+def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: Any, cookie: str) -> None:
+    for response in (answer(bench), answer(bench, Cookie=cookie), answer(bench, "/nothing", Cookie=cookie)):
+        policy = str(response.getheader("Content-Security-Policy"))
+        assert "default-src 'none'" in policy
+        assert "http" not in policy  # no other host, not even a named one
+        assert response.getheader("X-Content-Type-Options") == "nosniff"
+        assert response.getheader("X-Frame-Options") == "DENY"
+        assert response.getheader("Server") is None
+
+
+def test_a_windows_own_port_answers_the_door_only(bench: Any, cookie: str, until: Any) -> None:
+    assert until(lambda: len(bench.windows()) == 1)  # the one that stands ready
+    place = str(answer(bench, "/", Cookie=cookie).getheader("Location"))
+    assert answer(bench, f"{place}index.html", Cookie=cookie).status == 200
+    window = bench.windows()[-1]  # whichever: the one that stood ready, or one of its own
+    own = http.client.HTTPConnection("127.0.0.1", listening(window), timeout=20)
+    own.request("GET", "/index.html", headers={"Cookie": cookie})
+    assert own.getresponse().status == 403
+    own.close()
+
+
+def listening(pid: int) -> int:
+    """The port that a process listens on."""
+    inodes = {str(entry.readlink()) for entry in Path(f"/proc/{pid}/fd").iterdir()}
+    for line in Path("/proc/net/tcp").read_text().splitlines()[1:]:
+        words = line.split()
+        if words[3] == "0A" and f"socket:[{words[9]}]" in inodes:
+            return int(words[1].rpartition(":")[2], 16)
+    raise AssertionError(f"process {pid} listens nowhere")
+
+
+def test_two_doors_do_not_share_a_cookie(bench: Any, cookie: str, start_app: Any) -> None:
+    other = start_app("--stay")
+    assert answer(other, "/", Cookie=cookie).status == 401
+    other.interrupted()

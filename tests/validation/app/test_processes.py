@@ -1,0 +1,121 @@
+"""Every window has a process of its own, and none is left when it is closed."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+def number(page: Any) -> Any:
+    """A field that is the window's own."""
+    return page.locator("#band")
+
+
+def test_two_windows_do_not_disturb_each_other_and_a_reload_keeps_the_state(start_app: Any, visit: Any) -> None:
+    bench = start_app("--stay")
+    first = visit(bench)
+    number(first).fill("12")
+    second = first.context.new_page()
+    second.goto(f"http://{bench.host}/")
+    assert number(second).input_value() == ""
+    number(second).fill("34")
+    assert number(first).input_value() == "12"
+    assert first.url != second.url
+    assert len(bench.windows()) == 2
+    place, held = first.url, iter([True] * 7)
+    told = lambda route: route.fulfill(json={"open": next(held, False)})  # noqa: E731 - the old page lets go slowly
+    first.route("**/open", told)
+    first.reload()
+    assert number(first).input_value() == "12"
+    assert first.url == place
+
+
+def test_a_duplicated_tab_gets_a_window_of_its_own(start_app: Any, visit: Any) -> None:
+    bench = start_app("--stay")
+    first = visit(bench)
+    number(first).fill("12")
+    second = first.context.new_page()
+    second.goto(first.url)
+    number(second).wait_for()
+    assert second.url != first.url
+    assert number(second).input_value() == ""
+
+
+def test_closing_the_pages_leaves_no_process(start_app: Any, visit: Any, until: Any) -> None:
+    bench = start_app("--linger", "1")
+    page = visit(bench)
+    number(page).wait_for()
+    (window,) = bench.windows()
+    page.close()
+    assert until(lambda: not bench.descendants(), 10)
+    assert not running(window)
+    assert bench.process.wait(timeout=20) == 0
+
+
+def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> tuple[Any, Any, list[int]]:
+    """A workbench whose window has a worker that computes, its page, and all of its processes."""
+    bench = start_app("--linger", "1", *series)
+    page = visit(bench)
+    page.locator("#cancel").wait_for()  # a comparison begins by itself
+    assert until(lambda: len(bench.descendants()) > len(bench.windows()))
+    return bench, page, bench.descendants()
+
+
+def test_closing_the_page_of_a_window_at_work_leaves_no_process(
+    start_app: Any, visit: Any, until: Any, series: tuple[str, str]
+) -> None:
+    bench, page, every = at_work(start_app, visit, until, series)
+    page.close()
+    assert bench.process.wait(timeout=20) == 0
+    assert not any(running(one) for one in every)
+
+
+def test_ctrl_c_takes_every_window_and_its_work_with_it(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> None:
+    bench, page, every = at_work(start_app, visit, until, series)
+    page.context.close()
+    assert bench.interrupted() == 0
+    assert not any(running(one) for one in every)
+
+
+def test_a_killed_door_takes_every_window_and_its_work_with_it(
+    start_app: Any, visit: Any, until: Any, series: tuple[str, str]
+) -> None:
+    bench, page, every = at_work(start_app, visit, until, series)
+    page.context.close()
+    bench.process.send_signal(signal.SIGKILL)
+    bench.process.wait()
+    assert until(lambda: not any(running(one) for one in every), 5)
+
+
+def test_a_port_that_is_taken_is_said_in_words(start_app: Any, massline: Any) -> None:
+    bench = start_app("--stay")
+    done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", "--port", str(bench.port))
+    assert done.returncode == 2
+    assert "Choose another port" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nowhere.toml", "nowhere"], "no such file"),
+        (["nowhere.toml"], "nothing stands behind the model"),
+        (["--example", "block", "a.toml", "b"], "an example brings its own"),
+        (["--example", "blok"], "Known are block"),
+    ],
+)
+def test_what_cannot_be_opened_is_said_before_anything_is_served(massline: Any, arguments: list[str], said: str) -> None:
+    done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+
+
+def running(pid: int) -> bool:
+    """Whether the process runs; one that ended and waits to be collected does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

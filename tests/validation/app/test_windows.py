@@ -1,0 +1,91 @@
+"""When a window's process ends, and when the door does, without any process or browser."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from validation.app import door, windows
+from validation.app.asked import Opened
+from validation.app.windows import Window, Windows
+
+
+class Quick(Windows):
+    """Windows whose processes are none."""
+
+    async def _started(self, name: str) -> Window:
+        await asyncio.sleep(0.05)
+        return Window(process=SimpleNamespace(returncode=None), port=1)  # type: ignore[arg-type]
+
+    async def _ended(self, window: Window) -> None:
+        window.process.returncode = 0  # type: ignore[misc]
+        self.emptied()
+
+
+def story(tmp_path: Path, told: Callable[[Quick], Awaitable[None]]) -> Any:
+    async def run() -> None:
+        await told(Quick(home=tmp_path, opened=Opened()))
+
+    return asyncio.run(run())
+
+
+@pytest.fixture(autouse=True)
+def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(windows, "LINGERS", 0.1)
+
+
+def test_a_reload_that_takes_its_time_keeps_the_process(tmp_path: Path) -> None:
+    async def told(all_of_them: Quick) -> None:
+        window = await all_of_them.window(name := all_of_them.new())
+        all_of_them.page_opened(window)
+        all_of_them.page_closed(window)
+        assert await all_of_them.window(name) is window  # the page is asked for, its websocket comes later
+        await asyncio.sleep(0.25)
+        assert await all_of_them.window(name) is window
+        all_of_them.page_opened(window)
+        all_of_them.page_closed(window)
+        await asyncio.sleep(0.25)
+        assert not all_of_them.any_alive()
+
+    story(tmp_path, told)
+
+
+def test_a_window_that_is_about_to_start_keeps_the_door(tmp_path: Path) -> None:
+    async def told(all_of_them: Quick) -> None:
+        starting = asyncio.ensure_future(all_of_them.window(all_of_them.new()))
+        await asyncio.sleep(0)
+        assert all_of_them.any_alive()
+        await starting
+
+    story(tmp_path, told)
+
+
+def test_the_door_waits_its_whole_time_from_the_last_page_on(tmp_path: Path) -> None:
+    async def told(all_of_them: Quick) -> None:
+        ended = asyncio.Event()
+        lingers = door._Linger(0.3, all_of_them, ended)
+        lingers.begin()
+        await asyncio.sleep(0.2)
+        lingers.begin()
+        await asyncio.sleep(0.2)
+        assert not ended.is_set()
+        await asyncio.wait_for(ended.wait(), 2)
+
+    story(tmp_path, told)
+
+
+def test_only_so_many_windows_are_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(windows, "MOST", 2)
+
+    async def told(all_of_them: Quick) -> None:
+        for _ in range(2):
+            await all_of_them.window(all_of_them.new())
+        with pytest.raises(windows.CheckFailed, match="close one"):
+            await all_of_them.window(all_of_them.new())
+
+    story(tmp_path, told)

@@ -1,0 +1,82 @@
+"""Desks on quick virtual tests: a block with a hidden gain, compared once a session, and a series with a mast."""
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from validation.desk import comparing, examples, jobs
+from validation.desk.comparing import Compared
+from validation.desk.desk import Desk, begun, opened
+from validation.desk.examples import Example, Series
+from validation.desk.jobs import Job
+
+QUICK = Example(
+    name="quick",
+    title="A quick block",
+    words="A cell reads 8 % too much.",
+    articles=("fmd+cuboid",),
+    effects=("force-gain:fmd-z2=0.08",),
+    octaves_per_minute=120.0,
+    driven=(8.0, 16.0),
+    rate=256.0,
+    tolerances="0.3",
+    noise="0.1",
+)
+
+
+def made(example: Example) -> Series:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(examples, "EXAMPLES", (example,))
+        return examples.series(example.name)
+
+
+@pytest.fixture(scope="session")
+def block() -> Series:
+    """The files of a quick example."""
+    return made(QUICK)
+
+
+@pytest.fixture(scope="session")
+def mast() -> Series:
+    """Of a series that bends."""
+    return made(replace(QUICK, name="mast", articles=("fmd+cuboid", "fmd+clumod-1")))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Worked:
+    """A desk that was compared, and diagnosed by a worker."""
+
+    desk: Desk
+    compared: Compared
+    heard: list[str]
+    job: Job
+
+
+@pytest.fixture(scope="session")
+def worked(block: Series, tmp_path_factory: pytest.TempPathFactory) -> Worked:
+    """Not to be changed: `fresh` gives copies of it."""
+    desk = begun(tmp_path_factory.mktemp("desks") / "one", block.model, block.data, title="one")
+    heard: list[str] = []
+    found = comparing.compared(desk, lambda what, share: heard.append(what))
+    return Worked(desk=desk, compared=found, heard=heard, job=jobs.start(desk, jobs.DIAGNOSE).wait())
+
+
+@pytest.fixture
+def fresh(worked: Worked) -> Callable[[str], Desk]:
+    """``fresh(name)``: a copy of that desk beside it."""
+
+    def copy(name: str) -> Desk:
+        folder = worked.desk.folder.parent / name
+        shutil.copytree(worked.desk.folder, folder)
+        return opened(folder)
+
+    return copy
+
+
+@pytest.fixture
+def bare(block: Series, tmp_path: Path) -> Desk:
+    """A desk on which nothing was done yet."""
+    return begun(tmp_path / "desk", block.model, block.data)

@@ -1,0 +1,159 @@
+"""Whatever a browser calls its files, they lie in the desk's folder or nowhere."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.errors import BadInput
+from validation.desk.examples import Series
+from validation.desk.faults import faults
+from validation.desk.handed import Handed, received, sorted_out
+
+MALICIOUS = (
+    "../evil.toml",
+    "a/../../evil.toml",
+    "/etc/passwd",
+    "\\\\server\\share\\x",
+    "C:\\windows\\x",
+    "..\\..\\evil",
+    "a\x00b",
+    "a/b\n/c",
+    "..",
+    ".",
+    "",
+    "a//../b",
+    "con",
+    "lpt1.txt",
+    "x" * 300,
+    "/".join("abcdefghij"),
+    "trailing.",
+    "what?.h5",
+    "\ud800.h5",
+    "<img src=x onerror=alert(1)>.h5",
+)
+
+
+@pytest.mark.parametrize("name", MALICIOUS)
+def test_a_malicious_name_goes_nowhere(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "deep" / "desk"
+    found = received(folder, [Handed(name=name, content=b"x")])
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    (fault,) = found.faults
+    assert fault.grave
+    assert fault.remedy
+    assert fault.field.isprintable()
+
+
+HIDDEN = (
+    ".DS_Store",
+    ".ssh/authorized_keys",
+    "dir/.hidden",
+    ".git/config",
+    "a/.~lock.model.toml#",
+    "a/Thumbs.db",
+    "a\\desktop.ini",
+)
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_what_a_system_hides_beside_the_users_files_is_passed_over_in_words(tmp_path: Path, name: str) -> None:
+    found = received(tmp_path / "desk", [Handed(name="a/x.h5", content=b"1"), Handed(name=name, content=b"2")])
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["x.h5"]
+    (fault,) = found.faults
+    assert not fault.grave
+    assert "passed over" in fault.problem
+    assert fault.field == name
+
+
+@pytest.mark.parametrize("name", ["a/../.ssh/config", "../.x", "/.x"])
+def test_a_hidden_name_that_climbs_is_still_refused(tmp_path: Path, name: str) -> None:
+    found = received(tmp_path / "deep" / "desk", [Handed(name=name, content=b"x")])
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    assert found.faults[0].grave
+
+
+@pytest.mark.parametrize("name", ["s/model.toml", "S/Model.toml"])
+def test_a_file_that_was_mended_takes_the_place_of_the_one_before(tmp_path: Path, block: Series, name: str) -> None:
+    """Handed over whole, with what did not change."""
+    root = Path(block.model).parent
+    others = [path for path in root.rglob("*") if path.is_file() and path.name != "model.toml"]
+    rest = [Handed(name=f"s/{path.relative_to(root).as_posix()}", content=path) for path in others]
+    assert received(tmp_path, [Handed(name="s/model.toml", content=b"[model"), *rest]).faults == ()
+    again = received(tmp_path, [Handed(name=name, content=Path(block.model)), *rest])
+    assert again.faults == ()
+    assert [Path(path).name for path in again.models] == [Path(name).name]
+    assert Path(again.models[0]).read_bytes() == Path(block.model).read_bytes()
+    assert len(again.data) == 1
+    assert not [one for one in faults(again.models[0], again.data) if one.grave]
+
+
+def test_the_model_that_was_handed_over_last_comes_first(tmp_path: Path, block: Series) -> None:
+    received(tmp_path, [Handed(name="a/model.toml", content=b"[model")])
+    found = received(tmp_path, [Handed(name="b/model.toml", content=Path(block.model))])
+    assert [Path(path).parent.name for path in found.models] == ["b", "a"]
+
+
+def test_a_file_that_replaces_another_counts_once(tmp_path: Path) -> None:
+    received(tmp_path, [Handed(name="a", content=b"x" * 60)], limit=100)
+    found = received(tmp_path, [Handed(name="a", content=b"y" * 80), Handed(name="b", content=b"x" * 20)], limit=100)
+    assert found.faults == ()
+    assert (found.folder / "a").read_bytes() == b"y" * 80
+
+
+@given(name=st.text(alphabet=st.sampled_from("ab./\\:.. \x00\u202e~$%"), max_size=24))
+def test_no_name_leaves_the_folder(tmp_path_factory: pytest.TempPathFactory, name: str) -> None:
+    around = tmp_path_factory.mktemp("around")
+    received(around / "desk", [Handed(name=name, content=b"x")])
+    files = [path for path in around.rglob("*") if path.is_file()]
+    assert all(path.resolve().is_relative_to(around / "desk" / "given") for path in files)
+
+
+def test_folders_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "there").write_bytes(b"two")
+    handed = [Handed(name="series/one/x.h5", content=b"one"), Handed(name="series\\one\\y.h5", content=tmp_path / "there")]
+    found = received(tmp_path / "desk", handed)
+    assert found.faults == ()
+    assert (found.folder / "series" / "one" / "x.h5").read_bytes() == b"one"
+    assert (found.folder / "series" / "one" / "y.h5").read_bytes() == b"two"
+
+
+@pytest.mark.parametrize("second", ["a/x.h5", "A/X.H5", "a/./x.h5", "a", "a/x.h5/y"])
+def test_a_name_that_is_taken_is_refused(tmp_path: Path, second: str) -> None:
+    found = received(tmp_path, [Handed(name="a/x.h5", content=b"1"), Handed(name=second, content=b"2")])
+    assert "already" in found.faults[0].problem
+    assert (found.folder / "a" / "x.h5").read_bytes() == b"1"
+
+
+def test_what_does_not_fit_is_refused_with_what_came_before_counted(tmp_path: Path) -> None:
+    received(tmp_path, [Handed(name="a", content=b"x" * 60)], limit=100)
+    found = received(tmp_path, [Handed(name="b", content=b"x" * 60), Handed(name="c", content=b"x" * 40)], limit=100)
+    assert [one.field for one in found.faults] == ["b"]
+    assert (found.folder / "c").exists()
+
+
+def test_a_dropped_series_is_told_apart(tmp_path: Path, block: Series) -> None:
+    root = Path(block.model).parent
+    files = [path for path in root.rglob("*") if path.is_file()]
+    found = received(tmp_path, [Handed(name=f"s/{path.relative_to(root).as_posix()}", content=path) for path in files])
+    assert found.faults == ()
+    assert found.models == (str(found.folder / "s" / "model.toml"),)
+    assert found.data == (str(found.folder / "s" / "fmd+cuboid"),)
+
+
+def test_a_campaign_dropped_without_its_folder_is_one(tmp_path: Path, block: Series) -> None:
+    folder, model = Path(block.data[0]), Path(block.model)
+    found = received(tmp_path, [Handed(name=path.name, content=path) for path in (model, *folder.iterdir())])
+    assert found.data == (str(found.folder),)
+    assert found.models == (str(found.folder / "model.toml"),)
+
+
+def test_a_folder_of_ones_own_is_looked_through_and_links_are_not_followed(tmp_path: Path, block: Series) -> None:
+    (tmp_path / "link").symlink_to(Path(block.model).parent)
+    (tmp_path / "weighing.toml").write_text('format = 1\nkind = "weighing"\n')
+    (tmp_path / "notes.json").write_text("{}")
+    found = sorted_out(tmp_path)
+    assert (found.models, found.data) == ((), (str(tmp_path / "weighing.toml"),))
+    with pytest.raises(BadInput, match="no such folder"):
+        sorted_out(tmp_path / "nowhere")

@@ -1,0 +1,122 @@
+"""What stands on the shaker, in 3-D: where sensors sit, what bodies there are, how a mode moves them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from validation.comparing.compared import modes_of
+from validation.desk import desk as desks
+from validation.desk import examples, held_against, scene, shapes
+from validation.desk.comparing import Compared
+from validation.desk.desk import Desk, begun
+from validation.desk.examples import EXAMPLES, Series
+from validation.desk.faults import faults
+
+MAST = "fmd+clumod-1"
+
+
+@pytest.fixture(scope="module")
+def desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Desk:
+    return begun(tmp_path_factory.mktemp("desks") / "scene", mast.model, mast.data)
+
+
+@pytest.fixture(scope="module")
+def found(desk: Desk) -> Compared:
+    """As much of a comparison as shapes ask for, of the model as drawn."""
+    ready = held_against.ground(desk)
+    modes = tuple(modes_of(one, ready.problem.start) for one in ready.made)
+    loads = ({},) * len(modes)
+    named = [one.measured.name for one in ready.made]
+
+    class Known(Compared):
+        @property
+        def campaigns(self) -> tuple[str, ...]:
+            return tuple(named)
+
+    return Known(summary={}, maps=(), modes=modes, offsets=ready.problem.start, loads=loads)
+
+
+def test_sensors_stand_where_the_campaign_says(desk: Desk) -> None:
+    shown = scene.scene(desk, MAST)
+    described = scene.the_campaign(desk, MAST)
+    first = next(one for one in described.table.channels if one.name == "table-z1")
+    sensor = next(one for one in shown.sensors if one.name == "table-z1")
+    assert_allclose(sensor.position, np.asarray(first.places[0].position) - described.table.origin)
+    assert len([one for one in shown.sensors if one.name == "fmd-x12"]) == 2  # a sum of two cells
+    assert {one.group for one in shown.sensors} == {"table", "cover", "fmd"}
+    assert {"mast", "lower-1"} <= {one.name.rpartition("/")[2] for one in shown.bodies}
+    assert shown.title == described.title
+
+
+def test_a_campaign_that_is_none_is_refused_with_the_nearest(desk: Desk) -> None:
+    with pytest.raises(BadInput, match="Known are"):
+        scene.scene(desk, "fmd+clumod-2")
+
+
+def test_the_nearest_mode_is_told_in_octaves(found: Compared) -> None:
+    frequencies = [one.frequency for one in found.modes_of(MAST)]
+    number = shapes.nearest(found, MAST, 1.02 * frequencies[1])
+    assert number == 1
+    assert shapes.nearest(found, MAST, 1e-3) == 0
+
+
+def test_a_shape_moves_the_mast_and_leaves_its_foot(desk: Desk, found: Compared) -> None:
+    one = shapes.shape(desk, found, MAST, 0)
+    assert one.frequency == found.modes_of(MAST)[0].frequency
+    sizes = {body.name: body.size.max() for body in one.bodies}
+    assert sizes["flange"] < 1e-6 * max(sizes.values())
+    assert max(sizes, key=lambda name: sizes[name]) in ("lower-1", "mast")
+    reach = one.scale * max(sizes.values())
+    assert 0.01 < reach < 0.5  # [m] that are drawn of a mast of some two metres
+    assert min(body.vertices[:, 2].min() for body in one.bodies) > 0.04  # it stands on the cover plate
+
+
+def test_the_mode_that_is_drawn_is_that_of_the_model_as_it_stands(desk: Desk, found: Compared) -> None:
+    """With the mast five times as stiff the first mode is one of the blade, and moves the mast less."""
+    drawn = shapes.shape(desk, found, MAST, 0)
+    stiff = replace(found, offsets={**found.offsets, "modulus:mast": float(np.log(5.0))})
+    other = shapes.shape(desk, stiff, MAST, 0)
+
+    def share(of: shapes.Shape) -> float:
+        moved = {body.name: body.size.max() for body in of.bodies}
+        return float(moved["mast"] / moved["lower-1"])
+
+    assert share(other) < 0.7 * share(drawn)
+
+
+def test_what_has_no_modes_has_no_shape(desk: Desk, found: Compared) -> None:
+    for number in (-1, 99):
+        with pytest.raises(BadInput, match="found"):
+            shapes.shape(desk, found, MAST, number)
+
+
+@pytest.mark.parametrize("name", [one.name for one in EXAMPLES])
+def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Swept sixteen times as fast, which its story does not survive, but its files do."""
+    slow = next(one for one in EXAMPLES if one.name == name)
+    quick = replace(slow, octaves_per_minute=240.0, driven=(8.0, 16.0), rate=256.0)
+    monkeypatch.setattr(examples, "EXAMPLES", (quick,))
+    heard: list[float] = []
+    made = examples.series(name, lambda what, share: heard.append(share))
+    assert heard[-1] == 1.0
+    assert examples.series(name, lambda what, share: heard.append(-1)) == made
+    assert heard[-1] == 1.0  # nothing was simulated again
+    assert not any(one.grave for one in faults(made.model, made.data))
+    desk = begun(tmp_path / "d", made.model, made.data, hold_out=made.hold_out, band=made.band, title=made.title)
+    assert desks.opened(desk.folder).asked.title == slow.title
+    assert not any("truth" in path for path in made.data)
+
+
+def test_an_example_that_is_none_is_refused_with_the_nearest() -> None:
+    with pytest.raises(BadInput, match="block"):
+        examples.series("blok")
+
+
+def test_examples_do_not_say_what_is_hidden() -> None:
+    for one in EXAMPLES:
+        for effect in one.effects:
+            assert effect.split("=")[0] not in one.title + one.words

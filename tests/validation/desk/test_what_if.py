@@ -1,0 +1,244 @@
+"""What a slider shows is what the prediction says: exactly when it is released, for the eye while it is dragged."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.arrays import Array
+from geometry.errors import BadInput, CheckFailed
+from validation.comparing.gathered import gathered
+from validation.desk import sliders, whatif
+from validation.desk.desk import Desk, begun
+from validation.desk.examples import Series
+from validation.desk.whatif import Table, Trace, WhatIf, what_if
+from validation.effects.catalogue import FAMILIES
+from validation.effects.described import examples
+from validation.effects.family import PENDULUM, SIDES
+from validation.effects.identifiers import parse
+from validation.models.model import Added
+from validation.prediction.series import SeriesPrediction, predictions
+
+TRIED = (
+    "force-gain:fmd-z2=0.2",
+    "accelerometer-position:cover-z3:x=0.02",
+    "cell-stiffness:1z=0.5",
+    "rigid-inertia:m=1.5",
+    "modulus:mast=0.3",
+    "joint-compliance:rotation=4e-6",
+    "appendage:z=m:0.3,f:12,zeta:0.02",
+    "absorber:mast-top=m:0.2,f:11,zeta:0.02",
+    "orientation:z=0.1",
+    "gravity=0",
+    "polarity:fmd-z1",
+    "channel-swap:cover-x1:cover-x2",
+    "saturation:fmd-z2=0.1",
+    "gap:2=50",
+    "sweep-bias",
+    "friction:flange:x=3",
+)
+"""One for every stage and every way through it."""
+
+
+@pytest.fixture(scope="module")
+def mast_desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Desk:
+    """Nothing was compared there."""
+    return begun(tmp_path_factory.mktemp("desks") / "mast", mast.model, mast.data)
+
+
+@pytest.fixture(scope="module")
+def table(mast_desk: Desk) -> Table:
+    """Of the series with a mast, at the model as drawn."""
+    return whatif.table(mast_desk)
+
+
+@pytest.fixture(scope="module")
+def predicted(mast: Series, table: Table) -> Callable[[str], tuple[SeriesPrediction, ...]]:
+    """By effect, what `validation.prediction` says of the series, read anew."""
+    data = gathered(mast.data, table.model)
+    drawn = predictions(table.model, data.campaigns)
+
+    def of(effect: str) -> tuple[SeriesPrediction, ...]:
+        return tuple(one.with_effects((Added(named=parse(effect, table.words), fixed=True),)) for one in drawn)
+
+    return of
+
+
+def by_least_squares(one: SeriesPrediction, tested: whatif.Tested, offsets: Any) -> Array:
+    """H of what the channels are predicted to read in the very runs: loads over motions, by an equation of one's own."""
+    rows = one.at(offsets, derivatives=False).rows
+    read = np.einsum("nck,rnk->rnc" if rows.ndim == 3 else "rnck,rnk->rnc", rows, tested.inputs)
+    assert tested.operators is not None
+    load, motion = (np.einsum("nic,rnc->nir", each, read) for each in (tested.operators.load, tested.operators.motion))
+    return np.asarray(load @ np.linalg.inv(motion))
+
+
+@pytest.mark.parametrize("effect", TRIED)
+def test_released_it_is_the_prediction(table: Table, predicted: Any, effect: str) -> None:
+    shown = what_if(table, effect, 2, 4)
+    assert shown.exact
+    for trace, one, tested in zip(shown.traces, predicted(effect), table.tested, strict=True):
+        expected = by_least_squares(one, tested, table.offsets)
+        assert_allclose(trace.matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())  # 6 x 6 inverted twice
+        assert np.array_equal(trace.after, trace.matrix[:, 2, 4])
+        assert trace.reached or np.array_equal(trace.before, trace.after)
+
+
+@pytest.mark.parametrize("effect", TRIED)
+def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: Table, effect: str) -> None:
+    """Sizes pass through the parameters of a fit there, which costs no more than rounding."""
+    dragged, released = (what_if(replace(table, pace=1e-9), effect, 4, 4, exact=exact) for exact in (False, True))
+    assert dragged.exact
+    for one, other in zip(dragged.traces, released.traces, strict=True):
+        assert_allclose(one.matrix, other.matrix, rtol=1e-9, atol=1e-12 * np.abs(other.matrix).max())
+    assert dragged.plain_percent == pytest.approx(released.plain_percent, rel=0.25)  # at every twelfth line
+
+
+@pytest.mark.parametrize("effect", ["saturation:fmd-z2=0.1", "gap:2=50", "sweep-bias", "friction:flange:x=3"])
+def test_what_asks_for_every_run_is_the_same_for_the_eye_at_a_quarter_of_the_lines(table: Table, effect: str) -> None:
+    few = replace(table, pace=whatif.BUDGET / (40 * len(table.tested) * 6))
+    dragged, released = (what_if(few, effect, 4, 4, exact=exact) for exact in (False, True))
+    assert not dragged.exact
+    assert max(off(one, other) for one, other in zip(dragged.traces, released.traces, strict=True)) < 1.0
+
+
+def off(one: Trace, other: Trace) -> float:
+    """How far two magnitudes are apart on a logarithmic axis of 400 pixels."""
+    both = np.log10(np.abs([one.after, other.after]))
+    return float(400 * np.abs(both[0] - both[1]).max() / max(np.ptp(both[1]), 1.0))
+
+
+def test_no_effect_changes_nothing(table: Table) -> None:
+    shown = what_if(table, "force-gain:fmd-z2=0", 2, 2)
+    assert shown.plain_percent == pytest.approx(shown.before_percent, rel=1e-9)
+    for one in shown.traces:
+        assert_allclose(one.after, one.before, rtol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def fitted(worked: Any) -> Table:
+    """Of the block that was compared."""
+    return whatif.table(worked.desk)
+
+
+def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: Table) -> None:
+    """What the plain fit had taken up of the fault goes with it: else the right size would count twice, and seem wrong."""
+    right, wrong = (what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2) for size in (0.08, -0.08))
+    assert right.followed
+    assert right.plain_percent < 0.3 * right.before_percent
+    assert wrong.plain_percent > 1.5 * wrong.before_percent
+    alone = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2, follow=False)
+    assert not alone.followed
+    assert alone.plain_percent > alone.before_percent
+
+
+def test_what_follows_a_slider_arrives_where_it_is_released(fitted: Table) -> None:
+    sizes = (0.02, 0.04, 0.06, 0.08)
+    dragged = [what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2, exact=False).plain_percent for size in sizes]
+    released = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2).plain_percent
+    assert dragged == sorted(dragged, reverse=True)
+    assert dragged[-1] == pytest.approx(released, rel=0.3)
+
+
+def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted: Table) -> None:
+    shown = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2)
+    effects = (Added(named=parse("force-gain:fmd-z2=0.08", fitted.words), fixed=True),)
+    (tested,) = fitted.tested
+    expected = by_least_squares(tested.prediction.with_effects(effects), tested, shown.offsets)
+    assert_allclose(shown.traces[0].matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())
+
+
+def test_it_begins_where_the_comparison_ended(worked: Any, fitted: Table) -> None:
+    assert fitted.at == whatif.FITTED
+    shown = what_if(fitted, "force-gain:fmd-z2=0", 0, 0)
+    assert shown.before_percent == pytest.approx(worked.compared.summary["plain_error_percent"], rel=1e-9)
+    assert shown.plain_percent == pytest.approx(shown.before_percent, rel=1e-3)  # the fit had ended there
+    pairs = worked.compared.maps[0].pairs
+    assert_allclose(fitted.tested[0].entries, pairs.predicted, rtol=1e-6, atol=1e-8 * np.abs(pairs.predicted).max())
+
+
+def test_before_a_comparison_nothing_is_fitted(table: Table) -> None:
+    assert table.at == whatif.DRAWN
+
+
+def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: Table) -> None:
+    for effect in {one.family: one for one in reversed(sliders.reaching(table))}.values():
+        for end in ("low", "start", "high"):
+            written = effect.written({one.key: getattr(one, end) for one in effect.sliders})
+            assert str(parse(written, table.words)) == written
+        assert np.isfinite(what_if(table, effect.written(), 0, 0, exact=False).plain_percent)
+        for one in effect.sliders:
+            assert one.low <= one.start <= one.high
+            assert one.low < one.high
+            assert not one.logarithmic or one.low > 0
+            assert one.text(one.high)
+
+
+def test_a_size_that_leaves_no_body_is_refused_in_words(table: Table) -> None:
+    with pytest.raises(BadInput, match="no body is left"):
+        what_if(table, "rigid-inertia:m=-50", 0, 0)
+
+
+def test_a_model_that_breaks_down_says_so(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*given: Any, **more: Any) -> None:
+        raise FloatingPointError("divide by zero")
+
+    monkeypatch.setattr(SeriesPrediction, "at", broken)
+    with pytest.raises(CheckFailed, match="breaks down at that size: divide by zero"):
+        what_if(table, "modulus:mast=0.1", 0, 0)
+
+
+def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
+    found = sliders.reaching(table)
+    assert {one.side for one in found} == set(SIDES) - {PENDULUM}
+    ids = [one.id for one in found]
+    assert len(set(ids)) == len(ids)
+    assert "channel-swap:fmd-z1:fmd-z2" in ids
+    assert "channel-swap:fmd-z2:fmd-z1" not in ids
+    assert {"modulus:mast", "point-mass:mast-top", "force-gain:fmd-z2", "sweep-bias", "noise:fmd-z1"} <= set(ids)
+    assert "modulus:upper-long" not in ids  # no such part on one blade
+    reached = {one.id: one.campaigns for one in found}
+    assert reached["modulus:mast"] == ("fmd+clumod-1",)
+    assert reached["force-gain:fmd-z2"] == ("fmd+cuboid", "fmd+clumod-1")
+
+
+def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Desk, table: Table) -> None:
+    added = Added(named=parse("force-gain:fmd-z2=0.05", table.words))
+    of = replace(
+        table,
+        model=replace(table.model, effects=(added,)),
+        tested=tuple(replace(one, prediction=one.prediction.with_effects((added,))) for one in table.tested),
+        offsets={**table.offsets, "force-gain:fmd-z2": 0.05},
+        dragged={},
+    )
+    effect = next(one for one in sliders.reaching(of) if one.id == "force-gain:fmd-z2")
+    assert effect.in_model
+    assert effect.sliders[0].start == 0.05
+    moved = what_if(of, "force-gain:fmd-z2=0.08", 2, 2)
+    alone = what_if(table, "force-gain:fmd-z2=0.08", 2, 2)
+    assert_allclose(moved.traces[0].after, alone.traces[0].after, rtol=1e-9)
+
+
+def test_nonsense_is_refused_in_words(table: Table) -> None:
+    for effect in ("force-gain:fmd-z9=0.1", "nonsense", "force-gain:fmd-z2=1e9", "modulus:upper-long=0.1"):
+        with pytest.raises(BadInput):
+            what_if(table, effect, 0, 0)
+
+
+def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: Table) -> None:
+    """Also of families that do not reach this series."""
+    for family in FAMILIES.values():
+        typical = parse(examples(family)[0]).values
+        for size in (*family.sizes, *(one for sizes in family.varying.values() for one in sizes)):
+            low, high, logarithmic = sliders.ends(size, typical.get(size.key))
+            assert size.low <= low < high <= size.high
+            assert not logarithmic or low > 0
+
+
+def test_what_if_says_which_campaigns_are_reached(table: Table) -> None:
+    found: WhatIf = what_if(table, "modulus:mast=0.1", 4, 4)
+    assert [one.reached for one in found.traces] == [False, True]
+    assert np.array_equal(found.traces[0].before, found.traces[0].after)

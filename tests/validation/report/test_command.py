@@ -1,0 +1,74 @@
+"""`massline report`: bad input is refused by name before anything is computed; an interruption leaves what was there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from validation.report import page as pages
+from validation.report import run as running
+from validation.report.nouns import Report
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_another_ending_is_refused(run: Run, series: Any) -> None:
+    code, _, said = run("report", str(series.model), str(series.campaign), "--out", "report.docx")
+    assert code == 2
+    assert ".html" in said
+
+
+def test_a_folder_that_is_not_there_is_refused(run: Run, series: Any) -> None:
+    code, _, said = run("report", str(series.model), str(series.campaign), "--out", "/no-such-place/deeper/report.html")
+    assert code == 2
+    assert "/no-such-place" in said
+
+
+@pytest.mark.parametrize("name", ["none.toml", "../none.toml"])
+def test_a_model_that_is_not_there_is_refused(run: Run, series: Any, name: str) -> None:
+    code, _, said = run("report", name, str(series.campaign), "--out", "report.html")
+    assert code == 2
+    assert "none.toml" in said
+    assert not Path("report.html").exists()
+
+
+def test_without_a_name_it_goes_under_out_after_the_model(
+    run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(running, "reported", lambda asked: report)
+    monkeypatch.setattr(pages, "html", lambda *_: "<!DOCTYPE html>")
+    code, out, said = run("report", str(series.model), *series.data)
+    assert (code, out) == (0, "")
+    assert "wrote out/cuboid-report.html" in said
+    assert Path("out/cuboid-report.html").read_text("utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_an_interruption_leaves_the_page_that_was_there(
+    run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("report.html").write_text("the page before")
+    monkeypatch.setattr(running, "reported", lambda asked: report)
+
+    def interrupted(*_: object) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pages, "html", interrupted)
+    code, _, _ = run("report", str(series.model), *series.data, "--out", "report.html")
+    assert code == 130
+    assert [path.name for path in Path().iterdir()] == ["report.html"]
+    assert Path("report.html").read_text() == "the page before"
+
+
+def test_the_diagnosis_can_be_left_out(series: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(running, "compared", lambda *_, **__: "compared")
+    monkeypatch.setattr(running, "_diagnosis", never)
+    monkeypatch.setattr(running, "assembled", lambda *_, **given: given)
+    given: Any = running.reported(running.Asked(compared=series.asked, diagnosis=False), quiet=True)
+    assert given["diagnosis"] is None
+    assert given["not_diagnosed"] == "--no-diagnosis"

@@ -1,0 +1,105 @@
+"""The page in a browser: opened from the disk it draws every figure, complains of nothing, asks nobody, and prints light."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Opened = Callable[..., Any]
+
+CONTRAST = """() => {
+  const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number);
+  const channel = (v) => v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4;
+  const luminance = ([r, g, b]) => 0.2126 * channel(r) + 0.7152 * channel(g) + 0.0722 * channel(b);
+  const behind = (element) => {
+    for (let one = element; one; one = one.parentElement) {
+      const colour = numbers(getComputedStyle(one).backgroundColor);
+      if (colour.length === 3 || colour[3] > 0) return colour;
+    }
+    return [255, 255, 255];
+  };
+  const ratio = (element) => {
+    const both = [numbers(getComputedStyle(element).color), behind(element)].map(luminance).sort((a, b) => b - a);
+    return (both[0] + 0.05) / (both[1] + 0.05);
+  };
+  const texts = "h1, h2, h3, p, th, td, a, button, select, caption, figcaption, .verdict, .unit, .what";
+  const seen = [...document.querySelectorAll(texts)].filter((one) => one.offsetParent && one.innerText.trim());
+  const told = seen.map((one) => [ratio(one), `${one.tagName} ${one.innerText.slice(0, 30)}`]);
+  return told.sort((a, b) => a[0] - b[0])[0];
+}"""
+"""The worst contrast of all texts, as WCAG 2 counts it."""
+
+SURFACE = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
+
+
+def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(opened: Opened, page: Path) -> None:
+    with opened(page) as found:
+        assert found.tab.evaluate("document.documentElement.dataset.drawn") == "all"
+        drawn = found.tab.evaluate(
+            "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.main-svg').length)"
+        )
+        assert drawn
+        assert all(drawn)
+        assert found.complaints == []
+        assert {url.partition(":")[0] for url in found.requests} <= {"file", "data", "blob"}
+        assert [url for url in found.requests if url.startswith("file")] == [page.as_uri()]
+        for width in (1920, 1366, 500):
+            found.tab.set_viewport_size({"width": width, "height": 900})
+            found.becomes(f"document.documentElement.scrollWidth <= {width}", True)
+            found.becomes(
+                "[...document.querySelectorAll('.plot')].every(one => one._fullLayout.width <= one.clientWidth + 1)", True
+            )
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_out(
+    opened: Opened, page: Path, scheme: str, tmp_path: Path
+) -> None:
+    surfaces = {"light": "#ffffff", "dark": "#171b22"}
+    other = {"light": "dark", "dark": "light"}[scheme]
+    with opened(page, color_scheme=scheme) as found:
+        assert found.tab.evaluate(SURFACE) == surfaces[scheme]
+        ratio, text = found.tab.evaluate(CONTRAST)
+        assert ratio >= 4.5, text  # WCAG 2, level AA
+        found.tab.screenshot(path=tmp_path / f"{scheme}.png")
+        found.tab.focus("#theme")
+        found.tab.keyboard.press("Enter")
+        found.becomes(SURFACE, surfaces[other])
+        assert found.tab.evaluate("document.documentElement.dataset.theme") == other
+        assert found.complaints == []
+
+
+def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(opened: Opened, page: Path, read: Any) -> None:
+    with opened(page) as found:
+        for part, below in (("load", 3), ("motion", 4)):
+            found.tab.focus(f"select[data-choice='entry-0'][data-part='{part}']")
+            for key in ("Home", *below * ("ArrowDown",)):
+                found.tab.keyboard.press(key)
+        found.becomes("document.querySelector('.plot[data-group=entry-0]').layout.title.text.slice(0, 4)", "H αβ")
+        found.tab.select_option("select[data-choice='map-0']", "2")
+        found.becomes("document.querySelector('.plot[data-group=map-0]').layout.title.text.includes('the z-sweep')", True)
+        found.tab.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }")
+        found.tab.locator("#where .table", has_text="The four errors").first.locator("button.copy").click()
+        found.becomes("window.copied !== undefined", True)
+        lines = [line.split("\t") for line in found.tab.evaluate("window.copied").split("\n")]
+        assert found.tab.inner_text("#told") == "The table is copied: paste it into a spreadsheet."
+    errors = read.table("The four errors")
+    assert [line[0] for line in lines] == [row[0] for row in errors.rows]
+    assert float(lines[2][1]) == errors.row("plain error")[1]
+    assert {len(line) for line in lines} == {5}
+
+
+def test_paper_is_light_and_without_controls(opened: Opened, page: Path, tmp_path: Path) -> None:
+    with opened(page, color_scheme="dark") as found:
+        found.tab.emulate_media(media="print", color_scheme="dark")
+        found.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert found.tab.evaluate(SURFACE) == "#ffffff"
+        assert found.tab.evaluate("getComputedStyle(document.querySelector('section')).backgroundColor") == "rgb(255, 255, 255)"
+        assert not found.tab.locator("button.copy").first.is_visible()
+        assert not found.tab.locator("nav").is_visible()
+        found.tab.screenshot(path=tmp_path / "paper.png")
+        found.tab.evaluate("dispatchEvent(new Event('afterprint'))")
+        assert found.tab.evaluate(SURFACE) == "#171b22"

@@ -1,0 +1,200 @@
+"""The page says what the commands say, shows what data have, obeys no title and asks nobody for anything."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from numpy.testing import assert_allclose
+
+from validation.diagnosing.as_json import as_json
+from validation.report import pdf
+from validation.report import run as asked
+from validation.report.figures import Figures
+from validation.report.nouns import Report
+from validation.report.page import SECTIONS, html
+from validation.report.sections import missing
+
+Run = Callable[..., tuple[int, str, str]]
+
+SAME = 1e-12
+"""Figures are the same, but for the last digit of a unit."""
+
+LOADS = ("src", "href", "data", "action", "srcset", "poster", "formaction", "xlink:href")
+"""Attributes by which an element may ask for something."""
+
+
+def test_every_section_is_there_and_the_contents_lead_to_it(read: Any) -> None:
+    ids = {given.get("id") for _, given in read.elements}
+    links = [given["href"] for tag, given in read.elements if tag == "a" and given.get("href", "").startswith("#")]
+    assert ids >= {name for name, _, _ in SECTIONS}
+    assert {f"#{name}" for name, _, _ in SECTIONS} <= set(links)
+    assert {link.removeprefix("#") for link in links} <= ids
+
+
+def test_nothing_on_the_page_leads_out_of_it(read: Any, page: Any) -> None:
+    asked = [given[name] or "" for _, given in read.elements for name in LOADS if given.get(name)]
+    assert asked
+    assert all(one.startswith(("#", "data:image/png;base64,")) for one in asked)
+    policy = next(given["content"] for tag, given in read.elements if given.get("http-equiv") == "Content-Security-Policy")
+    assert "default-src 'none'" in policy
+    style = re.search(r"<style>(.*?)</style>", page.read_text("utf-8"), re.DOTALL)
+    assert style is not None
+    assert "url(" not in style.group(1)
+    assert "@import" not in style.group(1)
+
+
+def test_titles_of_others_are_shown_to_the_letter_and_make_no_element(read: Any, hostile: str) -> None:
+    assert read.text.count(hostile) >= 3  # model, campaign, measurement
+    assert not [given for tag, given in read.elements if given.get("onerror") or given.get("src") == "x"]
+
+
+def test_every_id_is_given_once(read: Any) -> None:
+    ids = [given["id"] for _, given in read.elements if given.get("id")]
+    assert len(ids) == len(set(ids))
+
+
+def test_every_control_and_picture_has_a_name(read: Any) -> None:
+    assert all(given.get("alt") for tag, given in read.elements if tag == "img")
+    assert all(given.get("aria-label") for _, given in read.elements if given.get("role") in ("img", "region"))
+    assert all(given.get("scope") for tag, given in read.elements if tag == "th")
+
+
+def test_the_summary_has_five_sentences_with_verdicts(page: Any) -> None:
+    summary = re.search(r'<ol class="summary">(.*?)</ol>', page.read_text("utf-8"), re.DOTALL)
+    assert summary is not None
+    items = re.findall(r"<li>(.*?)</li>", summary.group(1), re.DOTALL)
+    assert len(items) == 5
+    assert "FAILED" in items[1]
+    assert "MISSING: force-gain:fmd-z2" in items[3]
+
+
+def test_errors_and_spots_are_those_of_compare(read: Any, series: Any, run: Run) -> None:
+    code, out, _ = run("compare", str(series.model), *series.data, "--hold-out", "z", "--json")
+    assert code == 0
+    said = json.loads(out)
+    errors = read.table("The four errors")
+    pairs = {
+        "nominal error": "nominal_error_percent",
+        "plain error": "plain_error_percent",
+        "fitted error, χ² per degree of freedom": "fitted_chi2_per_dof",
+        "its price, the sum of z² of the tolerances": "tolerance_z2",
+        "held-out error": "held_out_error_percent",
+    }
+    assert_allclose([errors.row(name)[1] for name in pairs], [said[key] for key in pairs.values()], rtol=SAME)
+    spots = read.table("The worst spots")
+    assert [row[1:4] for row in spots.values[1:]] == [
+        [one["sigma"], one["percent"], one["frequency_hz"]] for one in said["worst"]
+    ]
+    assert [row[-1] for row in spots.rows[1:]] == [one["text"] for one in said["worst"]]
+
+
+def test_causes_are_those_of_diagnose(read: Any, report: Report) -> None:
+    assert report.diagnosis is not None
+    said = as_json(report.diagnosis)
+    assert said["settings"]["hold_out"] == ["z"]
+    shown = read.table("Causes that were tried, the best first").row("force-gain:fmd-z2")
+    (found,) = said["accepted"]
+    assert shown[1] == found["evidence_nats"]
+    assert_allclose([shown[k] for k in (4, 5, 6)], [100 * one for one in (found["value"], *found["interval90"])], atol=0.06)
+    assert found["text"] in read.text
+    assert said["next_measurement"] in read.text
+    before = read.table("The errors before and after what was found is added").row("plain error, fitted data")
+    told = [said["errors"]["plain_before_percent"], said["errors"]["plain_after_percent"]]
+    assert before[2:] == told
+
+
+def test_identified_inertia_is_that_of_identify(read: Any, series: Any, run: Run) -> None:
+    code, out, _ = run("identify", str(series.campaign), "--no-study", "--json")
+    assert code == 0
+    said = json.loads(out)
+    table = next(one for one in read.tables if one.caption.startswith("fmd+cuboid: mass, CoG and inertia,"))
+    mass = table.row("Mass m")
+    best = said[said["result"].replace("-", "_")]
+    assert_allclose(mass[7], best["inertia"]["mass_kg"], rtol=SAME)
+    assert_allclose(mass[8], max(abs(end - mass[7]) for end in best["interval95"]["mass_kg"]), rtol=1e-9)
+
+
+def test_the_reference_is_that_of_reference_with_the_weighing_beside_it(read: Any, run: Run) -> None:
+    code, out, _ = run("reference", "cuboid", "--json")
+    assert code == 0
+    routes = json.loads(out)["articles"]["cuboid"]["routes"]
+    table = read.table("cuboid: mass, CoG and inertia")
+    mass = table.row("Mass m")
+    assert_allclose(mass[2:5], [routes[name]["mass_kg"] for name in ("occ", "trimesh", "pinocchio")], rtol=1e-12)
+    assert mass[5:] == [12.09, 0.01]
+    assert table.row("CoG z")[5:] == [None, None]
+    outside = read.table("cuboid: deviation from the reference and verdict").row("Mass m")
+    assert_allclose(outside[5], (12.09 - mass[2]) / 0.01, atol=0.01)
+
+
+def test_the_ladder_shows_every_rung(read: Any, report: Report) -> None:
+    rungs = read.table("Rungs")
+    assert [row[0] for row in rungs.rows[1:]] == ["0", "1 (here)"]
+    assert [row[4] for row in rungs.values[1:]] == [4.1, 0.7]
+    assert rungs.values[2][9] == 174.3
+
+
+def test_where_everything_comes_from_is_said(read: Any, report: Report, series: Any) -> None:
+    from validation.ladders.sources import digest
+
+    inputs = read.table("Inputs")
+    assert [row[1] for row in inputs.rows[1:]] == [digest(str(path)) for path in (series.model, series.campaign, series.scale)]
+    assert {row[0] for row in read.table("Versions").rows} >= {"massline", "numpy", "Python", "plotly"}
+    assert dict(read.table("Settings").rows)["effects of the user's own"] == "none"
+    assert "massline report cuboid.toml gain" in read.text
+    assert "none: the same data give the same answer" in read.text
+
+
+def test_code_of_the_user_and_the_browser_that_prints_are_said(
+    series: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.py").write_text("FAMILY = None")
+    (tmp_path / "browser").write_text("#!/bin/sh\necho Brow 7.1\n")
+    (tmp_path / "browser").chmod(0o755)
+    monkeypatch.setattr(asked, "SOURCES", {"mine": str(tmp_path / "mine.py"), "theirs": "entry point theirs"})
+    monkeypatch.setenv(pdf.BROWSER, str(tmp_path / "browser"))
+    made = asked.provenance(asked.Asked(compared=series.asked, pdf=True, diagnosis=False))
+    assert made.inputs[-1].path == str(tmp_path / "mine.py")
+    assert made.settings["effects of the user's own"] == [f"mine ({tmp_path}/mine.py)", "theirs (entry point theirs)"]
+    assert made.versions["browser that prints"] == "Brow 7.1"
+    words = ["massline", "report", str(series.model), *series.data, "--hold-out", "z", "--no-diagnosis"]
+    assert shlex.split(made.command) == words
+
+
+def test_every_library_that_reads_computes_or_draws_has_its_version() -> None:
+    declared = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
+    names = {re.split(r"[<>=~ \[]", one)[0] for one in declared}
+    faces = {"click", "rich", *(one for one in names if one.startswith("trame"))}
+    assert names - faces <= set(asked.PROGRAMS)
+
+
+def test_what_nobody_asked_for_is_said_instead_of_shown(report: Report, parsed: Callable[[str], Any]) -> None:
+    bare = replace(
+        report, diagnosis=None, not_diagnosed="--no-diagnosis", standing=None, articles=(), campaigns=report.campaigns[:0]
+    )
+    page = parsed(html(bare))
+    ids = {given.get("id") for _, given in page.elements}
+    assert "It was not looked for: --no-diagnosis." in page.text
+    assert "The model has no ladder yet" in page.text
+    assert not ids & {"articles", "sensors", "condition", "inertia"}
+    assert ids >= {"modes", "dynamic-mass", "where", "missing", "ladder", "provenance"}
+
+
+@pytest.mark.parametrize("verdict", ["nothing", "unknown", "ambiguous", "several", "mistake"])
+def test_every_verdict_has_its_page(report: Report, verdict: str, parsed: Callable[[str], Any]) -> None:
+    found = report.diagnosis
+    assert found is not None
+    alike = ("force-gain:fmd-z2", "cell-stiffness:2z") if verdict == "ambiguous" else ()
+    accepted = () if verdict in ("nothing", "unknown") else found.accepted
+    told = replace(found, verdict=verdict, accepted=accepted, equivalence_class=alike)
+    page = parsed(missing.html(replace(report, diagnosis=told), Figures()))
+    assert any(one.caption == "The errors before and after what was found is added" for one in page.tables)
+    assert any(one.caption == "What these data cannot tell apart" for one in page.tables) == bool(alike)

@@ -1,0 +1,101 @@
+"""The page on paper: a browser prints all of it; without one the command says what to install before it computes anything."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geometry.errors import BadInput, CheckFailed
+from validation.report import pdf
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(scope="module")
+def printed(page: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("paper") / "report.pdf"
+    pdf.print_to(page, path, pdf.browser())
+    return path.read_bytes()
+
+
+def unpacked(document: bytes) -> bytes:
+    """`document` with its streams unpacked."""
+    found = [document]
+    for stream in re.findall(rb"stream\r?\n(.*?)endstream", document, re.DOTALL):
+        try:
+            found.append(zlib.decompressobj().decompress(stream))
+        except zlib.error:
+            continue
+    return b"\n".join(found)
+
+
+def test_it_has_pages_and_its_headings_are_bookmarks(printed: bytes) -> None:
+    assert printed.startswith(b"%PDF")
+    pages = len(re.findall(rb"/Type\s*/Page\b(?!s)", unpacked(printed)))
+    assert 5 <= pages <= 40
+    said = unpacked(printed)
+    for heading in ("Summary", "Identified inertia", "Where it fails", "What is missing", "Provenance"):
+        assert heading.encode() in said or heading.encode("utf-16-be") in said, heading
+
+
+def test_figures_are_on_it_as_drawings(printed: bytes) -> None:
+    assert unpacked(printed).count(b" c\n") > 2000  # curves: texts and tables alone have about two hundred
+
+
+def test_a_browser_that_says_nothing_is_told_of(page: Path, tmp_path: Path) -> None:
+    with pytest.raises(CheckFailed, match="did not print"):
+        pdf.print_to(page, tmp_path / "report.pdf", "/bin/true")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_browser_that_hangs_is_ended(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = tmp_path / "browser"
+    script.write_text("#!/bin/sh\nexec sleep 60\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(pdf, "PATIENCE", 0.2)
+    with pytest.raises(CheckFailed, match=r"within 0\.2 s"):
+        pdf.print_to(page, tmp_path / "report.pdf", str(script))
+
+
+@pytest.mark.parametrize(("user", "sandboxed"), [(0, False), (1000, True)])
+def test_nobody_but_root_prints_without_the_browsers_sandbox(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, user: int, *, sandboxed: bool
+) -> None:
+    """Titles on the page are a stranger's."""
+    script, page = tmp_path / "browser", tmp_path / "page.html"
+    script.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/words\n')
+    script.chmod(0o755)
+    page.write_text("")
+    monkeypatch.setattr("os.geteuid", lambda: user)
+    with pytest.raises(CheckFailed, match="did not print"):
+        pdf.print_to(page, tmp_path / "report.pdf", str(script))
+    assert ("--no-sandbox" not in (tmp_path / "words").read_text()) == sandboxed
+
+
+def test_without_a_browser_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv(pdf.BROWSER, raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(BadInput, match="apt-get install chromium"):
+        pdf.browser()
+
+
+def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(pdf.BROWSER, "no-such-browser")
+    code, _, said = run("report", "none.toml", "nowhere", "--pdf")
+    assert code == 2
+    assert "MASSLINE_BROWSER" in said
+    assert "no-such-browser" in said
+
+
+def test_a_named_browser_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    own = tmp_path / "mine"
+    own.write_text("#!/bin/sh\n")
+    own.chmod(0o755)
+    monkeypatch.setenv(pdf.BROWSER, str(own))
+    found: Any = pdf.browser()
+    assert found == str(own)

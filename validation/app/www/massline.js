@@ -1,0 +1,400 @@
+// What the page needs beyond its widgets: figures, the view in three dimensions, dropped folders, and the system's dark or light.
+// Everything is asked of this address; nothing that a file says becomes a part of a template.
+(() => {
+  const { h, ref } = window.Vue;
+
+  let plotly = null;
+  function library() {
+    plotly ??= new Promise((done, failed) => {
+      const script = document.createElement("script");
+      script.src = "plotly.js";
+      script.onload = () => done(window.Plotly);
+      script.onerror = () => failed(new Error("plotly.js cannot be loaded"));
+      document.head.append(script);
+    });
+    return plotly;
+  }
+
+  const axis = (id) => `${id[0]}axis${id.slice(1)}`;
+
+  // The path of a curve in the pixels of its axes; it is broken where it has no place, as at zero of a logarithm.
+  function way(x, y, across, up) {
+    let [path, pen] = ["", "M"];
+    x.forEach((at, k) => {
+      const [right, down] = [across.c2p(across.d2c(at)), up.c2p(up.d2c(y[k]))];
+      if (!Number.isFinite(right) || !Number.isFinite(down)) {
+        pen = "M";
+        return;
+      }
+      path += `${pen}${right.toFixed(1)},${Math.max(-9999, Math.min(9999, down)).toFixed(1)}`;
+      pen = "L";
+    });
+    return path || "M0,0";
+  }
+
+  // A figure as the server made it. `live` are points of one curve, exchanged while a slider is dragged; a click is told as `pick`.
+  const Plot = {
+    props: { figure: Object, live: Object, label: String, tall: Boolean },
+    emits: ["pick"],
+    setup: () => ({ root: ref(null) }),
+    render() {
+      return h("div", { ref: "root", class: ["plot", this.tall ? "tall" : ""], role: "img", "aria-label": this.label });
+    },
+    async mounted() {
+      const Plotly = await library();
+      if (!this.$refs.root) return;
+      this.Plotly = Plotly;
+      this.draw();
+      this.sized = new ResizeObserver(() => this.drawn && this.resize());
+      this.sized.observe(this.$refs.root);
+    },
+    beforeUnmount() {
+      this.sized?.disconnect();
+      if (this.drawn) this.Plotly.purge(this.$refs.root);
+    },
+    watch: {
+      figure() { this.draw(); },
+      live() { this.drag(); },
+    },
+    methods: {
+      async draw() {
+        const root = this.$refs.root;
+        if (!this.Plotly || !root || !this.figure?.data) return;
+        this.ahead = false;
+        const figure = structuredClone(window.Vue.toRaw(this.figure));
+        const layout = figure.layout;
+        layout.autosize = true;
+        if (!this.tall) delete layout.height;
+        const config = {
+          displaylogo: false,
+          responsive: false,
+          modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"],
+          toImageButtonOptions: { format: "png", scale: 2, filename: "massline" },
+        };
+        await this.Plotly.react(root, figure.data, layout, config);
+        if (!this.drawn) {
+          root.on("plotly_click", (event) => this.picked(event.points[0]));
+          root.on("plotly_afterplot", () => this.ahead && this.bend()); // zoomed, or of another size
+          this.drawn = true;
+        }
+        root.dataset.drawn = String(Number(root.dataset.drawn ?? 0) + 1);
+      },
+      drag() {
+        if (!this.drawn || !this.live) return;
+        const root = this.$refs.root;
+        const at = root.data.map((trace, k) => (trace.legendgroup === this.live.group ? k : -1)).filter((k) => k >= 0);
+        if (at.length !== this.live.y.length) return;
+        const range = [...root.layout.yaxis.range];
+        const sizes = this.live.y[0].filter((size) => size > 0).map(Math.log10);
+        const [low, high] = [Math.min(...sizes), Math.max(...sizes)];
+        const beyond = sizes.length > 0 && (high > range[1] || low < range[0]);
+        this.ahead = true;
+        if (beyond) {
+          const wider = [Math.max(Math.min(low - 0.1, range[0]), high - 6), Math.max(high + 0.1, range[1])];
+          this.Plotly.relayout(root, { "yaxis.range": wider }); // and then bend
+        } else {
+          this.bend();
+        }
+        root.dataset.live = String(this.live.number);
+      },
+      // The curve alone gets its new way. Plotly itself would work out and draw every trace anew, which takes longer than the physics;
+      // it gets the points with the next figure, at rest.
+      bend() {
+        const root = this.$refs.root;
+        if (!root || !this.live) return;
+        const all = root._fullData.filter((trace) => trace.legendgroup === this.live.group);
+        if (all.length !== this.live.y.length) return;
+        all.forEach((trace, k) => {
+          const [across, up] = [root._fullLayout[axis(trace.xaxis)], root._fullLayout[axis(trace.yaxis)]];
+          root.querySelector(`.trace${trace.uid} path.js-line`)?.setAttribute("d", way(this.live.x, this.live.y[k], across, up));
+        });
+      },
+      picked(point) {
+        this.$emit("pick", { x: point.x, y: point.y, custom: point.customdata ?? null, name: point.data.name ?? "" });
+      },
+      resize() {
+        const root = this.$refs.root;
+        if (root && root.offsetWidth > 0) this.Plotly.Plots.resize(root);
+      },
+    },
+  };
+
+  const REST = 800; // milliseconds after which a slider that was moved takes the server's word again
+
+  // A slider that goes with the hand, whatever is still being computed for where it was.
+  const Slider = {
+    props: { at: Number, label: String, text: String },
+    emits: ["drag"],
+    render() {
+      return h("input", {
+        ref: "root",
+        type: "range",
+        class: "what-if",
+        min: 0,
+        max: 1000,
+        step: 1,
+        "aria-label": this.label,
+        "aria-valuetext": this.text,
+        onInput: (event) => { this.moved = Date.now(); this.$emit("drag", Number(event.target.value)); },
+      });
+    },
+    mounted() { this.$refs.root.value = this.at; },
+    updated() { if (Date.now() - (this.moved ?? 0) > REST) this.$refs.root.value = this.at; },
+  };
+
+  const FRAMES = 9; // from one end of the swing to the other
+  const PACE = 70; // milliseconds a frame
+
+  // Pictures that the server draws, turned by dragging or by the arrow keys; a mode swings in frames that are fetched once a view.
+  const View = {
+    props: { version: String, label: String, moves: Boolean, dark: Boolean },
+    setup: () => ({ az: ref(0), el: ref(0), zoom: ref(1) }),
+    data: () => ({ playing: !window.matchMedia("(prefers-reduced-motion: reduce)").matches }),
+    render() {
+      const canvas = h("canvas", {
+        ref: "canvas",
+        class: "view",
+        tabindex: 0,
+        role: "img",
+        "aria-label": `${this.label}. Arrow keys turn it, plus and minus zoom, Home goes back.`,
+        onPointerdown: this.grab,
+        onPointermove: this.move,
+        onPointerup: this.release,
+        onKeydown: this.key,
+        onWheel: this.wheel,
+      });
+      const button = (text, label, click) => h("button", { type: "button", class: "tool", "aria-label": label, title: label, onClick: click }, text);
+      const tools = [
+        button("−", "Smaller", () => this.zoomed(1 / 1.25)),
+        button("+", "Larger", () => this.zoomed(1.25)),
+        button("⟲", "First view", this.home),
+      ];
+      if (this.moves) {
+        tools.unshift(button(this.playing ? "❚❚" : "▶", this.playing ? "Hold the mode still" : "Let the mode swing", this.play));
+      }
+      return h("div", { class: "viewer" }, [canvas, h("div", { class: "tools" }, tools)]);
+    },
+    mounted() {
+      this.sized = new ResizeObserver(() => this.ask());
+      this.sized.observe(this.$refs.canvas);
+      this.clock = window.setInterval(() => this.tick(), PACE);
+    },
+    beforeUnmount() {
+      this.sized.disconnect();
+      window.clearInterval(this.clock);
+    },
+    watch: {
+      version() { this.ask(); },
+      dark() { this.ask(); },
+    },
+    methods: {
+      address(frame) {
+        const canvas = this.$refs.canvas;
+        const [w, h2] = [Math.round(canvas.clientWidth), Math.round(canvas.clientHeight)];
+        const said = { of: this.version, az: this.az.toFixed(3), el: this.el.toFixed(3), zoom: this.zoom.toFixed(3), w, h: h2 };
+        return `view.jpg?${new URLSearchParams({ ...said, dark: this.dark ? 1 : 0, frame })}`;
+      },
+      // One picture at a time is on its way: what was asked meanwhile is asked when it has come.
+      async ask() {
+        const canvas = this.$refs.canvas;
+        if (!this.version || !canvas || canvas.clientWidth < 20) return;
+        if (this.asking) {
+          this.again = true;
+          return;
+        }
+        this.asking = true;
+        this.frames = null;
+        const asked = this.address(this.moves ? FRAMES - 1 : 0);
+        const picture = await this.fetched(asked);
+        this.asking = false;
+        if (picture) this.show(picture);
+        if (!this.$refs.canvas) return; // another tab was chosen meanwhile
+        if (this.again) {
+          this.again = false;
+          this.ask();
+        } else if (picture && this.moves) {
+          this.fetchFrames(asked);
+        }
+      },
+      async fetchFrames(asked) {
+        const frames = [];
+        for (let k = 0; k < FRAMES; k += 1) {
+          if (!this.$refs.canvas || this.address(FRAMES - 1) !== asked) return;
+          const picture = await this.fetched(this.address(k));
+          if (!picture) return;
+          frames.push(picture);
+        }
+        this.frames = [...frames, ...frames.slice(1, -1).reverse()];
+        this.$refs.canvas?.setAttribute("data-frames", String(this.frames.length));
+      },
+      fetched(address) {
+        return new Promise((done) => {
+          const picture = new Image();
+          picture.onload = () => done(picture);
+          picture.onerror = () => done(null);
+          picture.src = address;
+        });
+      },
+      show(picture) {
+        const canvas = this.$refs.canvas;
+        if (!canvas) return;
+        if (canvas.width !== picture.width || canvas.height !== picture.height) {
+          canvas.width = picture.width;
+          canvas.height = picture.height;
+        }
+        canvas.getContext("2d").drawImage(picture, 0, 0);
+        canvas.dataset.shown = String(Number(canvas.dataset.shown ?? 0) + 1);
+      },
+      tick() {
+        if (!this.frames || !this.playing) return;
+        this.at = ((this.at ?? -1) + 1) % this.frames.length;
+        this.show(this.frames[this.at]);
+      },
+      play() { this.playing = !this.playing; },
+      home() {
+        [this.az, this.el, this.zoom] = [0, 0, 1];
+        this.ask();
+      },
+      zoomed(factor) {
+        this.zoom = Math.min(8, Math.max(0.4, this.zoom * factor));
+        this.ask();
+      },
+      turned(az, el) {
+        this.az = (this.az + az) % 360;
+        this.el = Math.min(70, Math.max(-100, this.el + el));
+        this.ask();
+      },
+      grab(event) {
+        this.held = [event.clientX, event.clientY];
+        event.target.setPointerCapture(event.pointerId);
+      },
+      move(event) {
+        if (!this.held) return;
+        const [x, y] = this.held;
+        this.held = [event.clientX, event.clientY];
+        this.turned(-0.5 * (event.clientX - x), 0.5 * (event.clientY - y));
+      },
+      release() { this.held = null; },
+      wheel(event) {
+        event.preventDefault();
+        this.zoomed(event.deltaY < 0 ? 1.1 : 1 / 1.1);
+      },
+      key(event) {
+        const done = {
+          ArrowLeft: () => this.turned(10, 0),
+          ArrowRight: () => this.turned(-10, 0),
+          ArrowUp: () => this.turned(0, 10),
+          ArrowDown: () => this.turned(0, -10),
+          "+": () => this.zoomed(1.25),
+          "-": () => this.zoomed(1 / 1.25),
+          Home: () => this.home(),
+        }[event.key];
+        if (!done) return;
+        event.preventDefault();
+        done();
+      },
+    },
+  };
+
+  async function walked(entry, path, found) {
+    if (entry.isFile) {
+      const file = await new Promise((done, failed) => entry.file(done, failed));
+      found.push([`${path}${entry.name}`, file]);
+      return;
+    }
+    const reader = entry.createReader();
+    for (;;) {
+      const some = await new Promise((done, failed) => reader.readEntries(done, failed));
+      if (some.length === 0) return;
+      for (const one of some) await walked(one, `${path}${entry.name}/`, found);
+    }
+  }
+
+  // Files and folders, dropped or chosen, sent to the desk with the names they have there.
+  const Drop = {
+    props: { busy: Boolean },
+    emits: ["sent"],
+    setup: () => ({ over: ref(false), words: ref("") }),
+    render() {
+      const input = (label, id, extra) => [
+        h("label", { for: id, class: "choose" }, label),
+        h("input", { id, type: "file", multiple: true, class: "hidden-input", onChange: (event) => this.chosen(event), ...extra }),
+      ];
+      return h(
+        "div",
+        {
+          class: ["drop", this.over ? "over" : ""],
+          onDragover: (event) => { event.preventDefault(); this.over = true; },
+          onDragleave: () => { this.over = false; },
+          onDrop: (event) => this.dropped(event),
+        },
+        [
+          h("p", { class: "drop-words" }, "Drag a folder or files here: a model (.toml), campaign folders, weigh, cog and pendulum files."),
+          h("p", { class: "chooses" }, [...input("Choose a folder", "choose-folder", { webkitdirectory: true }), ...input("Choose files", "choose-files", {})]),
+          h("p", { role: "status", class: "drop-words" }, this.words),
+        ],
+      );
+    },
+    methods: {
+      async dropped(event) {
+        event.preventDefault();
+        this.over = false;
+        const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry()).filter(Boolean);
+        const found = [];
+        for (const entry of entries) await walked(entry, "", found);
+        this.send(found);
+      },
+      chosen(event) {
+        this.send([...event.target.files].map((file) => [file.webkitRelativePath || file.name, file]));
+        event.target.value = "";
+      },
+      async send(found) {
+        if (found.length === 0) return;
+        if (this.busy) {
+          this.words = "Something is being read or computed. Hand the files over when that is done.";
+          return;
+        }
+        this.words = `${found.length} file${found.length === 1 ? "" : "s"} on the way ...`;
+        const form = new FormData();
+        for (const [name, file] of found) form.append(encodeURIComponent(name), file, "file");
+        try {
+          const answer = await fetch("files", { method: "POST", body: form });
+          this.words = answer.ok ? "" : await answer.text();
+          if (answer.ok) this.$emit("sent");
+        } catch {
+          this.words = "The files did not arrive; the workbench may have ended.";
+        }
+      },
+    },
+  };
+
+  // Tells whether the page is dark: as the system is, unless the user chose. Tells start.js of rungs that nobody has saved.
+  const Scheme = {
+    props: { choice: String, unsaved: Boolean },
+    emits: ["dark"],
+    render: () => null,
+    mounted() {
+      this.system = window.matchMedia("(prefers-color-scheme: dark)");
+      this.tell = () => this.$emit("dark", this.choice === "system" ? this.system.matches : this.choice === "dark");
+      this.system.addEventListener("change", this.tell);
+      this.tell();
+    },
+    beforeUnmount() {
+      this.system.removeEventListener("change", this.tell);
+    },
+    watch: {
+      choice() { this.tell(); },
+      unsaved: { immediate: true, handler() { window.massline.unsaved = this.unsaved; } },
+    },
+  };
+
+  window.massline = {
+    install(app) {
+      app.component("MasslinePlot", Plot);
+      app.component("MasslineView", View);
+      app.component("MasslineSlider", Slider);
+      app.component("MasslineDrop", Drop);
+      app.component("MasslineScheme", Scheme);
+    },
+  };
+})();

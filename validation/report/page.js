@@ -1,0 +1,129 @@
+"use strict";
+(() => {
+  const root = document.documentElement;
+  const PAPER_WIDTH = 900; // CSS pixels between the margins of A4, as the style sheet shrinks figures in print
+  const settings = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const plots = () => [...document.querySelectorAll(".plot")];
+  let known = null;
+  let onPaper = location.hash === "#paper";
+
+  async function unpacked(name) {
+    const element = document.getElementById(name);
+    const bytes = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+    element.remove();
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  }
+
+  function dark() {
+    if (onPaper) return false;
+    const chosen = root.dataset.theme;
+    return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  }
+
+  function layout(figure) {
+    const own = { ...figure.layout, template: known.templates[dark() ? "dark" : "light"] };
+    return onPaper ? { ...own, width: PAPER_WIDTH } : own;
+  }
+
+  function draw(plot) {
+    const group = plot.dataset.group;
+    const figure = known.figures[group ? `${group}/${plot.dataset.shown}` : plot.id];
+    plot.setAttribute("aria-label", figure.layout.title.text.replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&"));
+    return Plotly.react(plot, figure.data, layout(figure), settings);
+  }
+
+  // What a theme and a sheet of paper change of a figure that is there; what the reader zoomed into stays.
+  function redress() {
+    for (const plot of plots().filter((one) => one.layout)) {
+      const change = { template: known.templates[dark() ? "dark" : "light"], width: onPaper ? PAPER_WIDTH : null };
+      Plotly.relayout(plot, change);
+      if (!onPaper) Plotly.Plots.resize(plot);
+    }
+  }
+
+  async function drawAll() {
+    try {
+      const script = document.createElement("script");
+      script.text = await unpacked("packed-library");
+      document.head.append(script);
+      known = JSON.parse(await unpacked("packed-figures"));
+    } catch (error) {
+      for (const plot of plots()) plot.textContent = "This browser is too old to draw the figure; the tables hold its numbers.";
+      root.dataset.drawn = "none";
+      return;
+    }
+    for (const plot of plots()) {
+      try {
+        await draw(plot);
+      } catch (error) {
+        plot.textContent = "This figure cannot be drawn; the tables hold its numbers.";
+        console.error(plot.id, error);
+      }
+      if (!onPaper) await new Promise((then) => setTimeout(then, 0));
+    }
+    root.dataset.drawn = "all";
+  }
+
+  function chosen(group) {
+    const part = (name) => document.querySelector(`select[data-choice="${group}"][data-part="${name}"]`);
+    return part("run") ? part("run").value : `${part("load").value}-${part("motion").value}`;
+  }
+
+  for (const select of document.querySelectorAll("select[data-choice]")) {
+    select.addEventListener("change", () => {
+      const group = select.dataset.choice;
+      const plot = document.querySelector(`.plot[data-group="${group}"]`);
+      plot.dataset.shown = chosen(group);
+      if (known) draw(plot);
+    });
+  }
+
+  const told = document.getElementById("told");
+  function tell(words) {
+    told.textContent = words;
+    told.classList.add("seen");
+    setTimeout(() => told.classList.remove("seen"), 1800);
+  }
+
+  // Tab-separated values: a number with all its digits, a text on one line, which no spreadsheet takes for a formula.
+  function separated(table) {
+    const words = (one) => one.innerText.replace(/\s+/g, " ").trim().replace(/^[=+@-]/, "'$&");
+    const cell = (one) => one.dataset.value ?? words(one);
+    return [...table.rows].map((row) => [...row.cells].map(cell).join("\t")).join("\n");
+  }
+
+  async function copied(text) {
+    if (navigator.clipboard && window.isSecureContext) return navigator.clipboard.writeText(text);
+    const area = document.createElement("textarea");
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    const done = document.execCommand("copy");
+    area.remove();
+    if (!done) throw new Error("copying was refused");
+  }
+
+  for (const button of document.querySelectorAll("button.copy")) {
+    button.addEventListener("click", async () => {
+      try {
+        await copied(separated(button.closest("table")));
+        tell("The table is copied: paste it into a spreadsheet.");
+      } catch (error) {
+        tell("The browser refused to copy: mark the table and copy it.");
+      }
+      button.focus();
+    });
+  }
+
+  const switched = document.getElementById("theme");
+  switched.addEventListener("click", () => {
+    root.dataset.theme = dark() ? "light" : "dark";
+    switched.setAttribute("aria-pressed", String(dark()));
+    if (known) redress();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => known && redress());
+  document.getElementById("print").addEventListener("click", () => print());
+  addEventListener("beforeprint", () => { onPaper = true; if (known) redress(); });
+  addEventListener("afterprint", () => { onPaper = false; if (known) redress(); });
+  drawAll();
+})();
