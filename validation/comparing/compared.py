@@ -66,7 +66,20 @@ def compared(
     names = meant(problem, data, hold_out)
     known = held.without(problem, held.named(problem, names)) if names else problem  # refused before minutes are spent
     evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
-    maps = mapped_all(made, problem, known.thinned(), evaluation.plain_fit, lambda share: tell("maps", share))
+    return of_evaluation(model, made, said, problem, known.thinned(), evaluation, lambda share: tell("maps", share))
+
+
+def of_evaluation(
+    model: Model,
+    made: Sequence[SeriesPrediction],
+    said: Sequence[ArticleFact],
+    problem: Problem,
+    fitted: Problem,
+    evaluation: Evaluation,
+    progress: Callable[[float], None],
+) -> Comparison:
+    """What an `evaluation` of `problem` says of `model`; `fitted` is what its fits saw."""
+    maps = mapped_all(made, problem, fitted, evaluation.plain_fit, progress)
     modes = tuple(modes_of(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
     spots = worst(maps, modes)
     return Comparison(

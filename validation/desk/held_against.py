@@ -10,12 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from validation.comparing.compared import _remarks as remarks
-from validation.comparing.compared import beside, explained, mapped_all, meant, modes_of
+from validation.comparing.compared import meant, of_evaluation
 from validation.comparing.comparison import Comparison
 from validation.comparing.gathered import Data
-from validation.comparing.spots import worst
-from validation.comparing.verdicts import MOST, told, tolerances
 from validation.desk.desk import Desk
 from validation.desk.recorded import made, model_of
 from validation.engine import errors, hold_out
@@ -134,23 +131,8 @@ def comparison(ready: Ground, at: Rung, progress: Progress) -> Comparison:
     if at.errors is None:
         raise ValueError("`at` must have figures")
     evaluation = _evaluation(ready, at, at.errors)
-    offsets = {**ready.problem.start, **evaluation.plain_fit.by_name}
-    maps = mapped_all(ready.made, ready.problem, ready.fitted, evaluation.plain_fit, lambda share: progress("maps", share))
-    modes = tuple(modes_of(one, offsets) for one in ready.made)
-    spots = worst(maps, modes)
-    return Comparison(
-        title=ready.model.title or ready.model.article,
-        source=ready.model.source,
-        evaluation=evaluation,
-        explained=explained(maps),
-        errors=told(evaluation, explained(maps), max((spot.sigma for spot in spots), default=0.0)),
-        absurd=tolerances(evaluation.fitted)[:MOST],
-        maps=maps,
-        modes=modes,
-        worst=spots,
-        facts=beside(ready.facts, ready.problem, evaluation),
-        effects=tuple(one.named.id for one in ready.model.effects),
-        remarks=remarks(ready.made, maps, evaluation),
+    return of_evaluation(
+        ready.model, ready.made, ready.facts, ready.problem, ready.fitted, evaluation, lambda share: progress("maps", share)
     )
 
 

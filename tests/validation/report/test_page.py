@@ -169,8 +169,8 @@ def test_code_of_the_user_and_the_browser_that_prints_are_said(
     assert shlex.split(made.command) == words
 
 
-def test_every_library_that_reads_computes_or_draws_has_its_version() -> None:
-    declared = tomllib.loads(Path("pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
+def test_every_library_that_reads_computes_or_draws_has_its_version(root: Path) -> None:
+    declared = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
     names = {re.split(r"[<>=~ \[]", one)[0] for one in declared}
     faces = {"click", "rich", *(one for one in names if one.startswith("trame"))}
     assert names - faces <= set(asked.PROGRAMS)
