@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from geometry.arrays import Array
 from validation.diagnosing.bench import Hypothesis
@@ -77,7 +78,7 @@ def share(matrix: Array, prior: Array, b: int, c: Sequence[int], o: Sequence[int
     """
     bc = [b, *c]
     root = np.linalg.cholesky(matrix[np.ix_(o, o)] + np.diag(prior[o]))
-    through = np.linalg.solve(root, matrix[np.ix_(o, bc)])
+    through = solve_triangular(root, matrix[np.ix_(o, bc)], lower=True, check_finite=False)
     S = matrix[np.ix_(bc, bc)] - through.T @ through
     scale = np.sqrt(np.maximum(np.diag(S), np.finfo(np.float64).tiny))
     S = S / np.outer(scale, scale)

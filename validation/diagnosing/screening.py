@@ -61,7 +61,7 @@ def _of_new(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screene
     free = [replace(one, fixed=False) for one in menu]
     problem = bench.problem((*at.effects, *free))
     sized = {one.named.id: applied.name(one.named, _first(one).key) for one in free if one.named.sizes}
-    of = screened(problem, at.fit, [which for which in sized.values() if which in problem.by_name])
+    of = screened(problem, at.fit, [which for which in sized.values() if which in problem.by_name], by_line=False)
     told = of.told()
     there = [(one, which) for one in menu if (which := sized.get(one.named.id, "")) in told]
     return [_sized(one, _first(one), problem.by_name[which], told[which]) for one, which in there]

@@ -106,9 +106,9 @@ class Cost:
         rows = np.array([[slopes.get(name, 0.0) for name in self.names] for _, slopes in said])
         return np.array([left for left, _ in said]), rows.reshape(len(said), len(self.names))
 
-    def total(self, x: Array) -> tuple[Normal, Normal, float]:
-        """At `x` (p,): all as one, the data alone, and chi² of data and facts."""
-        data = self.data(x)
+    def total(self, x: Array, data: Normal | None = None) -> tuple[Normal, Normal, float]:
+        """At `x` (p,): all as one, the `data` alone, which may be known already, and chi² of data and facts."""
+        data = self.data(x) if data is None else data
         away, rows = self.knowledge(x)
         whole = Normal(
             cost=data.cost + 0.5 * float(away @ away),

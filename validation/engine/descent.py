@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from geometry.errors import CheckFailed
@@ -68,10 +69,10 @@ class End:
         return self.cost.offsets(self.x)
 
 
-def ended(cost: Cost, offsets: Offsets, *, converged: bool) -> End:
-    """The point `offsets` as an end."""
+def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
+    """The point `offsets` as an end; `data` are the normal equations there, where they are known."""
     x = cost.at(offsets)
-    whole, data, chi2 = cost.total(x)
+    whole, data, chi2 = cost.total(x, data)
     return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
 
 
@@ -122,7 +123,9 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
         if idle:
             break
     progress(0.95)
-    seen = standing(cost, cost.offsets(solution.seen), converged=converged)
+    seen = standing(cost, cost.offsets(solution.seen), converged=converged, data=solution.data)
+    if np.array_equal(solution.x, solution.seen):
+        return seen
     try:
         last = standing(cost, cost.offsets(solution.x), converged=converged)
     except BREAKDOWNS:  # the last step was taken unseen
@@ -130,14 +133,31 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
     return min(last, seen, key=lambda end: end.whole.cost)  # nor need it go down where the valley bends
 
 
-def standing(cost: Cost, offsets: Offsets, *, converged: bool) -> End:
-    """The point `offsets` as an end, what stands at a bound there held."""
+def standing(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
+    """The point `offsets` as an end, what stands at a bound there held.
+
+    Parameters
+    ----------
+    data : normal equations of the data there in all free parameters of `cost`, where they are known
+    """
+    left = at_bounds(cost, offsets)
+    free = np.array([one.name in left.names for one in cost.free], dtype=bool)
+    return ended(left, offsets, converged=converged, data=None if data is None else _of(data, free))
+
+
+def at_bounds(cost: Cost, offsets: Offsets) -> Cost:
+    """`cost` with what stands at a bound at `offsets` held there."""
     low, high = cost.bounds
     x = cost.at(offsets)
     near = ROUNDING * np.array([one.tolerance if np.isfinite(one.tolerance) else 1.0 for one in cost.free])
     at = np.where(x <= low + near, low, np.where(x >= high - near, high, np.nan))
     held = {name: float(bound) for name, bound in zip(cost.names, at, strict=True) if np.isfinite(bound)}
-    return ended(cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held}), offsets, converged=converged)
+    return cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held})
+
+
+def _of(data: Normal, free: NDArray[np.bool_]) -> Normal:
+    """`data` in the parameters that are `free` (p,), the others held."""
+    return Normal(cost=data.cost, gradient=data.gradient[free], matrix=data.matrix[np.ix_(free, free)])
 
 
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:

@@ -18,6 +18,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from identification.self_calibration.elimination import SILENT, Normal, eliminated, level_of_groups, smoothed_level
+from validation.engine.conveying import as_real, normal, ways
 from validation.engine.measured import Measured
 from validation.engine.prediction import Lines, Predicted
 
@@ -75,15 +76,17 @@ def size(measured: Measured, predicted: Predicted, lines: int) -> int:
 
 def normals(seen: Observed, predicted: Predicted, free: Sequence[str], floor: float) -> dict[str, Normal]:
     """By run the normal equations in the parameters `free`; those that do not act here have no rows."""
-    own = [(k, name) for k, name in enumerate(free) if name in predicted.changes]
+    own = [name for name in free if name in predicted.changes]
     weight = seen.weight(floor, predicted.noise)
-    at = np.array([k for k, _ in own], dtype=np.int64)
-    found = {}
+    at = np.array([k for k, name in enumerate(free) if name in predicted.changes], dtype=np.int64)
+    common, found = ways(predicted.changes, own, seen.values.shape[2]), {}
     for run, name in enumerate(seen.runs):
-        A = _of_run(predicted.rows, run)
-        r, Q, u = _residual(A, seen, weight, run)
-        V = _moved(predicted, [one for _, one in own], run, u, weight[run])
-        found[name] = _spread(_normal(r, Q, V), at, len(free))
+        r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
+        if common is None:
+            one = _normal(r, Q, _moved(predicted, own, run, u, weight[run]))
+        else:
+            one = normal(common, r, Q, u, weight[run])
+        found[name] = _spread(one, at, len(free))
     return found
 
 
@@ -93,7 +96,7 @@ def whitened(
     """Residual (m, c) of one run, and minus its derivatives (m, c, p) by the offsets of `names`, inputs eliminated from both."""
     weight = seen.weight(floor, predicted.noise)
     r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
-    return r, _beside_inputs(Q, _moved(predicted, names, run, u, weight[run]))
+    return r, _beside_inputs(Q, np.ascontiguousarray(_moved(predicted, names, run, u, weight[run]).transpose(1, 2, 0)))
 
 
 def residual(seen: Observed, predicted: Predicted, floor: float) -> ComplexArray:
@@ -117,12 +120,12 @@ def _residual(A: ComplexArray, seen: Observed, weight: Array, run: int) -> tuple
 
 
 def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray, w: Array) -> ComplexArray:
-    """(m, c, p) W (dA) u of one run."""
-    V = np.zeros((*w.shape, len(names)), dtype=np.complex128)
+    """(p, m, c) W (dA) u of one run."""
+    V = np.zeros((len(names), *w.shape), dtype=np.complex128)
     for k, name in enumerate(names):
         change = predicted.changes[name]
-        V[:, change.channels, k] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
-    V *= w[..., None]
+        V[k][:, change.channels] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
+    V *= w
     return V
 
 
@@ -131,12 +134,16 @@ def _beside_inputs(Q: ComplexArray | None, V: ComplexArray) -> ComplexArray:
 
 
 def _normal(r: ComplexArray, Q: ComplexArray | None, V: ComplexArray) -> Normal:
-    """Of one run, from its residual (m, c) and V (m, c, p)."""
-    V = _beside_inputs(Q, V)
-    flat = V.reshape(V.shape[0] * V.shape[1], V.shape[2])
-    J = np.concatenate([flat.real, flat.imag])
-    stacked = np.concatenate([r.real.ravel(), r.imag.ravel()])
-    return Normal(cost=0.5 * float(stacked @ stacked), gradient=-(J.T @ stacked), matrix=J.T @ J)
+    """Of one run, from its residual (m, c), from which inputs are eliminated, and V (p, m, c), from which they are not yet.
+
+    V^H (1 - Q Q^H) V = V^H V - (Q^H V)^H (Q^H V), and Q^H r = 0: nothing as large as V needs to be made again.
+    """
+    flat, left = as_real(V), np.ascontiguousarray(r).ravel().view(np.float64)
+    matrix = flat @ flat.T
+    if Q is not None:
+        along = as_real((V.transpose(1, 0, 2) @ Q.conj()).transpose(1, 0, 2))
+        matrix -= along @ along.T
+    return Normal(cost=0.5 * float(left @ left), gradient=-(flat @ left), matrix=matrix)
 
 
 def _spread(own: Normal, at: Lines, count: int) -> Normal:

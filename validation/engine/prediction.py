@@ -43,6 +43,27 @@ class Change:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Conveyed:
+    """The same of a parameter that all channels see through the same few quantities, such as the loads of what is carried.
+
+    Attributes
+    ----------
+    channels : indices of the channels that change; no other does
+    through : (n, len(channels), j) what the channels read of these quantities; the same array of all parameters that go this way
+    quantities : (n, j, k) d quantities / d offset
+    """
+
+    channels: tuple[int, ...]
+    through: ComplexArray
+    quantities: ComplexArray
+
+    @property
+    def rows(self) -> ComplexArray:
+        """(n, len(channels), k) d rows / d offset."""
+        return np.asarray(self.through @ self.quantities)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Predicted:
     """What the channels read for a unit of every input, and how that changes.
 
@@ -54,7 +75,7 @@ class Predicted:
     """
 
     rows: ComplexArray
-    changes: Mapping[str, Change] = field(default_factory=lambda: MappingProxyType({}))
+    changes: Mapping[str, Change | Conveyed] = field(default_factory=lambda: MappingProxyType({}))
     noise: Array | None = None
 
 

@@ -16,7 +16,7 @@ from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import excess
 from validation.engine import hold_out, likelihood
 from validation.engine.cost import Cost, cost_of
-from validation.engine.descent import BREAKDOWNS, direct, standing
+from validation.engine.descent import BREAKDOWNS, at_bounds, direct
 from validation.engine.evaluation import Fit
 from validation.engine.hold_out import Fold
 from validation.engine.problem import Problem
@@ -49,7 +49,7 @@ class Solved:
 
 def solved(problem: Problem, plain: Fit, floor: float) -> Solved:
     """`plain`, the plain fit of `problem` at `floor`, ready for folds."""
-    cost = standing(cost_of(problem, plain.parameters, floor, plain=True), plain.by_name, converged=True).cost
+    cost = at_bounds(cost_of(problem, plain.parameters, floor, plain=True), plain.by_name)
     x = cost.at(plain.by_name)
     return Solved(cost=cost, x=x, by_run=cost.by_run(x))
 
@@ -94,10 +94,13 @@ def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array
 
 
 def _standing(cost: Cost, x: Array, step: Array) -> Array:
-    """`step`, or its longest half from which the model does not break down: no body has every ten parameters."""
+    """`step`, or its longest half from which the model does not break down: no body has every ten parameters.
+
+    That is no matter of frequency: one line of every data set tells it.
+    """
     for _ in range(SHORTER):
         try:
-            cost.predicted(x + step)
+            cost.size(x + step)
         except BREAKDOWNS:
             step = step / 2
         else:

@@ -31,7 +31,7 @@ from geometry.dynamic_mass import ComplexArray
 from validation.engine.cost import cost_of
 from validation.engine.evaluation import Fit
 from validation.engine.fit import FLOOR
-from validation.engine.likelihood import Observed, whitened
+from validation.engine.likelihood import Observed, normals, total, whitened
 from validation.engine.parameter import Parameter
 from validation.engine.prediction import Fact, Offsets, Predicted
 from validation.engine.problem import Problem
@@ -86,7 +86,7 @@ class Products:
 
     Attributes
     ----------
-    frequency : (m,) [Hz]
+    frequency : (m,) [Hz]; (1,) where lines are summed, and then no frequency
     names : (e,) of the columns
     residual : (m, e) complex, column times residual
     others : (m, e, p) complex, column times the derivatives of the fit
@@ -162,13 +162,14 @@ def in_the_fit(fit: Fit) -> dict[str, Told]:
     return found
 
 
-def screened(problem: Problem, fit: Fit, names: Sequence[str], *, floor: float = FLOOR) -> Screen:
+def screened(problem: Problem, fit: Fit, names: Sequence[str], *, by_line: bool = True, floor: float = FLOOR) -> Screen:
     """The columns `names`, parameters of `problem`, beside a `fit` of others of its parameters.
 
     Parameters
     ----------
     problem : in which what is screened stands where it has no effect, or next to none
     fit : of the same data without them
+    by_line : whether the columns will be taken times functions of frequency; their sums over lines are had sooner
     """
     at_bound = {one.name for one, v in zip(fit.parameters, np.diag(fit.covariance), strict=True) if v <= 0}
     free = tuple(one for one in fit.parameters if one.name not in at_bound)
@@ -181,8 +182,11 @@ def screened(problem: Problem, fit: Fit, names: Sequence[str], *, floor: float =
     for prediction, lines, seen in cost.observed:
         predicted = prediction.at(offsets, lines, derivatives=wanted)
         here = tuple(one.name for one in new if one.name in predicted.changes)
-        frequency = prediction.measured.frequency[lines]
-        products.append(_products(seen, predicted, frequency, [one.name for one in free], here, floor))
+        if by_line:
+            frequency = prediction.measured.frequency[lines]
+            products.append(_products(seen, predicted, frequency, [one.name for one in free], here, floor))
+        else:
+            products.append(_summed(seen, predicted, [one.name for one in free], here, floor))
     facts = _of_facts(problem.facts, offsets, [one.name for one in free], [one.name for one in new])
     return Screen(free=free, covariance=fit.covariance[np.ix_(keep, keep)], products=tuple(products), facts=facts)
 
@@ -219,3 +223,16 @@ def _products(
         others[..., own] += E @ V[..., : len(own)]
         square += np.sum(np.abs(E) ** 2, axis=2)
     return Products(frequency=frequency, names=new, residual=residual, others=others, square=square)
+
+
+def _summed(seen: Observed, predicted: Predicted, free: Sequence[str], new: tuple[str, ...], floor: float) -> Products:
+    """The same, lines summed as well."""
+    count = len(free)
+    of = total(normals(seen, predicted, [*free, *new], floor).values(), count + len(new))
+    return Products(
+        frequency=np.zeros(1),
+        names=new,
+        residual=-of.gradient[None, count:].astype(np.complex128),
+        others=of.matrix[None, count:, :count].astype(np.complex128),
+        square=np.diag(of.matrix)[None, count:].copy(),
+    )

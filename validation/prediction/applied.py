@@ -120,6 +120,11 @@ def channels(
     return stage, found
 
 
+def channels_pass(effects: Sequence[Added]) -> bool:
+    """Whether derivatives pass all effects on what the channels read as they are: none of them changes anything yet."""
+    return all(_is_nothing(added.named) for added in _of(effects, CHANNEL_STAGE))
+
+
 def _family(named: Named) -> Family:
     return FAMILIES[named.family]
 

@@ -30,7 +30,7 @@ from validation.effects.reach import acts
 from validation.effects.stages import Floor, Reading
 from validation.engine.measured import Measured
 from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
+from validation.engine.prediction import Change, Conveyed, Lines, Offsets, Predicted, Wanted
 from validation.models.model import Added, Model
 from validation.prediction import applied, fmd, nuisances
 from validation.prediction import measured as data
@@ -239,10 +239,11 @@ class SeriesPrediction:
         H, structural = self._carried(at, frequency, drive, derivatives=bool(derivatives))
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
-        changes: dict[str, Change] = {}
+        changes: dict[str, Change | Conveyed] = {}
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
-            changes = {name: Change(channels=loaded, rows=A1[:, loaded] @ dH) for name, dH in structural.items()}
+            through = A1[:, loaded]
+            changes = {name: Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
             names = [one.name for one in self._chain.parameters if derivatives is True or one.name in derivatives]
             of_chain = self._chain.derivatives(theta, frequency, H, names)
             for name, derivative in zip(names, of_chain, strict=True):
@@ -261,11 +262,12 @@ class SeriesPrediction:
         return Predicted(rows=reading.rows, changes=changes)
 
     def _written(
-        self, reading: Reading, changes: dict[str, Change], effects: Sequence[Added]
-    ) -> tuple[Reading, dict[str, Change]]:
+        self, reading: Reading, changes: dict[str, Change | Conveyed], effects: Sequence[Added]
+    ) -> tuple[Reading, dict[str, Change | Conveyed]]:
         """What the file holds of what the channels read."""
-        if not any(_stage(one) == CHANNEL_STAGE for one in effects):
-            return reading, changes
+        if applied.channels_pass(effects):
+            written, own = applied.channels(reading, {}, effects)
+            return written, {**changes, **{name: _changing(rows) for name, rows in own.items()}}
         every = tuple(range(len(reading.channels)))
         tangents = {name: _on(change, every) for name, change in changes.items()}
         written, tangents = applied.channels(reading, tangents, effects)
@@ -338,10 +340,11 @@ def _joined(found: Sequence[Predicted], order: npt.NDArray[np.int64], noise: Arr
     return Predicted(rows=np.stack([found[k].rows for k in order]), changes=changes, noise=noise)
 
 
-def _on(change: Change, channels: tuple[int, ...]) -> ComplexArray:
+def _on(change: Change | Conveyed, channels: tuple[int, ...]) -> ComplexArray:
     """Its rows (n, len(channels), k), zeros where it changes nothing."""
-    rows = np.zeros((len(change.rows), len(channels), change.rows.shape[-1]), dtype=np.complex128)
-    rows[:, [channels.index(k) for k in change.channels]] = change.rows
+    own = change.rows
+    rows = np.zeros((len(own), len(channels), own.shape[-1]), dtype=np.complex128)
+    rows[:, [channels.index(k) for k in change.channels]] = own
     return rows
 
 

@@ -79,6 +79,14 @@ def test_a_column_times_a_function_of_frequency_needs_no_derivative_of_its_own(s
     assert beside.evidence(1.0) < plain.evidence(1.0) / 10  # the fault is real
 
 
+def test_lines_that_are_summed_say_the_same_sooner(small):
+    _, parent, having = small
+    by_line, summed = (screened(having, parent, ["offset"], by_line=each).told()["offset"] for each in (True, False))
+    assert_allclose(summed.estimate, by_line.estimate, rtol=1e-9)
+    assert_allclose(summed.information, by_line.information, rtol=1e-9)
+    assert_allclose(summed.share, by_line.share, rtol=1e-9)
+
+
 def test_a_trial_never_costs_more_than_its_parent(lab):
     truth = {**lab.drawn(5), "offset": 0.5}
     effect = lab.effect("offset", 1.0)

@@ -20,7 +20,7 @@ from validation.diagnosing.advisor.planned import Planned, lines_of, reading
 from validation.engine import likelihood
 from validation.engine.fit import FLOOR
 from validation.engine.parameter import EFFECT, Parameter
-from validation.engine.prediction import Change, Fact, Lines
+from validation.engine.prediction import Change, Conveyed, Fact, Lines
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,7 +78,7 @@ def _of_lines(test: Planned, first: Knowledge, others: Sequence[Knowledge]) -> _
     )
 
 
-def _of_effects(test: Planned, of: Knowledge, lines: Lines) -> tuple[dict[str, Parameter], Mapping[str, Change]]:
+def _of_effects(test: Planned, of: Knowledge, lines: Lines) -> tuple[dict[str, Parameter], Mapping[str, Change | Conveyed]]:
     """The sizes of the effects of `of`, and how the test answers to them."""
     own = test.prediction.with_effects(of.effects)
     parameters = {one.name: one for one in own.parameters if one.kind == EFFECT and one.tolerance > 0}

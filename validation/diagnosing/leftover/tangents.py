@@ -39,9 +39,9 @@ class Swallowing:
     Attributes
     ----------
     of : the data set
-    names : (p,) of the parameters
-    moved : (m, r, c, p) what parameters do to the whitened readings, inputs eliminated
-    root : (p, p) of their covariance, C = root root^T
+    names : (a,) of those parameters that act here
+    moved : (m, r, c, a) what they do to the whitened readings, inputs eliminated
+    root : (a, p) their rows of the root of the covariance of all p, C = root root^T
     slope : (p,) root^T g, of all data sets together
     """
 
@@ -94,13 +94,17 @@ def swallowing(data: Sequence[Whitened], hypothesis: Hypothesis) -> list[Swallow
     values, vectors = np.linalg.eigh(fit.covariance[np.ix_(at, at)])
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     free = tuple(fit.parameters[k] for k in at)
-    names = tuple(one.name for one in free)
-    moved = [_moved(one, names) for one in data]
     cost = cost_of(hypothesis.problem, free, FLOOR, fit.by_name)
     away, rows = cost.knowledge(cost.at(fit.by_name))
-    explained = sum(_onto(V, one) for V, one in zip(moved, data, strict=True))
-    slope = root.T @ (rows.T @ away - explained)
-    return [Swallowing(of=one, names=names, moved=V, root=root, slope=slope) for one, V in zip(data, moved, strict=True)]
+    acting = [[k for k, one in enumerate(free) if one.name in each.predicted.changes] for each in data]
+    names = [tuple(free[k].name for k in some) for some in acting]
+    moved = [_moved(one, some) for one, some in zip(data, names, strict=True)]
+    gradient = rows.T @ away
+    for some, V, one in zip(acting, moved, data, strict=True):
+        gradient[some] -= _onto(V, one)
+    slope = root.T @ gradient
+    found = zip(data, names, moved, acting, strict=True)
+    return [Swallowing(of=one, names=mine, moved=V, root=root[some], slope=slope) for one, mine, V, some in found]
 
 
 def _onto(V: ComplexArray, of: Whitened) -> Array:
@@ -111,12 +115,9 @@ def _onto(V: ComplexArray, of: Whitened) -> Array:
 
 def _moved(of: Whitened, names: Sequence[str]) -> ComplexArray:
     r, m, c = of.values.shape
-    acting = [k for k, name in enumerate(names) if name in of.predicted.changes]
-    found = np.zeros((m, r, c, len(names)), dtype=np.complex128)
+    found = np.empty((m, r, c, len(names)), dtype=np.complex128)
     for run in range(r):
-        found[:, run, :, acting] = np.moveaxis(
-            likelihood.whitened(of.seen, of.predicted, [names[k] for k in acting], FLOOR, run)[1], -1, 0
-        )
+        found[:, run] = likelihood.whitened(of.seen, of.predicted, names, FLOOR, run)[1]
     return found
 
 
