@@ -74,6 +74,8 @@ class Bench:
     tasks: set[asyncio.Task[None]] = field(default_factory=set)
     # One thread each: a desk computes one thing at a time, and OpenGL wants to be spoken to by one thread only.
     _computing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "desk"))
+    # A slider that moves on does not wait for what was computed where it rested.
+    _resting: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "rest"))
     # What takes long and is no process gets a thread beside these.
     _aside: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "aside"))
     _drawing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "view"))
@@ -81,6 +83,10 @@ class Bench:
     async def away(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """`work` done beside the page, which goes on."""
         return await asyncio.get_running_loop().run_in_executor(self._computing, partial(work, *args, **kwargs))
+
+    async def at_rest(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The same for what is computed exactly where a slider rests."""
+        return await asyncio.get_running_loop().run_in_executor(self._resting, partial(work, *args, **kwargs))
 
     async def aside(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """The same for what takes seconds: no click waits behind it."""

@@ -97,9 +97,15 @@ async def follow(bench: Bench) -> None:
             _answer(bench, "" if table is None else "It acts on nothing that was tested here, so no curve would move.")
             await drawing.drawn(bench)  # without the curve of what was tried before
         return
-    asked = effect.written(bench.sizes)
-    found = await bench.away(whatif.what_if, table, asked, bench.state.load, bench.state.motion)
-    if _stale(bench, effect, table):
+    sizes = dict(bench.sizes)
+
+    def computed() -> WhatIf | None:
+        """None where the slider moved on while something else was computed."""
+        asked = effect.written(sizes)
+        return whatif.what_if(table, asked, bench.state.load, bench.state.motion) if bench.sizes == sizes else None
+
+    found = await bench.at_rest(computed)
+    if found is None or bench.sizes != sizes or _stale(bench, effect, table):
         return
     bench.tried = found
     if bench.exact:
@@ -136,8 +142,12 @@ async def _followed(bench: Bench) -> None:
         await asyncio.sleep(RESTS)
         if rests == bench.sizes and not bench.exact:
             bench.exact = True
-            await follow(bench)
-            keep(bench)
+            bench.begin(_rested(bench))  # beside this: whoever drags on need not wait for it
+
+
+async def _rested(bench: Bench) -> None:
+    await follow(bench)
+    keep(bench)
 
 
 async def _chased(bench: Bench) -> None:

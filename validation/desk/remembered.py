@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
+from threading import Lock
 from typing import cast
 
 from geometry.arrays import Array
@@ -23,7 +24,7 @@ MOST = 24
 
 
 class Remembering:
-    """A `Carried` that answers the same question once; the answer is the very same."""
+    """A `Carried` that answers the same question once; the answer is the very same. Several threads may ask."""
 
     def __init__(self, of: Carried) -> None:
         self.standing, self.moving, self.exact, self.nuisances = of.standing, of.moving, of.exact, of.nuisances
@@ -31,6 +32,7 @@ class Remembering:
         own = () if of.nuisances is None else of.nuisances.parameters
         self._names = (*(one.name for one in own), *fmd.names())
         self._known: OrderedDict[Hashable, ComplexArray] = OrderedDict()
+        self._changing = Lock()
 
     def at(
         self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: Drive, *, derivatives: bool
@@ -39,12 +41,15 @@ class Remembering:
         if derivatives:
             return self._of.at(offsets, effects, frequency, drive, derivatives=True)
         key = self._key(offsets, effects, frequency, drive)
-        if key not in self._known:
-            self._known[key] = self._of.at(offsets, effects, frequency, drive, derivatives=False)[0]
-        self._known.move_to_end(key)
-        while len(self._known) > MOST:
-            self._known.popitem(last=False)
-        return self._known[key], {}
+        with self._changing:
+            found = self._known.pop(key, None)
+        if found is None:
+            found = self._of.at(offsets, effects, frequency, drive, derivatives=False)[0]
+        with self._changing:
+            self._known[key] = found
+            while len(self._known) > MOST:
+                self._known.popitem(last=False)
+        return found, {}
 
     def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
         """As `Carried.moved`."""

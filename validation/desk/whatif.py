@@ -195,11 +195,11 @@ def _dragged(of: Table, named: Named, *, follow: bool) -> _Question:
 
 def _ready(of: Table, named: Named) -> Dragged:
     """The effect as it was dragged last, kept for a while."""
-    if named.id not in of.dragged:
-        if len(of.dragged) >= KEPT:
-            of.dragged.pop(next(iter(of.dragged)))
-        of.dragged[named.id] = _free(of, named, fixed=False)
-    return of.dragged[named.id]
+    kept = of.dragged.get(named.id) or _free(of, named, fixed=False)
+    kept = of.dragged.setdefault(named.id, kept)  # another thread may have been sooner
+    for old in list(of.dragged)[:-KEPT]:
+        of.dragged.pop(old, None)
+    return kept
 
 
 def _free(of: Table, named: Named, *, fixed: bool) -> Dragged:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -88,6 +89,49 @@ def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, 
         await asyncio.wait_for(of.dragging, 5)
         assert of.state.failure == ""
         assert of.tried is None
+
+    run(story)
+
+
+def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rested(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slider = SimpleNamespace(
+        key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0
+    )
+    effect = SimpleNamespace(id="x", sliders=(slider,), written=lambda sizes: f"x={sizes['']}")
+    resting, go_on, asked = threading.Event(), threading.Event(), []
+
+    def what_if(_: Any, written: str, *__: Any, exact: bool = True) -> Any:
+        asked.append((written, exact))
+        if exact:
+            resting.set()
+            assert go_on.wait(10)
+        return tried(written, followed=True)
+
+    async def nothing(_: Bench) -> None:
+        pass
+
+    monkeypatch.setattr(trying.whatif, "what_if", what_if)
+    monkeypatch.setattr(trying.drawing, "drawn", nothing)
+    monkeypatch.setattr(trying, "keep", lambda _: None)
+    monkeypatch.setattr(trying, "RESTS", 0.05)
+
+    async def story() -> None:
+        of = bench(tmp_path, campaign="a", load=2, motion=2, effect={"id": "x"})
+        of.effects, of.table, of.sizes = {"x": effect}, SimpleNamespace(at="the plain fit"), {"": 0.0}  # type: ignore[assignment, dict-item]
+        await trying.drag(of, "", 300)
+        await asyncio.to_thread(resting.wait, 10)
+        await trying.drag(of, "", 400)
+        while ("x=0.4", False) not in asked:  # for ever, did it wait
+            await asyncio.sleep(0.01)
+        assert ("x=0.4", True) not in asked
+        go_on.set()
+        await asyncio.gather(*of.tasks)
+        while of.tasks:
+            await asyncio.gather(*of.tasks)
+        assert of.tried.written == "x=0.4"
+        assert asked[-1] == ("x=0.4", True)
 
     run(story)
 
