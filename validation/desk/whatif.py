@@ -16,6 +16,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from validation.comparing.pairs import Operators
+from validation.desk.answered import Answered
 from validation.desk.desk import Desk
 from validation.desk.following import Dragged, seen_by_fits, settled, several_steps
 from validation.desk.table import DRAWN, FITTED, Table, Tested, entries, predicted
@@ -37,7 +38,7 @@ from validation.prediction.series import SeriesPrediction
 
 __all__ = ["DRAWN", "FITTED", "Table", "Tested", "Trace", "WhatIf", "table", "what_if"]
 
-BUDGET = 0.04
+BUDGET = 0.03
 """[s] of predictions while dragging; curves and errors come on top of it, and the page has to draw them."""
 
 FEWEST = 40
@@ -247,16 +248,17 @@ def _asked(of: Table, number: int, question: _Question) -> _Asked:
     one = of.tested[number]
     measured, there = one.prediction.measured, one.prediction.tested.carried.standing.there
     every = np.arange(len(measured.frequency), dtype=np.int64)
-    lines = every if question.exact else _lines(of, one, question.named)
     judged = every if question.exact else every[::EVERY]
+    lines = every if question.exact else np.union1d(judged, _lines(of, one, question.named))
     before = [replace(each, values=each.values[judged]) for each in one.squares]
     reached = acts(question.named, replace(there, channels=measured.channels))
     if not reached and all(question.offsets.get(name) == value for name, value in of.offsets.items()):
         return _Asked(tested=one, lines=lines, rows=None, before=before, after=before, reached=False)
     prediction = question.predictions[number]
-    rows = predicted(prediction, question.offsets, lines).rows
-    after = errors.squares(prediction.on(one.judged), question.offsets, judged) if one.judged else []
-    return _Asked(tested=one, lines=lines, rows=rows, before=before, after=after, reached=reached)
+    said = predicted(prediction, question.offsets, lines)
+    answered = Answered(measured=measured, parameters=prediction.parameters, lines=lines, said=said)
+    after = errors.squares(answered.on(one.judged), question.offsets, judged) if one.judged else []
+    return _Asked(tested=one, lines=lines, rows=said.rows, before=before, after=after, reached=reached)
 
 
 def _lines(of: Table, one: Tested, named: Named) -> Lines:
