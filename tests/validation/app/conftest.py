@@ -194,12 +194,6 @@ def _host(address: str) -> str:
 
 
 @pytest.fixture(scope="session")
-def script() -> Callable[[str], str]:
-    """A script of the folder js, to be evaluated in a page."""
-    return lambda name: (Path(__file__).with_name("js") / f"{name}.js").read_text(encoding="utf-8")
-
-
-@pytest.fixture(scope="session")
 def shot() -> Callable[[Any, str], None]:
     """Keeps a picture of a page under out/workbench."""
 

@@ -204,6 +204,7 @@
         }
         this.asking = true;
         this.frames = null;
+        canvas.removeAttribute("data-frames");
         const asked = this.address(this.moves ? FRAMES - 1 : 0);
         const picture = await this.fetched(asked);
         this.asking = false;
