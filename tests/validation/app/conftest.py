@@ -80,6 +80,11 @@ def _until() -> Callable[..., bool]:
     return until
 
 
+@pytest.fixture(scope="session", name="alive")
+def _alive() -> Callable[[int], bool]:
+    return alive
+
+
 @pytest.fixture(scope="session")
 def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """The command line in a process, to its end."""
@@ -202,6 +207,38 @@ def shot() -> Callable[[Any, str], None]:
         page.screenshot(path=str(SHOTS / f"{name}.png"))
 
     return kept
+
+
+RESTS = """([scheme, paper]) => document.querySelector(`.v-theme--${scheme}`)
+    && [...document.querySelectorAll(".js-plotly-plot")].every((one) => one._fullLayout?.paper_bgcolor === paper)
+    && [...document.querySelectorAll("canvas.view")].every((one) => one.dataset.shown)
+    && document.getAnimations().every((one) => !(one instanceof CSSTransition) || one.playState !== "running")"""
+"""Whether page and figures have taken their colours, and nothing fades any more."""
+
+PAPER = {"light": "#ffffff", "dark": "#171b22"}
+
+
+@pytest.fixture(scope="session")
+def looked(script: Any, shot: Any) -> Callable[[Any, str], None]:
+    """``looked(page, state)``: light and dark on a laptop, and once on a large screen, every text stands out, every control has
+    a name and nothing has to be scrolled sideways; a picture is kept of each. It ends with the other colours: the next state
+    begins with them."""
+
+    def look(page: Any, state: str) -> None:
+        now = "dark" if page.evaluate("matchMedia('(prefers-color-scheme: dark)').matches") else "light"
+        other = {"light": "dark", "dark": "light"}[now]
+        for width, height, scheme in ((1366, 768, now), (1366, 768, other), (1920, 1080, other)):
+            page.set_viewport_size({"width": width, "height": height})
+            page.emulate_media(color_scheme=scheme)
+            page.wait_for_function(RESTS, arg=[scheme, PAPER[scheme]])
+            where = f"{state}-{scheme}-{width}"
+            shot(page, where)
+            assert page.evaluate(script("contrast")) == [], where
+            assert page.evaluate(script("unlabelled")) == [], where
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), where
+        page.set_viewport_size({"width": 1366, "height": 768})
+
+    return look
 
 
 @pytest.fixture(autouse=True)
