@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 ROW, TOP, BOTTOM = 9, 16, 40
 """Least height of a row of the map, and room above and below its rows [pixels]."""
 
-TITLE = 14
+TITLE = 8
 """[pixels] less than on a page that the overlay's title takes here."""
 
 WORST_OF_ALL = -1

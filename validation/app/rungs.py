@@ -49,21 +49,22 @@ def _fall(at: Standing, dark: bool) -> dict[str, Any]:
     """With a legend in fewer words: a panel is narrower than a page."""
     figure = falling_errors(at, dark=dark)
     figure.for_each_trace(lambda one: one.update(name=SHORTER.get(one.name, one.name)))
-    figure.update_layout(legend_y=1.1, margin_b=28)
-    return _untitled(figure, 66)
+    figure.update_layout(margin={"b": 28, "l": 54})
+    figure.update_yaxes(title_font_size=11, tickfont_size=11)
+    return _untitled(figure, 60)
 
 
 def _inertia(bodies: dict[str, Body], dark: bool) -> dict[str, Any]:
     """With its headings in two lines: a panel is narrower than a page."""
     figure = identified_inertia(bodies, dark=dark)
     figure.for_each_annotation(lambda one: one.update(text=one.text.replace(" about the CoG ", "<br>about the CoG ")))
-    figure.update_layout(legend_y=1.2)
-    return _untitled(figure, 76)
+    return _untitled(figure, 78)
 
 
 def _untitled(figure: Any, top: int) -> dict[str, Any]:
-    """Without its title, which the tab above it says, in a low panel; `top` [pixels] are left above for the legend."""
-    figure.update_layout(title_text="", height=LOW, margin_t=top, legend_font_size=11)
+    """Without its title, which the tab above it says, in a low panel; `top` [pixels] are left for a legend at the upper edge."""
+    legend = {"yref": "container", "y": 1.0, "yanchor": "top", "font": {"size": 11}}
+    figure.update_layout(title_text="", height=LOW, margin_t=top, legend=legend)
     return as_state(figure)
 
 
