@@ -91,7 +91,8 @@ def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         program = "from validation.cli import main; main()"
-        return subprocess.run([sys.executable, "-P", "-c", program, *arguments], capture_output=True, text=True, timeout=30)
+        command = [sys.executable, "-P", "-c", program, *arguments]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE / 1e3, check=False)
 
     return run
 
@@ -204,7 +205,7 @@ def shot() -> Callable[[Any, str], None]:
 
     def kept(page: Any, name: str) -> None:
         SHOTS.mkdir(parents=True, exist_ok=True)
-        page.screenshot(path=str(SHOTS / f"{name}.png"))
+        page.screenshot(path=str(SHOTS / f"{name}.jpg"), type="jpeg", quality=90)  # quicker than PNG, several times
 
     return kept
 

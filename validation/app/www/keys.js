@@ -76,9 +76,10 @@
       this.hide();
     }
 
+    // It is where it was last, unless something else was picked since: then at that.
     show(at) {
       this.shown = true;
-      this.at ??= this.kind(this.root, at).first;
+      if (this.at === null || this.begun !== at) [this.begun, this.at] = [at, this.kind(this.root, at).first];
       this.draw();
     }
 
