@@ -68,7 +68,7 @@
     constructor(root, kind, picked) {
       [this.root, this.kind, this.picked, this.at, this.shown] = [root, kind, picked, null, false];
       this.mark = document.createElement("div");
-      this.mark.className = kind === cells ? "place cell" : "place line";
+      this.mark.className = kind === cells ? "place place-cell" : "place place-line";
       this.words = document.createElement("div");
       this.words.className = "place-words";
       this.words.setAttribute("role", "status");
