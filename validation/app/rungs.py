@@ -16,6 +16,12 @@ from validation.plots.ladder import falling_errors, way_to
 LOW = 290
 """Least height of a figure [pixels]; the page gives it what there is."""
 
+HEADINGS = {
+    "mass and moments about the CoG [%]": "mass and moments<br>about the CoG [%]",
+    "products about the CoG [% of √(Θii Θjj)]": "products about the CoG<br>[% of √(Θii Θjj)]",
+}
+"""Of the inertia, in two lines."""
+
 SHORTER = {
     "plain, fitted data": "plain",
     "plain, held out": "held out",
@@ -57,7 +63,8 @@ def _fall(at: Standing, dark: bool) -> dict[str, Any]:
 def _inertia(bodies: dict[str, Body], dark: bool) -> dict[str, Any]:
     """With its headings in two lines: a panel is narrower than a page."""
     figure = identified_inertia(bodies, dark=dark)
-    figure.for_each_annotation(lambda one: one.update(text=one.text.replace(" about the CoG ", "<br>about the CoG ")))
+    for heading, lines in HEADINGS.items():
+        figure.update_annotations(text=lines, font_size=11, selector={"text": heading})
     return _untitled(figure, 78)
 
 
