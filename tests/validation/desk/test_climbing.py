@@ -124,15 +124,21 @@ def _stands_as_before(desk: Desk, text: str) -> None:
 def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: Desk) -> None:
     users = Path(worked.desk.asked.model)
     assert not users.with_name("model.ladder.json").exists()
-    mine = Path(worked.desk.asked.model).with_name("mine.toml")
-    mine.write_text(saving.model_text(climbed))
-    mine.with_name("mine.ladder.json").write_text(saving.ladder_text(climbed))
-    at = standing(mine)
+    mine = users.with_name("mine.toml")
+    both = {mine: saving.model_text(climbed), mine.with_name("mine.ladder.json"): saving.ladder_text(climbed)}
+    for path, text in both.items():
+        path.write_text(text)
+    try:
+        at = standing(mine)
+        added = reading.read(mine).effects
+    finally:
+        for path in both:  # the folder is that of other tests, too
+            path.unlink()
     assert at.rung is not None
     assert at.rung.effect == "force-gain:fmd-z2"
     (source,) = at.rung.conditions.data
     assert (mine.parent / source.path).resolve() == Path(worked.desk.asked.data[0])
-    assert [one.named.id for one in reading.read(mine).effects] == ["force-gain:fmd-z2"]
+    assert [one.named.id for one in added] == ["force-gain:fmd-z2"]
 
 
 def test_a_ladder_that_is_not_there_cannot_be_had(bare: Desk) -> None:
