@@ -16,22 +16,13 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-CHROMIUM = "/usr/bin/chromium"
-ARGUMENTS = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-sync",
-)
+from validation.report import browser as chromium
 
 BAR = 0.2
 """Seconds from a slider's move to the curve."""
@@ -115,13 +106,11 @@ def followed(page: Any, effect: str) -> list[float]:
 
 def main(example: str) -> None:
     """Measure and show."""
-    if not Path(CHROMIUM).exists():
-        raise SystemExit(f"{CHROMIUM} is missing. As root: apt-get install chromium")
     from playwright.sync_api import sync_playwright
 
     table = Table("what", "seconds", "times the empty page", "bar")
     with sync_playwright() as playwright, served("--example", example) as (address, printed):
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(ARGUMENTS))
+        browser = playwright.chromium.launch(executable_path=chromium.path(), args=list(chromium.flags()))
         page = browser.new_page(viewport={"width": 1366, "height": 768})
         page.set_default_timeout(900_000)
         began = time.perf_counter()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import signal
 import subprocess
 import sys
@@ -11,17 +10,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking")
+from validation.report import browser as chromium
+
 PATIENCE = 600_000
 """Milliseconds that a page may take: it computes."""
 
-STRUCTURE_SEEN = """() => {
-    const canvas = document.querySelector("canvas.view");
-    if (!canvas) return false;
-    const drawn = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-    return drawn.some((one) => one !== 0);
-}"""
-"""The picture of the structure comes last."""
+SWINGING = "canvas[data-frames]"
+"""The structure in the mode nearest the frequency that is marked, all of its frames; they come last."""
 
 EFFECT_SEEN = "() => document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))"
 
@@ -47,7 +42,7 @@ def workbench(folder: Path) -> None:
         page.locator("#overlay[data-drawn]").wait_for()
         page.locator(".job").wait_for(state="detached")
         page.locator(".found ol li button").first.click()  # the worst spot
-        page.wait_for_function(STRUCTURE_SEEN)
+        page.locator(SWINGING).wait_for()
         page.screenshot(path=str(folder / "workbench-compared.png"))
         page.get_by_role("tab", name="What is missing").click()
         page.locator("#diagnose").click()
@@ -55,10 +50,8 @@ def workbench(folder: Path) -> None:
         page.locator(".cause").first.click()
         page.locator("#effect").wait_for()
         page.locator(".job").wait_for(state="detached")
-        page.wait_for_function(
-            "() => document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))"
-        )
-        page.wait_for_function(STRUCTURE_SEEN)
+        page.wait_for_function(EFFECT_SEEN)
+        page.locator(SWINGING).wait_for()
         page.screenshot(path=str(folder / "workbench-cause.png"))
 
 
@@ -67,9 +60,8 @@ def browser() -> Iterator[Any]:
     """Chromium of this machine, without a window."""
     from playwright.sync_api import sync_playwright
 
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=program, args=list(ARGUMENTS))
+        opened = playwright.chromium.launch(executable_path=chromium.path(), args=list(chromium.flags()))
         yield opened
         opened.close()
 

@@ -7,15 +7,9 @@ from typing import Any
 import pytest
 
 from validation import cli
+from validation.report import browser
 
 Run = Callable[..., tuple[int, str, str]]
-
-CHROMIUM = "/usr/bin/chromium"
-
-FLAGS = (
-    *("no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking"),
-    *("disable-component-update", "disable-sync"),
-)
 
 
 @pytest.fixture
@@ -34,11 +28,15 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     """A browser without a window, one for all tests of a process: playwright stands but one."""
-    if not Path(CHROMIUM).exists():
-        pytest.fail(f"{CHROMIUM} is missing: pages are tested in a real browser. As root: apt-get install chromium")
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=[f"--{flag}" for flag in FLAGS])
-        yield browser
-        browser.close()
+        opened = playwright.chromium.launch(executable_path=browser.path(), args=list(browser.flags()))
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="session")
+def script() -> Callable[[str], str]:
+    """A script of the folder js, to be evaluated in a page."""
+    return lambda name: (Path(__file__).with_name("js") / f"{name}.js").read_text(encoding="utf-8")

@@ -14,12 +14,7 @@ async def add(bench: Bench) -> None:
     effect = None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
     if effect is None:
         return
-    number = await _rung(bench)
-
-    async def left(bench: Bench) -> str:
-        return await _left(bench, number)
-
-    jobs.start(bench, desk_jobs.ADD, _added, left, effect=effect.written(bench.sizes))
+    jobs.start(bench, desk_jobs.ADD, _added, working.stands, effect=effect.written(bench.sizes))
 
 
 async def undo(bench: Bench) -> None:
@@ -36,23 +31,6 @@ async def go(bench: Bench, number: int) -> None:
         await working.stands(bench)
         if bench.compared is None:
             jobs.start(bench, desk_jobs.COMPARE, working.stands)
-
-
-async def _rung(bench: Bench) -> int | None:
-    """Number of the rung on which the model stands."""
-    if bench.desk is None:
-        return None
-    at = await bench.away(climbing.ladder, bench.desk)
-    return None if at.rung is None else at.rung.number
-
-
-async def _left(bench: Bench, number: int | None) -> str:
-    """What the ladder says when adding was ended: model and ladder are written before all is compared anew."""
-    there = await _rung(bench)
-    if there == number:
-        return await jobs.unchanged(bench)
-    await _added(bench)
-    return f"the effect was in the model already: it is rung {there}, Compare tells its errors and Undo takes it back"
 
 
 async def _added(bench: Bench) -> None:

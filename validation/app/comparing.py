@@ -61,10 +61,10 @@ async def marked(bench: Bench, frequency: float) -> None:
 
 
 async def cell(bench: Bench, picked: dict[str, Any]) -> None:
-    """A click on the map: the overlay jumps there."""
-    if bench.compared is None:
+    """A click on the map: the overlay jumps there, to the worst of the lines that share the cell."""
+    if bench.compared is None or len(picked["custom"]) != 2:  # the triangle of a mode
         return
-    of, row, frequency = bench.compared.map(bench.state.campaign), str(picked["y"]), float(picked["x"])
+    of, row, frequency = bench.compared.map(bench.state.campaign), str(picked["y"]), float(picked["custom"][1])
     if row in maps.PAIRS and bench.state.map_kind == "pairs":
         load, motion = divmod(maps.PAIRS.index(row), 6)
         _go(bench, Entry(campaign=of.data_set, load=load, motion=motion, frequency=frequency))
@@ -141,7 +141,8 @@ def _go(bench: Bench, to: Entry) -> None:
 
 def _worst_run(of: Map, row: int, frequency: float) -> int:
     line = int(np.argmin(np.abs(of.frequency - frequency)))
-    return int(np.nanargmax(of.sigma[:, line, row]))
+    known = np.isfinite(of.expected[:, line, row]) & np.isfinite(of.sigma[:, line, row])
+    return int(np.argmax(np.where(known, of.sigma[:, line, row], -np.inf)))
 
 
 def _short(sigma: float) -> str:

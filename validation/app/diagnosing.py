@@ -78,8 +78,8 @@ def _standing(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[st
     return (LESS, "faint") if one["as_where_nothing_is_missing"] else (TOO_MUCH_LEFT, "bad")
 
 
-def _interval(one: Mapping[str, Any]) -> dict[str, float] | None:
-    """Where the 90 % interval of its first size lies on a line that holds no effect, too; in per cent of the line."""
+def _interval(one: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Where the 90 % interval of its first size lies on a line that holds no effect, too: in per cent, and in words."""
     if not one["values"]:
         return None
     low, high = one["values"][0]["interval90"]
@@ -92,6 +92,7 @@ def _interval(one: Mapping[str, Any]) -> dict[str, float] | None:
         "left": round(100 * (low - left) / width, 2),
         "width": round(100 * (high - low) / width, 2),
         "zero": round(100 * (0.0 - left) / width, 2),
+        "words": "holds 0" if low <= 0.0 <= high else "clear of 0",
     }
 
 

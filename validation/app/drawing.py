@@ -13,11 +13,11 @@ from validation.plots import maps, overlay
 if TYPE_CHECKING:
     from geometry.dynamic_mass import ComplexArray
 
-ROW, TOP = 12, 30
-"""Height of a row of the map and room above its rows [pixels]."""
+ROW, TOP, BOTTOM = 9, 16, 40
+"""Least height of a row of the map, and room above and below its rows [pixels]."""
 
-TITLE = 16
-"""Height that a title takes beyond that [pixels]."""
+TITLE = 8
+"""[pixels] less than on a page that the overlay's title takes here."""
 
 WORST_OF_ALL = -1
 """In place of a run: the worst of all."""
@@ -32,7 +32,7 @@ async def drawn(bench: Bench) -> None:
     if of.pairs is not None:
         look = partial(overlay.overlay, of.pairs, state.load, state.motion, modes=modes, marked=state.marked, dark=dark)
         beside = further(bench)
-        state.fig_overlay = await bench.away(lambda: as_state(look(further=beside)))
+        state.fig_overlay = await bench.away(lambda: _entitled(look(further=beside), state.load, state.motion))
     else:
         state.fig_overlay = {}
     if state.map_kind == "pairs" and (pairs := of.pairs) is not None:
@@ -43,11 +43,18 @@ async def drawn(bench: Bench) -> None:
     state.flush()
 
 
+def _entitled(figure: Any, load: int, motion: int) -> dict[str, Any]:
+    """The overlay named by its entry alone: the campaign is said beside it, and the button that enlarges it needs room, too."""
+    title = f"{overlay.entry(load, motion)}: {overlay.LOADS[load]} by {overlay.MOTIONS[motion]}"
+    figure.update_layout(title_text=title, margin_t=figure.layout.margin.t - TITLE)
+    return as_state(figure)
+
+
 def _low(figure: Any) -> dict[str, Any]:
-    """A map without its title, which tabs and choices above it say, in rows that a low panel has more of."""
+    """A map without its title, which tabs and choices above it say; its height is the least, the page gives it what there is."""
     rows = len(figure.data[0].y)
-    figure.update_layout(title_text="", height=figure.layout.height - TITLE - (maps.ROW - ROW) * rows, margin_t=TOP)
-    figure.update_yaxes(tickfont_size=ROW - 2, selector={"type": "category"})
+    figure.update_layout(title_text="", height=TOP + ROW * rows + BOTTOM, margin_t=TOP, margin_b=BOTTOM)
+    figure.update_xaxes(title_standoff=2, title_font_size=12, tickfont_size=11)
     return as_state(figure)
 
 

@@ -25,15 +25,14 @@ WORDS = {
 Following = Callable[[Bench], Awaitable[None]]
 
 
-async def unchanged(bench: Bench) -> str:
-    """What a job leaves that only adds to what is found."""
-    return "nothing has changed"
+async def unchanged(bench: Bench) -> None:
+    """What a job that only adds to what is found leaves to be done when it is ended early."""
 
 
-def start(bench: Bench, kind: str, then: Following, left: Callable[[Bench], Awaitable[str]] = unchanged, **asked: Any) -> None:
+def start(bench: Bench, kind: str, then: Following, left: Following = unchanged, **asked: Any) -> None:
     """Let a worker begin; `then` follows when it is done. While one works no other begins.
 
-    `left` follows when it was cancelled or failed: it brings the page to what is there, and says that in words.
+    `left` follows when it was cancelled or failed, and brings the page to what is there.
     """
     if bench.desk is None or bench.worker is not None:
         return
@@ -61,7 +60,7 @@ def teller(bench: Bench, words: str) -> Callable[[str, float], None]:
     return lambda what, share: None if loop.is_closed() else (loop.call_soon_threadsafe(show, what, share), None)[1]
 
 
-async def _watched(bench: Bench, then: Following, left: Callable[[Bench], Awaitable[str]]) -> None:
+async def _watched(bench: Bench, then: Following, left: Following) -> None:
     worker = bench.worker
     if worker is None:
         return
@@ -71,14 +70,11 @@ async def _watched(bench: Bench, then: Following, left: Callable[[Bench], Awaita
         job = worker.job() if bench.ending is None else await bench.ending
         _tell(bench, job)
     bench.worker, bench.ending, bench.state.job = None, None, None
+    await (then if job.state == DONE else left)(bench)
     if job.state == FAILED:
         bench.state.failure = f"{WORDS[job.kind]} failed: {job.error}"
-        if (there := await left(bench)) != await unchanged(bench):
-            bench.state.failure += f" But {there}."
     if job.state == CANCELLED:
-        bench.state.ready = {"text": f"{WORDS[job.kind]} was cancelled; {await left(bench)}.", "links": []}
-    if job.state == DONE:
-        await then(bench)
+        bench.state.ready = {"text": f"{WORDS[job.kind]} was cancelled; {job.said or 'nothing has changed'}.", "links": []}
     bench.state.flush()
 
 

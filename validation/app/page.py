@@ -35,7 +35,8 @@ def build(server: Any, folder: Path, opened: Opened) -> Bench:
     from trame.ui.vuetify3 import VAppLayout
 
     files, name = {shell.SERVED: str(shell.WWW)}, shell.SERVED
-    own = {"serve": files, "scripts": [f"{name}/massline.js"], "styles": [f"{name}/massline.css"], "vue_use": ["massline"]}
+    scripts = [f"{name}/{one}.js" for one in ("keys", "massline")]
+    own = {"serve": files, "scripts": scripts, "styles": [f"{name}/massline.css"], "vue_use": ["massline"]}
     server.enable_module(own)
     bench = Bench(state=server.state, folder=folder, opened=opened)
     server.state.update(first_state())

@@ -13,6 +13,23 @@ from validation.ladders.nouns import Body, Rung
 from validation.plots.inertia import identified_inertia
 from validation.plots.ladder import falling_errors, way_to
 
+LOW = 290
+"""Least height of a figure [pixels]; the page gives it what there is."""
+
+HEADINGS = {
+    "mass and moments about the CoG [%]": "mass and moments<br>about the CoG [%]",
+    "products about the CoG [% of √(Θii Θjj)]": "products about the CoG<br>[% of √(Θii Θjj)]",
+}
+"""Of the inertia, in two lines."""
+
+SHORTER = {
+    "plain, fitted data": "plain",
+    "plain, held out": "held out",
+    "χ² per degree of freedom": "χ² per dof",
+    "z² of the tolerances over what is due": "z² over due",
+}
+"""Names in the legend."""
+
 BESIDE = 4
 """Rungs whose inertia is drawn, the last ones."""
 
@@ -29,21 +46,32 @@ async def shown(bench: Bench) -> None:
     state.step = _step(at)
     dark = bool(state.dark)
     fallen = [one for one in at.ladder.rungs if one.errors is not None]
-    state.fig_ladder = await bench.away(lambda: _untitled(falling_errors(at, dark=dark))) if fallen else None
+    state.fig_ladder = await bench.away(lambda: _fall(at, dark)) if fallen else None
     bodies = _bodies(at)
     state.fig_inertia = await bench.away(lambda: _inertia(bodies, dark)) if bodies else None
+
+
+def _fall(at: Standing, dark: bool) -> dict[str, Any]:
+    """With a legend in fewer words: a panel is narrower than a page."""
+    figure = falling_errors(at, dark=dark)
+    figure.for_each_trace(lambda one: one.update(name=SHORTER.get(one.name, one.name)))
+    figure.update_layout(margin={"b": 28, "l": 54})
+    figure.update_yaxes(title_font_size=11, tickfont_size=11)
+    return _untitled(figure, 60)
 
 
 def _inertia(bodies: dict[str, Body], dark: bool) -> dict[str, Any]:
     """With its headings in two lines: a panel is narrower than a page."""
     figure = identified_inertia(bodies, dark=dark)
-    figure.for_each_annotation(lambda one: one.update(text=one.text.replace(" about the CoG ", "<br>about the CoG ")))
-    return _untitled(figure)
+    for heading, lines in HEADINGS.items():
+        figure.update_annotations(text=lines, font_size=11, selector={"text": heading})
+    return _untitled(figure, 78)
 
 
-def _untitled(figure: Any) -> dict[str, Any]:
-    """Without its title, which the tab above it says."""
-    figure.update_layout(title_text="")
+def _untitled(figure: Any, top: int) -> dict[str, Any]:
+    """Without its title, which the tab above it says, in a low panel; `top` [pixels] are left for a legend at the upper edge."""
+    legend = {"yref": "container", "y": 1.0, "yanchor": "top", "font": {"size": 11}}
+    figure.update_layout(title_text="", height=LOW, margin_t=top, legend=legend)
     return as_state(figure)
 
 
@@ -64,15 +92,15 @@ def _rung(one: Rung, at: Standing) -> dict[str, Any]:
 
 
 def _before(at: Standing) -> dict[str, str]:
-    """The errors of the rung below, by the first word of their names as a comparison has them."""
+    """The errors of the rung below, by the names that a comparison gives them."""
     if at.rung is None or at.rung.parent is None or (errors := at.ladder.rung(at.rung.parent).errors) is None:
         return {}
     found = {
-        "nominal": f"{errors.nominal:.3g} %",
-        "plain": f"{errors.plain:.3g} %",
-        "fitted": f"χ² {errors.chi2_per_dof:.3g}, z² {errors.tolerance_z2:.3g}",
+        "nominal error": f"{errors.nominal:.3g} %",
+        "plain error": f"{errors.plain:.3g} %",
+        "fitted error": f"χ² {errors.chi2_per_dof:.3g}, z² {errors.tolerance_z2:.3g}",
     }
-    return found if errors.held_out is None else found | {"held-out": f"{errors.held_out:.3g} %"}
+    return found if errors.held_out is None else found | {"held-out error": f"{errors.held_out:.3g} %"}
 
 
 def _step(at: Standing) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from math import log
 from typing import Any
 
@@ -18,9 +19,13 @@ from validation.desk.whatif import Table, WhatIf
 from validation.diagnosing import figures
 from validation.diagnosing.words import listed
 from validation.effects.identifiers import parse
+from validation.plots.overlay import phase
 
 STEPS = 1000
 """Positions of a slider."""
+
+LONG = re.compile(r"\d+\.\d{4,}(e[+-]?\d+)?")
+"""A number with more digits than are read."""
 
 RESTS = 0.4
 """Seconds without a move after which a slider rests."""
@@ -166,7 +171,7 @@ async def _chased(bench: Bench) -> None:
         bench.drags += 1
         if trace is not None and bench.tried is not None:
             after = trace.matrix[:, state.load, state.motion]  # of the entry that is shown now, whichever was then
-            curves = [np.abs(after), np.degrees(np.angle(after))]
+            curves = [np.abs(after), phase(after)]
             state.live = {
                 "group": drawing.name_of(bench.tried),
                 "x": trace.frequency.tolist(),
@@ -191,11 +196,17 @@ def _stale(bench: Bench, effect: Effect, table: Table) -> bool:
 def _said(found: WhatIf, at: str) -> str:
     """What it would do, and whether anything was fitted anew for that: the size itself never is."""
     how = "with what the plain fit frees fitted anew beside it" if found.followed else "with nothing fitted anew"
-    told = f"{found.written}: the plain error goes from {found.before_percent:.3g} to {found.plain_percent:.3g} %, {how}"
+    goes = f"the plain error goes from {found.before_percent:.3g} to {found.plain_percent:.3g} %"
+    told = f"{_rounded(found.written)}: {goes}, {how}"
     if not any(one.reached for one in found.traces):
         told += "; no curve of the dynamic mass moves"
     facts = [f"{name} from {before:.1f} to {after:.1f} σ" for name, (before, after) in found.facts.items() if before != after]
     return told + (f"; {listed(facts)}" if facts else "") + f". Seen from {at}."
+
+
+def _rounded(written: str) -> str:
+    """An effect with its sizes in four digits: a slider has no more."""
+    return LONG.sub(lambda found: f"{float(found[0]):.4g}", written)
 
 
 def _answer(bench: Bench, text: str) -> None:

@@ -15,24 +15,10 @@ from validation.ladders.climbing import Standing, standing
 Progress = Callable[[str, float], None]
 
 
-def added(
-    of: Desk,
-    effect: str,
-    *,
-    fixed: bool = False,
-    alias_ok: bool = False,
-    remarks: tuple[str, ...] = (),
-    progress: Progress | None = None,
-) -> Mapping[str, Any]:
+def added(of: Desk, effect: str, progress: Progress | None = None) -> Mapping[str, Any]:
     """`effect` (``ID[=VALUE]``) added to the working copy as its next rung, and the comparison of the new model kept.
 
     Takes from seconds to minutes: `validation.desk.jobs.start(desk, "add", effect=...)` does it in a worker.
-
-    Parameters
-    ----------
-    fixed : whether it stays at VALUE
-    alias_ok : whether an exact alias of what the model has may be added
-    remarks : sentences that the rung's verdict ends with
 
     Returns
     -------
@@ -52,9 +38,6 @@ def added(
             band=asked.band,
             method=asked.method,
             effects_from=asked.effects_from,
-            fixed=fixed,
-            alias_ok=alias_ok,
-            remarks=remarks,
         ),
         progress,
     )

@@ -43,26 +43,6 @@ def ladder_text(of: Desk) -> str:
     return file.text(moving.moved_ladder(file.read(beside), of.model, to), to.name)
 
 
-def save(of: Desk, to: str | Path, *, replace: bool = False) -> tuple[Path, ...]:
-    """Write the model to the file `to` (.toml), and its ladder beside it, with data and own models named from there.
-
-    Raises
-    ------
-    BadInput : something is there already and is not to be replaced, or it cannot be written there.
-    OSError : a file cannot be written.
-    """
-    path = Path(to)
-    require_ending(path, (".toml",), "a model file", "model.toml")
-    require_file(path, "save")
-    both = (path, file.beside(path)) if file.beside(of.model).exists() else (path,)
-    there = [one for one in both if one.exists()]
-    if there and not replace:
-        problem = f"{' and '.join(one.name for one in there)} is there already" if len(there) == 1 else "they are there already"
-        raise BadInput(source=str(path), field="save", problem=problem, remedy="Name another file, or say that it is replaced")
-    moving.copied(of.model, path)
-    return both
-
-
 def figures(of: Desk, folder: str | Path, progress: Progress | None = None) -> tuple[Path, ...]:
     """Write the pictures of comparison, diagnosis and ladder into `folder`, as the commands draw them; some ten seconds.
 

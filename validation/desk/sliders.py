@@ -62,11 +62,6 @@ class Slider:
     whole: bool
     shown_unit: str
     per_si: float
-    family: str
-
-    def text(self, value: float) -> str:
-        """`value` [SI] with its sign and its unit, three digits: "+7.93 %"."""
-        return figures.one(self.family, self.key, self.unit, value)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -170,7 +165,6 @@ def _slider(family: Family, size: Size, start: float, typical: float | None) -> 
         whole=size.whole,
         shown_unit=shown.unit,
         per_si=shown.per_si,
-        family=family.name,
     )
 
 

@@ -55,15 +55,10 @@ def _verb(kind: str) -> Callable[[Desk, dict[str, Any], Progress], object]:
     """By kind; modules are imported when they are needed."""
     from validation.desk import climbing, comparing, diagnosing, saving
 
-    def add(of: Desk, asked: dict[str, Any], told: Progress) -> object:
-        return climbing.added(
-            of, asked["effect"], fixed=asked.get("fixed", False), alias_ok=asked.get("alias_ok", False), progress=told
-        )
-
     return {
         COMPARE: lambda of, asked, told: comparing.compared(of, told),
         DIAGNOSE: lambda of, asked, told: diagnosing.diagnosed(of, tuple(asked.get("candidates", ())), told),
-        ADD: add,
+        ADD: lambda of, asked, told: climbing.added(of, asked["effect"], progress=told),
         REPORT: lambda of, asked, told: saving.reported(of, asked["to"], told),
     }[kind]
 

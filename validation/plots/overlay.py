@@ -44,6 +44,9 @@ DEEPEST, NOTHING = 1e5, 1e-4
 HEIGHTS = ((0.09, 0.60), (0.64, 0.86))
 """Where magnitude and phase begin and end in a third of the page, from its top."""
 
+LEAST = -170.0
+"""[°] at which a phase begins; the page shows 20 more on either side of it."""
+
 WIDE = 2.0
 """Standard deviations (those of the maps) by which the band is wider than the prediction on both sides.
 
@@ -203,9 +206,15 @@ def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float, le
     return [low, go.Scatter(y=_short(size + WIDE * expected), **fill, **look)]
 
 
+def phase(H: ComplexArray) -> Array:
+    """[°] from -170 to 190: what is negative, give or take its noise, does not jump from one end of the page to the other."""
+    angle = np.degrees(np.angle(H))
+    return np.asarray(np.where(angle < LEAST, angle + 360.0, angle))
+
+
 def _phase(H: ComplexArray, bottom: float) -> Array:
-    """[°]; none where the magnitude is below the page, since the angle of next to nothing means nothing."""
-    return np.asarray(np.where(np.abs(H) >= bottom, np.degrees(np.angle(H)), np.nan))
+    """None where the magnitude is below the page, since the angle of next to nothing means nothing."""
+    return np.asarray(np.where(np.abs(H) >= bottom, phase(H), np.nan))
 
 
 def _further(k: int) -> dict[str, Any]:

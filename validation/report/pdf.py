@@ -2,58 +2,20 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from geometry.atomic import write_with
-from geometry.errors import BadInput, CheckFailed
-
-BROWSER = "MASSLINE_BROWSER"
-"""The environment variable that names a browser."""
-
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
+from geometry.errors import CheckFailed
+from validation.report import browser
 
 PATIENCE = 180.0
 """[s] after which a browser that does not end is ended."""
 
 BUDGET = 60_000
 """[ms] of the page's own time within which every figure is drawn."""
-
-
-def browser() -> str:
-    """The path of a browser that prints.
-
-    Raises
-    ------
-    BadInput : there is none, or `MASSLINE_BROWSER` names none.
-    """
-    named = os.environ.get(BROWSER)
-    if named is not None:
-        found = shutil.which(named)
-        if found is None:
-            remedy = "Name a browser of the Chromium family, or unset it"
-            raise BadInput(source=BROWSER, problem=f"no program is called {named!r}", remedy=remedy)
-        return found
-    found = next((path for name in NAMES if (path := shutil.which(name))), None)
-    if found is None:
-        raise BadInput(
-            source="--pdf",
-            problem=f"no browser is on the path, looked for {', '.join(NAMES)}",
-            remedy=f"Install one (Debian: apt-get install chromium), or name another in {BROWSER}",
-        )
-    return found
-
-
-def version(program: str) -> str:
-    """What the browser `program` says of itself; its path where it says nothing."""
-    try:
-        done = subprocess.run([program, "--version"], capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False)
-    except (OSError, subprocess.TimeoutExpired):
-        return program
-    return done.stdout.strip() or program
 
 
 def print_to(page: Path, path: Path, program: str) -> None:
@@ -80,13 +42,7 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
     """Without a window, a profile of its own, nothing asked of anybody."""
     return (
         "--headless",
-        *(("--no-sandbox",) if _is_root() else ()),
-        "--disable-gpu",
-        "--disable-quic",
-        "--no-first-run",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
+        *browser.flags(),
         "--disable-extensions",
         f"--user-data-dir={profile}/profile",
         f"--virtual-time-budget={BUDGET}",
@@ -94,11 +50,6 @@ def _options(profile: str, made: Path) -> tuple[str, ...]:
         "--generate-pdf-document-outline",
         f"--print-to-pdf={made}",
     )
-
-
-def _is_root() -> bool:
-    """Whether the browser would run as root, as in a container, where it refuses to start in its sandbox."""
-    return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
 def _run(words: list[str]) -> str:

@@ -29,7 +29,7 @@ from validation.ladders.sources import digest
 from validation.models.model import Model
 from validation.output import require_ending, require_file
 from validation.progress import stages
-from validation.report import pdf
+from validation.report import browser, pdf
 from validation.report.assembling import How, assembled
 from validation.report.nouns import Provenance, Report
 from validation.report.page import write
@@ -76,7 +76,7 @@ def answer(asked: Asked) -> None:
     OSError : a file cannot be written.
     """
     path = place(asked)
-    program = pdf.browser() if asked.pdf else ""
+    program = browser.path() if asked.pdf else ""
     report = reported(asked)
     with stages("writing", quiet=False) as told:
         write(report, path, told)
@@ -182,7 +182,7 @@ def command_line(of: Compared, *, effects_from: Sequence[str] = (), diagnosis: b
 
 def _versions(asked: Asked) -> dict[str, str]:
     found = {**{name: version(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
-    return {**found, "browser that prints": pdf.version(pdf.browser())} if asked.pdf else found
+    return {**found, "browser that prints": browser.version(browser.path())} if asked.pdf else found
 
 
 def _own_effects() -> tuple[str, ...]:

@@ -80,13 +80,19 @@ def _until() -> Callable[..., bool]:
     return until
 
 
+@pytest.fixture(scope="session", name="alive")
+def _alive() -> Callable[[int], bool]:
+    return alive
+
+
 @pytest.fixture(scope="session")
 def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """The command line in a process, to its end."""
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         program = "from validation.cli import main; main()"
-        return subprocess.run([sys.executable, "-P", "-c", program, *arguments], capture_output=True, text=True, timeout=30)
+        command = [sys.executable, "-P", "-c", program, *arguments]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE / 1e3, check=False)
 
     return run
 
@@ -194,20 +200,46 @@ def _host(address: str) -> str:
 
 
 @pytest.fixture(scope="session")
-def script() -> Callable[[str], str]:
-    """A script of the folder js, to be evaluated in a page."""
-    return lambda name: (Path(__file__).with_name("js") / f"{name}.js").read_text(encoding="utf-8")
-
-
-@pytest.fixture(scope="session")
 def shot() -> Callable[[Any, str], None]:
     """Keeps a picture of a page under out/workbench."""
 
     def kept(page: Any, name: str) -> None:
         SHOTS.mkdir(parents=True, exist_ok=True)
-        page.screenshot(path=str(SHOTS / f"{name}.png"))
+        page.screenshot(path=str(SHOTS / f"{name}.jpg"), type="jpeg", quality=90)  # quicker than PNG, several times
 
     return kept
+
+
+RESTS = """([scheme, paper]) => document.querySelector(`.v-theme--${scheme}`)
+    && [...document.querySelectorAll(".js-plotly-plot")].every((one) => one._fullLayout?.paper_bgcolor === paper)
+    && [...document.querySelectorAll("canvas.view")].every((one) => one.dataset.shown)
+    && document.getAnimations().every((one) => !(one instanceof CSSTransition) || one.playState !== "running")"""
+"""Whether page and figures have taken their colours, and nothing fades any more."""
+
+PAPER = {"light": "#ffffff", "dark": "#171b22"}
+
+
+@pytest.fixture(scope="session")
+def looked(script: Any, shot: Any) -> Callable[[Any, str], None]:
+    """``looked(page, state)``: light and dark on a laptop, and once on a large screen, every text stands out, every control has
+    a name and nothing has to be scrolled sideways; a picture is kept of each. It ends with the other colours: the next state
+    begins with them."""
+
+    def look(page: Any, state: str) -> None:
+        now = "dark" if page.evaluate("matchMedia('(prefers-color-scheme: dark)').matches") else "light"
+        other = {"light": "dark", "dark": "light"}[now]
+        for width, height, scheme in ((1366, 768, now), (1366, 768, other), (1920, 1080, other)):
+            page.set_viewport_size({"width": width, "height": height})
+            page.emulate_media(color_scheme=scheme)
+            page.wait_for_function(RESTS, arg=[scheme, PAPER[scheme]])
+            where = f"{state}-{scheme}-{width}"
+            shot(page, where)
+            assert page.evaluate(script("contrast")) == [], where
+            assert page.evaluate(script("unlabelled")) == [], where
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), where
+        page.set_viewport_size({"width": 1366, "height": 768})
+
+    return look
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import climbing, drawing, jobs, leaving, opening, saving, structure, trying, working
+from validation.app import climbing, comparing, drawing, jobs, leaving, opening, saving, structure, trying, working
 from validation.app.asked import Opened
 from validation.app.bench import Bench
 from validation.desk.handed import Handed
@@ -139,8 +139,8 @@ def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rest
 class Worker:
     """One that dies slowly, and tells every look at it meanwhile as a failure."""
 
-    def __init__(self) -> None:
-        self.ending = False
+    def __init__(self, said: str) -> None:
+        self.said, self.ending = said, False
 
     def job(self) -> Job:
         return Job(kind="add", asked={}, state=FAILED if self.ending else RUNNING)
@@ -148,23 +148,20 @@ class Worker:
     def cancel(self) -> Job:
         self.ending = True
         time.sleep(4 * jobs.PACE)
-        return Job(kind="add", asked={}, state=CANCELLED)
+        return Job(kind="add", asked={}, state=CANCELLED, said=self.said)
 
 
-@pytest.mark.parametrize(("rung", "says"), [(0, "nothing has changed"), (1, "it is rung 1")])
-def test_a_cancelled_add_is_told_as_the_ladder_has_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rung: int, says: str
+@pytest.mark.parametrize(("said", "told"), [("", "nothing has changed."), ("rung 1 stays on the ladder",) * 2])
+def test_a_cancelled_add_is_told_as_the_desk_left_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, told: str
 ) -> None:
-    stood: list[int] = []
+    stood: list[Bench] = []
 
-    async def stands(_: Bench) -> None:
-        stood.append(rung)
+    async def stands(of: Bench) -> None:
+        stood.append(of)
 
-    numbers = iter([0, rung])
-    monkeypatch.setattr(climbing.climbing, "ladder", lambda _: SimpleNamespace(rung=SimpleNamespace(number=next(numbers))))
     monkeypatch.setattr(working, "stands", stands)
-    monkeypatch.setattr(climbing, "keep", lambda _: None)
-    monkeypatch.setattr(jobs.jobs, "start", lambda *_, **__: Worker())
+    monkeypatch.setattr(jobs.jobs, "start", lambda *_, **__: Worker(said))
 
     async def story() -> None:
         of = bench(tmp_path, effect={"id": "x"})
@@ -173,8 +170,8 @@ def test_a_cancelled_add_is_told_as_the_ladder_has_it(
         await jobs.cancel(of)
         await asyncio.gather(*of.tasks)
         assert of.state.failure == ""
-        assert says in of.state.ready["text"]
-        assert stood == ([1] if rung else [])
+        assert told in of.state.ready["text"]
+        assert stood == [of]
 
     run(story)
 
@@ -213,6 +210,24 @@ def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.M
         await asyncio.wait_for(of.away(lambda: None), 0.2)
         await drawing_them
         assert of.state.ready["links"][0]["name"] == "figures.zip"
+
+    run(story)
+
+
+def test_a_click_on_the_map_goes_to_the_worst_line_of_its_column(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def drawn(_: Bench) -> None:
+        pass
+
+    monkeypatch.setattr(comparing, "drawn", drawn)
+    monkeypatch.setattr(structure, "nearest", drawn)
+
+    async def story() -> None:
+        of = bench(tmp_path, campaign="a", map_kind="pairs")
+        of.compared = SimpleNamespace(map=lambda _: SimpleNamespace(data_set="a"))  # type: ignore[assignment]
+        await comparing.cell(of, {"x": 10.0, "y": "zβ", "custom": [7.1, 10.4]})
+        assert (of.state.load, of.state.motion, of.state.marked) == (2, 4, 10.4)
+        await comparing.cell(of, {"x": 12.0, "y": 1.0, "custom": []})  # the triangle of a mode
+        assert of.state.marked == 10.4
 
     run(story)
 

@@ -1,7 +1,8 @@
-"""The page as a person meets it: what it says when it is empty, what it says is wrong, by eye and by keyboard, light and dark."""
+"""The page as a person meets it: by mouse and by keyboard, with names in the files that would like to be more than names."""
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,10 @@ FOCUSED = """() => {
 }"""
 """Name and outline of what the keyboard is at."""
 
-STILL = "() => document.getAnimations().every((one) => one.playState !== 'running')"
-"""Whether colours have stopped to fade into each other."""
+
+def hertz(page: Any, figure: str) -> float:
+    """The frequency of the place that the keyboard has marked in a figure, as it is said."""
+    return float(re.search(r"([\d.]+) Hz", page.locator(f"{figure} .place-words").inner_text())[1])  # type: ignore[index]
 
 
 @pytest.fixture(scope="module")
@@ -42,40 +45,8 @@ def page(bench: Any, visit: Any) -> Any:
     return opened
 
 
-@pytest.fixture(scope="module")
-def empty(start_app: Any, visit: Any) -> Any:
-    """A window that begins with nothing."""
-    opened = visit(start_app("--stay"))
-    opened.locator("#open-files").wait_for()
-    return opened
-
-
-def test_an_empty_page_says_what_to_do_next(empty: Any, script: Any, shot: Any) -> None:
-    assert "Drag a folder" in empty.inner_text("main")
-    assert empty.get_by_role("button", name="Open the example").count() >= 2
-    for scheme in ("light", "dark"):
-        empty.emulate_media(color_scheme=scheme)
-        empty.locator(f".v-theme--{scheme}").first.wait_for()
-        empty.wait_for_function(STILL)
-        assert empty.evaluate(script("contrast")) == []
-        assert empty.evaluate(script("unlabelled")) == []
-        shot(empty, f"open-{scheme}")
-    empty.emulate_media(color_scheme="light")
-
-
-def test_what_is_wrong_stands_beside_the_field_that_has_it(empty: Any, shot: Any) -> None:
-    empty.get_by_label("Model file").fill("/nowhere/model.toml")
-    empty.get_by_label("Data: campaign folders").fill("/nowhere/block")
-    empty.locator("#open-files").click()
-    empty.locator(".fault", has_text="/nowhere/model.toml").wait_for()
-    assert "no such file" in empty.locator(".fault").first.inner_text()
-    empty.get_by_label("Band [Hz]").fill("9 high")
-    empty.locator("#open-files").click()
-    empty.locator(".fault", has_text="9 high").wait_for()
-    shot(empty, "faults")
-
-
-def test_names_of_dropped_files_go_nowhere(empty: Any, bench: Any) -> None:
+def test_names_of_dropped_files_go_nowhere(page: Any, bench: Any) -> None:
+    page.get_by_role("button", name="Open another").click()
     names = ["../../../evil.toml", "/etc/evil.toml", "..\\evil.toml", "a/../../evil.toml", "ok\u0000evil.toml", EVIL + ".toml"]
     send = """async (names) => {
         const form = new FormData();
@@ -84,11 +55,13 @@ def test_names_of_dropped_files_go_nowhere(empty: Any, bench: Any) -> None:
     }"""
     root = Path(f"/proc/{bench.process.pid}/cwd").resolve().parent
     before = {path for path in root.rglob("*evil*") if "given" not in path.parts}
-    assert empty.evaluate(send, names) == 200
-    empty.locator(".fault", has_text="evil.toml").first.wait_for()
+    assert page.evaluate(send, names) == 200
+    page.locator(".fault", has_text="evil.toml").first.wait_for()
     assert {path for path in root.rglob("*evil*") if "given" not in path.parts} == before
     assert not Path("/etc/evil.toml").exists()
-    assert empty.locator("main img").count() == 0
+    assert page.locator("main img").count() == 0
+    page.get_by_role("button", name="Back to what is open").click()
+    page.locator("#map[data-drawn]").wait_for()
 
 
 def test_names_in_a_campaign_are_text(page: Any, bench: Any) -> None:
@@ -96,44 +69,67 @@ def test_names_in_a_campaign_are_text(page: Any, bench: Any) -> None:
     page.locator(".note", has_text=f"{EVIL} of fmd+cuboid").wait_for()
     assert page.locator("img").count() == 0
     assert "49" not in page.inner_text("header")
-    assert page.locator("#overlay .gtitle").text_content().count("<img") == 1
     assert page.title() == "massline"
-
-
-@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1920, 1080)])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_everything_can_be_read_and_is_named_without_sideways_scrolling(
-    page: Any, script: Any, shot: Any, width: int, height: int, scheme: str
-) -> None:
-    page.set_viewport_size({"width": width, "height": height})
-    page.emulate_media(color_scheme=scheme)
-    page.locator(f".v-theme--{scheme}").first.wait_for()
-    paper = {"light": "rgb(255, 255, 255)", "dark": "rgb(23, 27, 34)"}[scheme]
-    page.wait_for_function(
-        "(paper) => getComputedStyle(document.querySelector('#overlay .main-svg')).backgroundColor === paper", arg=paper
-    )
-    page.locator("canvas[data-shown]").wait_for()
-    page.wait_for_function(STILL)
-    assert page.evaluate(script("contrast")) == []
-    assert page.evaluate(script("unlabelled")) == []
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    shot(page, f"work-{scheme}-{width}")
 
 
 def test_the_keyboard_reaches_everything_and_shows_where_it_is(page: Any) -> None:
     page.set_viewport_size({"width": 1366, "height": 768})
     page.evaluate("document.activeElement?.blur()")
     reached = []
-    for _ in range(90):
+    for _ in range(100):
         page.keyboard.press("Tab")
         name, outline = page.evaluate(FOCUSED)
         reached.append(name)
         assert outline != "none", name
-    for wanted in ("Skip to the contents", "Report", "What is missing", "H xx: force along x by a", "Pairs of axes"):
+    for wanted in (
+        "Skip to the contents",
+        "Report",
+        "Where it fails",
+        "H xx: force along x by a",
+        "Channels",
+        "Map of residuals",
+    ):
         assert any(one.startswith(wanted) for one in reached), wanted
     page.get_by_role("button", name="H yy: force along y").focus()
     page.keyboard.press("Enter")
     page.locator('[aria-pressed="true"][aria-label^="H yy"]').wait_for()
+
+
+def test_arrow_keys_choose_a_tab_that_says_what_it_controls(page: Any) -> None:
+    page.get_by_role("tab", name="Where it fails").focus()
+    for key, name in (("ArrowRight", "What is missing"), ("End", "What if"), ("ArrowRight", "Where it fails")):
+        page.keyboard.press(key)
+        page.locator('[role="tab"][aria-selected="true"]', has_text=name).wait_for()
+        assert page.evaluate("document.activeElement.innerText") == name
+    panels = page.evaluate("[...document.querySelectorAll('[role=tab]')].map((one) => one.getAttribute('aria-controls'))")
+    for panel in set(panels):
+        assert page.locator(f"#{panel}[role=tabpanel]").count() == 1, panel
+
+
+def test_any_cell_and_any_frequency_is_marked_told_and_picked_by_keyboard(page: Any, script: Any, shot: Any) -> None:
+    page.locator("#map").focus()
+    page.keyboard.press("Home")
+    worst = page.locator("#map .place-words").inner_text()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowUp")
+    beside = page.locator("#map .place-words").inner_text()
+    assert beside.split(",")[0] != worst.split(",")[0]
+    assert " σ" in beside
+    shot(page, "map-by-keyboard")
+    page.keyboard.press("Enter")
+    page.wait_for_function(script("marked"), arg=hertz(page, "#map"))
+    page.locator("#overlay").focus()
+    page.keyboard.press("PageDown")
+    first = hertz(page, "#overlay")
+    page.keyboard.press("ArrowRight")
+    assert hertz(page, "#overlay") > first
+    assert "predicted" in page.locator("#overlay .place-words").inner_text()
+    assert page.locator("#overlay .place-words").get_attribute("role") == "status"  # which is read out
+    shot(page, "overlay-by-keyboard")
+    page.keyboard.press("Enter")
+    page.wait_for_function(script("marked"), arg=hertz(page, "#overlay"))
+    page.get_by_role("tab", name="Where it fails").focus()
+    assert not page.locator(".place:visible").count()
 
 
 def test_the_structure_turns_by_keyboard_and_by_hand(page: Any) -> None:
@@ -181,12 +177,3 @@ def test_a_long_computation_can_be_cancelled_and_leaves_nothing(page: Any, bench
     page.locator("text=was cancelled").wait_for()
     assert until(lambda: set(bench.descendants()) <= set(windows), 5)
     assert page.locator("#diagnose").is_enabled()
-
-
-def test_an_example_opens_by_its_button(empty: Any) -> None:
-    empty.get_by_role("button", name="Open the example").first.click()
-    empty.locator("main.work").wait_for()
-    assert "hidden effect" in empty.inner_text("header")
-    empty.locator(".job", has_text="Comparing").wait_for()
-    empty.locator("#cancel").click()
-    empty.locator("#compare:enabled").wait_for()

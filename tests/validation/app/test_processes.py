@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import subprocess
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,7 +14,9 @@ def number(page: Any) -> Any:
     return page.locator("#band")
 
 
-def test_two_windows_do_not_disturb_each_other_and_a_reload_keeps_the_state(start_app: Any, visit: Any) -> None:
+def test_two_windows_do_not_disturb_each_other_a_reload_keeps_the_state_and_a_duplicated_tab_gets_its_own(
+    start_app: Any, visit: Any
+) -> None:
     bench = start_app("--stay")
     first = visit(bench)
     number(first).fill("12")
@@ -26,34 +27,17 @@ def test_two_windows_do_not_disturb_each_other_and_a_reload_keeps_the_state(star
     assert number(first).input_value() == "12"
     assert first.url != second.url
     assert len(bench.windows()) == 2
+    duplicated = second.context.new_page()
+    duplicated.goto(first.url)
+    number(duplicated).wait_for()
+    assert duplicated.url not in (first.url, second.url)
+    assert number(duplicated).input_value() == ""
     place, held = first.url, iter([True] * 7)
     told = lambda route: route.fulfill(json={"open": next(held, False)})  # noqa: E731 - the old page lets go slowly
     first.route("**/open", told)
     first.reload()
     assert number(first).input_value() == "12"
     assert first.url == place
-
-
-def test_a_duplicated_tab_gets_a_window_of_its_own(start_app: Any, visit: Any) -> None:
-    bench = start_app("--stay")
-    first = visit(bench)
-    number(first).fill("12")
-    second = first.context.new_page()
-    second.goto(first.url)
-    number(second).wait_for()
-    assert second.url != first.url
-    assert number(second).input_value() == ""
-
-
-def test_closing_the_pages_leaves_no_process(start_app: Any, visit: Any, until: Any) -> None:
-    bench = start_app("--linger", "1")
-    page = visit(bench)
-    number(page).wait_for()
-    (window,) = bench.windows()
-    page.close()
-    assert until(lambda: not bench.descendants(), 10)
-    assert not running(window)
-    assert bench.process.wait(timeout=20) == 0
 
 
 def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> tuple[Any, Any, list[int]]:
@@ -66,29 +50,31 @@ def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> 
 
 
 def test_closing_the_page_of_a_window_at_work_leaves_no_process(
-    start_app: Any, visit: Any, until: Any, series: tuple[str, str]
+    start_app: Any, visit: Any, until: Any, alive: Any, series: tuple[str, str]
 ) -> None:
     bench, page, every = at_work(start_app, visit, until, series)
     page.close()
     assert bench.process.wait(timeout=20) == 0
-    assert not any(running(one) for one in every)
+    assert not any(alive(one) for one in every)
 
 
-def test_ctrl_c_takes_every_window_and_its_work_with_it(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> None:
+def test_ctrl_c_takes_every_window_and_its_work_with_it(
+    start_app: Any, visit: Any, until: Any, alive: Any, series: tuple[str, str]
+) -> None:
     bench, page, every = at_work(start_app, visit, until, series)
     page.context.close()
     assert bench.interrupted() == 0
-    assert not any(running(one) for one in every)
+    assert not any(alive(one) for one in every)
 
 
 def test_a_killed_door_takes_every_window_and_its_work_with_it(
-    start_app: Any, visit: Any, until: Any, series: tuple[str, str]
+    start_app: Any, visit: Any, until: Any, alive: Any, series: tuple[str, str]
 ) -> None:
     bench, page, every = at_work(start_app, visit, until, series)
     page.context.close()
     bench.process.send_signal(signal.SIGKILL)
     bench.process.wait()
-    assert until(lambda: not any(running(one) for one in every), 5)
+    assert until(lambda: not any(alive(one) for one in every), 5)
 
 
 def test_a_port_that_is_taken_is_said_in_words(start_app: Any, massline: Any) -> None:
@@ -111,11 +97,3 @@ def test_what_cannot_be_opened_is_said_before_anything_is_served(massline: Any, 
     done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", *arguments)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
-
-
-def running(pid: int) -> bool:
-    """Whether the process runs; one that ended and waits to be collected does not."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False

@@ -174,7 +174,6 @@ def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(tabl
             assert one.low <= one.start <= one.high
             assert one.low < one.high
             assert not one.logarithmic or one.low > 0
-            assert one.text(one.high)
 
 
 def test_a_size_that_leaves_no_body_is_refused_in_words(table: Table) -> None:

@@ -140,9 +140,16 @@ def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
     assert_allclose(by_name["measured, Eqs. 9 to 11"].y, 1.1 * np.abs(H), rtol=1e-6)
     assert_allclose(by_name["with it"].y, 2 * np.abs(H), rtol=1e-6)
     phase = next(trace for trace in figure.data if trace.name == "predicted" and trace.yaxis == "y2")
-    assert_allclose(phase.y, np.degrees(np.angle(H)), atol=1e-3)
+    assert_allclose(np.exp(1j * np.radians(phase.y)), H / np.abs(H), atol=1e-4)
     assert (by_name["predicted"].x0, by_name["predicted"].dx) == (4.0, 0.5)
     assert "kg m²" in figure.layout.yaxis.title.text
+
+
+def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is() -> None:
+    noise = np.random.default_rng(0).normal(scale=0.02, size=100)
+    shown = overlay.phase(-1.0 + 1j * noise)
+    assert np.ptp(shown) < 10
+    assert_allclose(shown, 180, atol=8)
 
 
 @pytest.mark.parametrize(("entry", "unit"), [((0, 0), "kg"), ((0, 4), "kg m"), ((5, 1), "kg m"), ((3, 5), "kg m²")])

@@ -15,7 +15,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.diagnosing.as_json import as_json
-from validation.report import pdf
+from validation.report import browser
 from validation.report import run as asked
 from validation.report.figures import Figures
 from validation.report.nouns import Report
@@ -160,7 +160,7 @@ def test_code_of_the_user_and_the_browser_that_prints_are_said(
     (tmp_path / "browser").write_text("#!/bin/sh\necho Brow 7.1\n")
     (tmp_path / "browser").chmod(0o755)
     monkeypatch.setattr(asked, "SOURCES", {"mine": str(tmp_path / "mine.py"), "theirs": "entry point theirs"})
-    monkeypatch.setenv(pdf.BROWSER, str(tmp_path / "browser"))
+    monkeypatch.setenv(browser.BROWSER, str(tmp_path / "browser"))
     made = asked.provenance(asked.Asked(compared=series.asked, pdf=True, diagnosis=False))
     assert made.inputs[-1].path == str(tmp_path / "mine.py")
     assert made.settings["effects of the user's own"] == [f"mine ({tmp_path}/mine.py)", "theirs (entry point theirs)"]

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from geometry.errors import BadInput, CheckFailed
-from validation.report import pdf
+from validation.report import browser, pdf
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -19,7 +19,7 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture(scope="module")
 def printed(page: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("paper") / "report.pdf"
-    pdf.print_to(page, path, pdf.browser())
+    pdf.print_to(page, path, browser.path())
     return path.read_bytes()
 
 
@@ -78,14 +78,14 @@ def test_nobody_but_root_prints_without_the_browsers_sandbox(
 
 
 def test_without_a_browser_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv(pdf.BROWSER, raising=False)
+    monkeypatch.delenv(browser.BROWSER, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BadInput, match="apt-get install chromium"):
-        pdf.browser()
+        browser.path()
 
 
 def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(pdf.BROWSER, "no-such-browser")
+    monkeypatch.setenv(browser.BROWSER, "no-such-browser")
     code, _, said = run("report", "none.toml", "nowhere", "--pdf")
     assert code == 2
     assert "MASSLINE_BROWSER" in said
@@ -96,6 +96,6 @@ def test_a_named_browser_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     own = tmp_path / "mine"
     own.write_text("#!/bin/sh\n")
     own.chmod(0o755)
-    monkeypatch.setenv(pdf.BROWSER, str(own))
-    found: Any = pdf.browser()
+    monkeypatch.setenv(browser.BROWSER, str(own))
+    found: Any = browser.path()
     assert found == str(own)

@@ -33,12 +33,23 @@
   }
 
   // A figure as the server made it. `live` are points of one curve, exchanged while a slider is dragged; a click is told as `pick`.
+  // Where `keys` names what they mark ("cells" or "lines"), arrow keys and Enter do what a mouse does; `at` [Hz] is where they begin.
   const Plot = {
-    props: { figure: Object, live: Object, label: String, tall: Boolean },
+    props: { figure: Object, live: Object, label: String, tall: Boolean, keys: String, at: Number },
     emits: ["pick"],
     setup: () => ({ root: ref(null) }),
     render() {
-      return h("div", { ref: "root", class: ["plot", this.tall ? "tall" : ""], role: "img", "aria-label": this.label });
+      const marking = {
+        role: "application",
+        tabindex: 0,
+        "aria-roledescription": "figure",
+        "aria-label": `${this.label}. Arrow keys mark a place, Page Up and Page Down go ten at a time, Enter goes there.`,
+        onKeydown: (event) => this.place?.key(event, this.at),
+        onFocus: (event) => event.target.matches(":focus-visible") && this.place?.show(this.at),
+        onBlur: () => this.place?.hide(),
+      };
+      const said = this.keys ? marking : { role: "img", "aria-label": this.label };
+      return h("div", { ref: "root", class: ["plot", this.tall ? "tall" : ""], ...said });
     },
     async mounted() {
       const Plotly = await library();
@@ -47,6 +58,7 @@
       this.draw();
       this.sized = new ResizeObserver(() => this.drawn && this.resize());
       this.sized.observe(this.$refs.root);
+      if (this.tall) this.sized.observe(this.$refs.root.parentElement);
     },
     beforeUnmount() {
       this.sized?.disconnect();
@@ -64,7 +76,9 @@
         const figure = structuredClone(window.Vue.toRaw(this.figure));
         const layout = figure.layout;
         layout.autosize = true;
-        if (!this.tall) delete layout.height;
+        this.least = layout.height;
+        delete layout.height;
+        this.heighten(layout);
         const config = {
           displaylogo: false,
           responsive: false,
@@ -74,7 +88,12 @@
         await this.Plotly.react(root, figure.data, layout, config);
         if (!this.drawn) {
           root.on("plotly_click", (event) => this.picked(event.points[0]));
-          root.on("plotly_afterplot", () => this.ahead && this.bend()); // zoomed, or of another size
+          const { Place, [this.keys]: kind } = window.masslineKeys;
+          if (kind) this.place = new Place(root, kind, (place) => this.$emit("pick", place));
+          root.on("plotly_afterplot", () => { // zoomed, or of another size
+            if (this.ahead) this.bend();
+            this.place?.draw();
+          });
           this.drawn = true;
         }
         root.dataset.drawn = String(Number(root.dataset.drawn ?? 0) + 1);
@@ -110,11 +129,22 @@
         });
       },
       picked(point) {
-        this.$emit("pick", { x: point.x, y: point.y, custom: point.customdata ?? null, name: point.data.name ?? "" });
+        this.$emit("pick", { x: point.x, y: point.y, custom: Array.from(point.customdata ?? []) });
+      },
+      // A figure that may be scrolled takes the height that there is, and no less than the server asks for; rows of a map share it.
+      heighten(layout) {
+        if (!this.tall) return;
+        const height = Math.max(this.least, this.$refs.root.parentElement.clientHeight - 1);
+        this.$refs.root.style.height = `${height}px`;
+        if (this.keys !== "cells") return;
+        const { margin, yaxis } = layout;
+        yaxis.tickfont.size = Math.min(11, Math.max(9, (height - margin.t - margin.b) / yaxis.categoryarray.length - 1));
       },
       resize() {
         const root = this.$refs.root;
-        if (root && root.offsetWidth > 0) this.Plotly.Plots.resize(root);
+        if (!root || root.offsetWidth === 0) return;
+        this.heighten(root.layout);
+        this.Plotly.Plots.resize(root);
       },
     },
   };
@@ -142,6 +172,37 @@
     updated() { if (Date.now() - (this.moved ?? 0) > REST) this.$refs.root.value = this.at; },
   };
 
+  // Tabs of a panel: one of them is reached by Tab, the others by arrow keys, which choose.
+  const Tabs = {
+    props: { label: String, of: Array, at: String, panel: String },
+    emits: ["choose"],
+    render() {
+      const tab = ([name, text]) => h("button", {
+        type: "button",
+        role: "tab",
+        key: name,
+        id: `to-${name}`,
+        "aria-controls": this.panel,
+        "aria-selected": String(name === this.at),
+        tabindex: name === this.at ? 0 : -1,
+        onClick: () => this.$emit("choose", name),
+      }, text);
+      return h("div", { class: "tabs", role: "tablist", "aria-label": this.label, onKeydown: this.key }, this.of.map(tab));
+    },
+    methods: {
+      key(event) {
+        const all = [...this.$el.children];
+        const k = all.indexOf(event.target);
+        const to = { ArrowLeft: k - 1, ArrowRight: k + 1, Home: 0, End: -1 }[event.key];
+        if (to === undefined) return;
+        event.preventDefault();
+        const next = all.at(to % all.length);
+        next.focus();
+        next.click();
+      },
+    },
+  };
+
   const FRAMES = 9; // from one end of the swing to the other
   const PACE = 70; // milliseconds a frame
 
@@ -155,7 +216,8 @@
         ref: "canvas",
         class: "view",
         tabindex: 0,
-        role: "img",
+        role: "application",
+        "aria-roledescription": "picture",
         "aria-label": `${this.label}. Arrow keys turn it, plus and minus zoom, Home goes back.`,
         onPointerdown: this.grab,
         onPointermove: this.move,
@@ -204,6 +266,7 @@
         }
         this.asking = true;
         this.frames = null;
+        canvas.removeAttribute("data-frames");
         const asked = this.address(this.moves ? FRAMES - 1 : 0);
         const picture = await this.fetched(asked);
         this.asking = false;
@@ -391,6 +454,7 @@
   window.massline = {
     install(app) {
       app.component("MasslinePlot", Plot);
+      app.component("MasslineTabs", Tabs);
       app.component("MasslineView", View);
       app.component("MasslineSlider", Slider);
       app.component("MasslineDrop", Drop);

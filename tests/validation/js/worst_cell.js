@@ -8,5 +8,5 @@
   const scrolled = root.closest(".scrolled");
   scrolled.scrollTop = down - scrolled.clientHeight / 2;
   const box = root.getBoundingClientRect();
-  return { x: box.x + xaxis._offset + xaxis.c2p(heat.xCenter[column]), y: box.y + down, name: heat.trace.y[row], best };
+  return { x: box.x + xaxis._offset + xaxis.c2p(heat.xCenter[column]), y: box.y + down, name: heat.trace.y[row], frequency: Array.from(heat.trace.customdata[row][column])[1] };
 }

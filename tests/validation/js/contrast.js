@@ -6,19 +6,25 @@
     const [r, g, b] = rgb.map((one) => { const c = one / 255; return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4; });
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
-  const chain = (element) => { const all = []; for (let one = element; one; one = one.parentElement) all.push(one); return all; };
-  const behind = (element) => chain(element).reverse().reduce((below, one) => over(parts(getComputedStyle(one).backgroundColor), below), [255, 255, 255]);
-  const opacity = (element) => chain(element).reduce((all, one) => all * Number(getComputedStyle(one).opacity), 1);
+  const known = new Map(); // of every element its ground and how opaque it is, each from its parent's
+  const stands = (element) => {
+    if (!element) return { ground: [255, 255, 255], share: 1 };
+    if (!known.has(element)) {
+      const [style, below] = [getComputedStyle(element), stands(element.parentElement)];
+      known.set(element, { ground: over(parts(style.backgroundColor), below.ground), share: below.share * Number(style.opacity) });
+    }
+    return known.get(element);
+  };
   const poor = [];
   for (const element of document.querySelectorAll("body *")) {
     const text = [...element.childNodes].filter((one) => one.nodeType === 3).map((one) => one.data.trim()).join(" ").trim();
+    if (!text) continue;
     const box = element.getBoundingClientRect();
     const style = getComputedStyle(element);
-    if (!text || box.width < 1 || box.height < 1 || style.visibility === "hidden" || box.right < 0) continue;
+    if (box.width < 1 || box.height < 1 || style.visibility === "hidden" || box.right < 0) continue;
     if (element.closest("[disabled], .v-btn--disabled, .v-input--disabled, [aria-hidden=true], .v-overlay-container, script, style")) continue;
-    const share = opacity(element);
+    const { ground, share } = stands(element);
     if (share < 0.05) continue;
-    const ground = behind(element);
     const ink = parts(element instanceof SVGElement ? style.fill : style.color);
     const seen = over([...ink.slice(0, 3), ink[3] * share], ground);
     const [bright, dark] = [light(seen), light(ground)].sort((a, b) => b - a);
