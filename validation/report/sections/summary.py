@@ -62,14 +62,8 @@ def _inertia(report: Report) -> Safe:
     told = [_identified(part) for part in alone or [part for part, _ in known]]
     if not told:
         return joined("No inertia was identified from these data.")
-    blind = (
-        " Identification knows no effects of the model; with them the ladder says what the data give." if _added(report) else ""
-    )
-    return joined("Identified: ", *_between(told), ".", blind)
-
-
-def _added(report: Report) -> bool:
-    return bool(report.comparison.effects)
+    blind = " Identification knows no effects of the model; with them the ladder says what the data give."
+    return joined("Identified: ", *_between(told), ".", blind if report.comparison.effects else "")
 
 
 def _between(parts: list[Safe]) -> list[str]:
