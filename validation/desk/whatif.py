@@ -170,8 +170,9 @@ class _Question:
 
 
 def _released(of: Table, named: Named, *, follow: bool) -> _Question:
-    """Everything, and what follows settled; the effect is ready to be dragged afterwards."""
-    _ready(of, named)
+    """Everything, and what follows settled; the effect is ready to be dragged afterwards, its first drag behind it."""
+    if named.id not in of.dragged:
+        _asked_all(of, _dragged(of, named, follow=follow and not _by_run(named)))
     effects = _with(of.model, named, fixed=True)
     predictions = tuple(one.prediction.with_effects(effects) for one in of.tested)
     offsets = dict(of.offsets)
