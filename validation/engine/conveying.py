@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from math import prod
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fem.structure import Integers
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from identification.self_calibration.elimination import Normal
@@ -47,14 +47,14 @@ class Ways:
     """
 
     count: int
-    channels: Integers
+    channels: NDArray[np.intp]
     through: ComplexArray
-    common: Integers
+    common: NDArray[np.intp]
     quantities: ComplexArray
-    single: Integers
-    at: Integers
+    single: NDArray[np.intp]
+    at: NDArray[np.intp]
     rows: ComplexArray
-    others: Integers
+    others: NDArray[np.intp]
     whole: ComplexArray
 
 
@@ -126,7 +126,7 @@ def _conveyed(of: Ways, u: ComplexArray) -> ComplexArray:
     return np.asarray((of.quantities.reshape(m, a * j, k) @ u[..., None]).reshape(m, a, j))
 
 
-def _met(directions: ComplexArray, single: ComplexArray, at: Integers) -> ComplexArray:
+def _met(directions: ComplexArray, single: ComplexArray, at: NDArray[np.intp]) -> ComplexArray:
     """(b, m, q) directions (m, c, q) met by what is in the one channel `at` of each."""
     return np.asarray(directions.conj().transpose(1, 0, 2)[at] * single[..., None])
 
