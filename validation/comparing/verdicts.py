@@ -167,7 +167,7 @@ def _fitted(of: Fit) -> Told:
     verdict, text = _judged(ratio, of)
     return Told(
         name="fitted error",
-        figure=f"χ² {ratio:.3g}, z² {of.tolerance_z2:.3g}",
+        figure=f"χ² {ratio:.3g}, z² {figure(of.tolerance_z2)}",
         meaning=f"every tolerance fitted: χ² per degree of freedom, and its price, the sum of z² of {of.tolerances} tolerances, "
         f"about {expected_z2(of):.0f} where nothing is wrong",
         verdict=verdict,
