@@ -9,7 +9,7 @@ one column does for all frequencies.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import sqrt
 
@@ -20,6 +20,7 @@ from geometry.dynamic_mass import ComplexArray
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.menu import TINY, TINY_AT
 from validation.diagnosing.screened import Screened
+from validation.effects.identifiers import Named
 from validation.engine.screening import Screen, Told, screened
 from validation.models.model import Added
 
@@ -54,6 +55,12 @@ def smallest_mass(told: Told, evidence: float) -> float:
     return TINY * sqrt(2 * (evidence + OCCAM)) * told.deviation
 
 
+def reaches(bench: Bench, named: Named) -> bool:
+    """Whether `named` resonates where the data of `bench` are; far below them it is a spring to the ground, far above a mass."""
+    low, high = _band(one.measured.frequency for one in bench.made)
+    return low <= named.values["f"] <= high
+
+
 def _best(
     of: Screen, name: str, added: Added, places: Sequence[tuple[float, float]], shapes: dict[int, ComplexArray]
 ) -> Screened | None:
@@ -77,9 +84,13 @@ def _best(
 
 
 def _frequencies(of: Screen) -> Array:
-    low = min(float(one.frequency[0]) for one in of.products) / BEYOND
-    high = max(float(one.frequency[-1]) for one in of.products) * BEYOND
+    low, high = _band(one.frequency for one in of.products)
     return np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
+
+
+def _band(frequencies: Iterable[Array]) -> tuple[float, float]:
+    known = tuple(frequencies)
+    return min(float(one[0]) for one in known) / BEYOND, max(float(one[-1]) for one in known) * BEYOND
 
 
 def _answer(frequency: Array, own: float, zeta: float) -> ComplexArray:

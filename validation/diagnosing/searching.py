@@ -9,15 +9,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from validation.diagnosing.accepting import Standing, excess, standing
+from validation.diagnosing.afresh import afresh, can_be
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
+from validation.diagnosing.dictionary import reaches
 from validation.diagnosing.menu import is_resonator
 from validation.diagnosing.refitting import polished, refitted, roughly, settled, stands_out
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.screening import screen
+from validation.effects.identifiers import Named
 from validation.effects.worth import ALIKE, worth
 from validation.engine.evaluation import Fit
 from validation.engine.fit import nearby
@@ -47,6 +50,12 @@ rough fits are finished."""
 AGAIN = 1
 """Times that a fit is taken up again where one with a useless effect ended lower."""
 
+INSTEAD = 2
+"""Fits in place of those of resonators that a fit has driven out of the band, where they are springs or masses."""
+
+KEPT, AFRESH = 0.5, 3
+"""Share of a promise that a fit must keep lest it be tried afresh, where no fit comes up to that promise; and how many are."""
+
 LEAST = 0.25
 """Share of what is too much of cost that an effect must explain for others to be looked for beside it."""
 
@@ -74,9 +83,14 @@ class Tried:
     standing: Standing
 
     @property
+    def added(self) -> Added:
+        """The effect, at the size that the fit found."""
+        return self.hypothesis.effects[-1]
+
+    @property
     def family(self) -> str:
         """Of the effect."""
-        return self.hypothesis.effects[-1].named.family
+        return self.added.named.family
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -121,12 +135,12 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = standing(at.fit, at.problem), screen(bench, at, menu)
     tried = (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, found, progress)
-    tried.sort(key=lambda each: -each.evidence)
+    tried = _unstuck(bench, at, here, _within(bench, at, tried, found), found, progress)
     good = bool(tried) and tried[0].evidence >= worth(tried[0].family) and stands_out(tried[0].hypothesis)
     if good:
         rivals = _rivals(tried, menu, found)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        tried += [_tried(bench, at, one.added) for one in rivals]
+        tried += [_tried(bench, at, one) for one in rivals]
         tried.sort(key=lambda each: -each.evidence)
     return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
 
@@ -152,6 +166,31 @@ def _from_afar(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Scr
     return [_tried(bench, at, added, begin) for added, begin in rough[:FINISHED]]
 
 
+def _within(bench: Bench, at: Hypothesis, tried: Sequence[Tried], found: Sequence[Screened]) -> list[Tried]:
+    """The fits; in place of resonators that have left the band the most promising of what is none."""
+    inside = [one for one in tried if not is_resonator(one.added.named) or reaches(bench, one.added.named)]
+    if len(inside) == len(tried):
+        return inside
+    known = {one.id for one in tried}
+    others = [one for one in found if one.id not in known and one.evidence >= PROMISING and not is_resonator(one.added.named)]
+    return [*inside, *(_tried(bench, at, one.added) for one in others[:INSTEAD])]
+
+
+def _unstuck(
+    bench: Bench, at: Hypothesis, here: Standing, tried: Sequence[Tried], found: Sequence[Screened], progress: Progress
+) -> list[Tried]:
+    """The fits, the best first; those afresh that fell far short of a promise that none kept, where something must be missing."""
+    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
+    if here.null or not ranked or ranked[0].standing.null:
+        return ranked
+    short = [one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT) and can_be(one.added)]
+    for one in sorted(short, key=lambda each: -promised[each.id])[:AFRESH]:
+        progress(f"trying {one.id} afresh", 0.8)
+        other = _judged(at, afresh(bench, at, one.added))
+        ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
+    return sorted(ranked, key=lambda each: -each.evidence)
+
+
 def _promising(found: Sequence[Screened]) -> list[Screened]:
     """The best, not too many of one family, some of the structure."""
     from validation.effects.catalogue import FAMILIES
@@ -170,15 +209,28 @@ def _promising(found: Sequence[Screened]) -> list[Screened]:
     return [*best, *more]
 
 
-def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Screened]) -> list[Screened]:
+def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Screened]) -> list[Added]:
     """Candidates that were not fitted, and can do nearly all that the best of those that were does to the data."""
     best, known = tried[0], {one.id for one in tried}
-    others = [one for one in menu if one.named.id not in known and not is_resonator(one.named)]
-    if is_resonator(best.hypothesis.effects[-1].named) or best.hypothesis.effects[-1].fixed:
+    others = [one for one in menu if one.named.id not in known]
+    if is_resonator(best.added.named):
+        return [_at_sizes(one, best.added) for one in others if _are_twins(one.named, best.added.named)]
+    if best.added.fixed:
         return []
-    near = aliases(best.hypothesis, best.hypothesis.effects[-1], others, limit=min(ALIKE / best.evidence, FAR))
-    by_id = {one.id: one for one in found}
+    near = aliases(
+        best.hypothesis, best.added, [one for one in others if not is_resonator(one.named)], limit=min(ALIKE / best.evidence, FAR)
+    )
+    by_id = {one.id: one.added for one in found}
     return [by_id[id] for id in near if id in by_id][:ALIASES]
+
+
+def _are_twins(one: Named, other: Named) -> bool:
+    """Whether both are resonators in one place, which may be one oscillator under two names."""
+    return is_resonator(one) and is_resonator(other) and one.targets == other.targets
+
+
+def _at_sizes(one: Added, other: Added) -> Added:
+    return replace(one, named=replace(one.named, values=other.named.values))
 
 
 def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -> bool:
@@ -191,9 +243,12 @@ def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -
 
 
 def _tried(bench: Bench, at: Hypothesis, added: Added, begin: Fit | None = None) -> Tried:
-    there = refitted(bench, at, added, begin=begin)
+    return _judged(at, refitted(bench, at, added, begin=begin))
+
+
+def _judged(at: Hypothesis, there: Hypothesis) -> Tried:
     evidence = there.fit.log_evidence - at.fit.log_evidence
-    return Tried(id=added.named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
+    return Tried(id=there.effects[-1].named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
 
 
 def _again(bench: Bench, at: Hypothesis) -> Hypothesis:

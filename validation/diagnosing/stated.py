@@ -38,6 +38,9 @@ def of_search() -> Mapping[str, object]:
         "effects_at_most": searching.MOST,
         "bent_chi2_per_dof": searching.BENT,
         "least_share_of_excess": searching.LEAST,
+        "kept_share_of_promise": searching.KEPT,
+        "afresh_at_most": searching.AFRESH,
+        "instead_of_resonators_at_most": searching.INSTEAD,
     }
 
 

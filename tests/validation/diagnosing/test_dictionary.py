@@ -1,11 +1,16 @@
 """One column stands for resonators of every frequency."""
 
+from types import SimpleNamespace
+from typing import cast
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.diagnosing.dictionary import OCCAM, _shape, smallest_mass
+from validation.diagnosing.bench import Bench
+from validation.diagnosing.dictionary import OCCAM, _shape, reaches, smallest_mass
 from validation.diagnosing.menu import TINY, TINY_AT
+from validation.effects.identifiers import parse
 from validation.engine.screening import Told
 
 FREQUENCY = np.linspace(4.0, 32.0, 57)
@@ -48,3 +53,10 @@ def test_the_smallest_mass_brings_the_evidence_that_is_asked_for() -> None:
 
 def test_what_the_data_do_not_tell_has_no_smallest_mass() -> None:
     assert smallest_mass(Told(name="", estimate=0.0, information=0.0), 8.0) == np.inf
+
+
+@pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])
+def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f: float, there: bool) -> None:
+    made = SimpleNamespace(measured=SimpleNamespace(frequency=FREQUENCY))
+    named = parse(f"slosh:mast-top=m:0.1,f:{f},zeta:0.01")
+    assert reaches(cast(Bench, SimpleNamespace(made=(made,))), named) is there

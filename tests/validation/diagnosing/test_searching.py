@@ -1,11 +1,26 @@
 """What a search fits, of all that a straight line promises."""
 
 from collections import Counter
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
+from validation.diagnosing import searching
+from validation.diagnosing.bench import Hypothesis
 from validation.diagnosing.screened import Screened
-from validation.diagnosing.searching import OF_A_FAMILY, PROMISING, STRUCTURAL, TRIED, _promising
+from validation.diagnosing.searching import (
+    INSTEAD,
+    OF_A_FAMILY,
+    PROMISING,
+    STRUCTURAL,
+    TRIED,
+    Tried,
+    _promising,
+    _rivals,
+    _within,
+)
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import STRUCTURE
 from validation.effects.identifiers import parse
@@ -61,3 +76,35 @@ def test_no_more_of_the_structure_is_added_where_it_leads_anyway() -> None:
 @pytest.mark.parametrize("count", [0, 1])
 def test_few_promises_are_all_fitted(count: int) -> None:
     assert len(_promising(screened(*LOUD[:count]))) == count
+
+
+def tried(text: str) -> Tried:
+    """A fit that ended there."""
+    nobody: Any = None
+    hypothesis = Hypothesis(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
+    return Tried(id=hypothesis.effects[0].named.id, hypothesis=hypothesis, evidence=100.0, standing=nobody)
+
+
+def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first() -> None:
+    menu = [
+        Added(named=parse(f"{where}=m:0.001,f:1000,zeta:0.02"))
+        for where in ("slosh:mast-top", "absorber:mast-top", "absorber:hub-4", "appendage:x")
+    ]
+    best = tried("slosh:mast-top=m:0.1,f:5,zeta:0.01")
+    (twin,) = _rivals([best], [*menu, Added(named=parse("point-mass:mast-top=0"))], [])
+    assert twin.named.id == "absorber:mast-top"
+    assert twin.named.values == best.added.named.values
+
+
+def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searching, "_tried", lambda bench, at, added: tried("=".join((added.named.id, "1"))))
+    bench: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
+    nowhere: Any = None
+    gone, there = tried("slosh:mast-top=m:0.9,f:1.1,zeta:0.01"), tried("slosh:hub-4=m:0.9,f:9,zeta:0.01")
+    springs = [f"cable:{one}:lateral=50" for one in ("mast-top", "hub-4", "hub-3")]
+    found = screened("slosh:mast-top=m:1,f:4,zeta:0.01", "slosh:hub-3=m:1,f:4,zeta:0.01", *springs)
+    assert [one.id for one in _within(bench, nowhere, [gone, there], found)] == [
+        there.id,
+        *(one.partition("=")[0] for one in springs[:INSTEAD]),
+    ]
+    assert _within(bench, nowhere, [there], found) == [there]

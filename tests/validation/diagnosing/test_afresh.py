@@ -1,0 +1,82 @@
+"""An effect that tolerances have paid for is found from where they are declared."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from validation import cli
+from validation.comparing.gathered import gathered
+from validation.diagnosing.afresh import afresh, can_be, sizes
+from validation.diagnosing.bench import Bench, Hypothesis
+from validation.diagnosing.diagnosed import bench
+from validation.diagnosing.menu import candidates
+from validation.diagnosing.refitting import baseline, refitted
+from validation.diagnosing.searching import searched
+from validation.effects.identifiers import parse
+from validation.engine.parameter import EFFECT, Parameter
+from validation.models import reading
+from validation.models.model import Added
+
+TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
+"""[rad/(N m)] Of the flange; it moves the torsion of mast and blade by fifty times what is declared of a frequency."""
+
+DRIVEN = ("--octaves-per-minute", "60", "--band", "4", "32", "--seed", "5")
+
+
+@pytest.fixture(scope="module")
+def soft(tmp_path_factory: pytest.TempPathFactory) -> Bench:
+    """Clumod with one blade on a flange that gives, and a model that does not know."""
+    folder = tmp_path_factory.mktemp("afresh")
+    model, campaign = folder / "model.toml", folder / "blade"
+    assert cli.run(["model", "fmd+clumod-1", "--out", str(model)]) == cli.DONE
+    assert cli.run(["simulate", "fmd+clumod-1", "--out", str(campaign), *DRIVEN, "--effect", f"{TORSION}={SIZE}"]) == cli.DONE
+    known = reading.read(str(model))
+    return bench(known, gathered([str(campaign)], known))
+
+
+@pytest.fixture(scope="module")
+def paid(soft: Bench) -> Hypothesis:
+    """The model as it is, fitted to that: tolerances pay."""
+    return baseline(soft)
+
+
+@pytest.fixture(scope="module")
+def torsion(soft: Bench) -> Added:
+    return next(one for one in candidates(soft, only=["joint-compliance"]) if one.named.id == TORSION)
+
+
+def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(
+    soft: Bench, paid: Hypothesis, torsion: Added
+) -> None:
+    stuck, found = refitted(soft, paid, torsion), afresh(soft, paid, torsion)
+    assert stuck.effects[-1].named.values[""] < 0.5 * SIZE
+    assert found.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
+    assert found.fit.cost < min(stuck.fit.cost, paid.fit.cost) - 1000
+
+
+def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Bench, paid: Hypothesis) -> None:
+    said: list[str] = []
+    found, rounds = searched(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
+    assert f"trying {TORSION} afresh" in said
+    assert [one.named.id for one in found.effects] == [TORSION]
+    assert found.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
+    assert rounds[0].standing.price > 50 > 2 > rounds[0].tried[0].standing.price
+
+
+def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> None:
+    one = Parameter(name="x", unit="kg", tolerance=2.0, kind=EFFECT, low=-0.5, high=100.0)
+    found = sizes(one)
+    assert np.all((found > -0.5) & (found < 100.0))
+    assert np.all(found != 0)
+    positive = found[found > 0]
+    assert_allclose(positive[1:] / positive[:-1], np.sqrt(2))
+    assert positive[0] == 2.0 / 64
+    assert found[found < 0].min() > -0.5
+
+
+@pytest.mark.parametrize(
+    ("text", "fixed", "there"),
+    [("point-mass:mast-top=0.1", False, True), ("gravity=0", True, False), ("slosh:mast-top=m:0.1,f:5,zeta:0.01", False, False)],
+)
+def test_effects_of_one_size_that_is_fitted_have_such_a_way(text: str, fixed: bool, there: bool) -> None:
+    assert can_be(Added(named=parse(text), fixed=fixed)) is there
