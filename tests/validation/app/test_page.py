@@ -85,14 +85,22 @@ def test_the_keyboard_reaches_everything_and_shows_where_it_is(page: Any) -> Non
         "Skip to the contents",
         "Report",
         "Where it fails",
-        "H xx: force along x by a",
         "Channels",
         "Map of residuals",
     ):
         assert any(one.startswith(wanted) for one in reached), wanted
+    (entry,) = {one for one in reached if one.startswith("H ")}  # one stop of 36: the entry that is shown
+    assert page.locator('.picker [aria-pressed="true"]').get_attribute("aria-label").startswith(entry)
+
+
+def test_arrow_keys_go_from_entry_to_entry_and_enter_shows_one(page: Any) -> None:
     page.get_by_role("button", name="H yy: force along y").focus()
+    for key, wanted in (("ArrowRight", "yz"), ("ArrowDown", "zz"), ("Home", "zx"), ("ArrowLeft", "zx"), ("ArrowUp", "yx")):
+        page.keyboard.press(key)
+        assert page.evaluate("document.activeElement.getAttribute('aria-label')").startswith(f"H {wanted}"), key
     page.keyboard.press("Enter")
-    page.locator('[aria-pressed="true"][aria-label^="H yy"]').wait_for()
+    page.locator('.picker [aria-pressed="true"][aria-label^="H yx"]').wait_for()
+    assert page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("H yx")
 
 
 def test_arrow_keys_choose_a_tab_that_says_what_it_controls(page: Any) -> None:

@@ -203,6 +203,50 @@
     },
   };
 
+  // The 6 x 6 entries: the one that is shown is reached by Tab, the others by arrow keys; Enter shows the one that has the focus.
+  const SIDE = 6;
+  const Picker = {
+    props: { label: String, signs: Array, tints: Array, peaks: Array, entries: Array, load: Number, motion: Number, off: Boolean },
+    emits: ["choose"],
+    render() {
+      const six = [...Array(SIDE).keys()];
+      const cell = (i, j) => {
+        const shown = this.load === i && this.motion === j;
+        return h("td", { key: j }, h("button", {
+          type: "button",
+          class: `tint${this.tints[i][j]}`,
+          tabindex: shown ? 0 : -1,
+          "aria-pressed": String(shown),
+          "aria-label": this.entries[i][j],
+          title: this.entries[i][j],
+          disabled: this.off,
+          onClick: () => this.$emit("choose", [i, j]),
+        }, this.peaks[i][j]));
+      };
+      const head = h("tr", [h("td"), ...six.map((j) => h("th", { scope: "col", key: j }, this.signs[j]))]);
+      const rows = six.map((i) => h("tr", { key: i }, [h("th", { scope: "row" }, this.signs[i]), ...six.map((j) => cell(i, j))]));
+      return h("table", { class: "picker", "aria-label": this.label, onKeydown: this.key }, [h("thead", head), h("tbody", rows)]);
+    },
+    methods: {
+      key(event) {
+        const all = [...this.$el.querySelectorAll("button")];
+        const k = all.indexOf(event.target);
+        const row = k - (k % SIDE);
+        const steps = {
+          ArrowLeft: Math.max(k - 1, row),
+          ArrowRight: Math.min(k + 1, row + SIDE - 1),
+          ArrowUp: k - SIDE,
+          ArrowDown: k + SIDE,
+          Home: row,
+          End: row + SIDE - 1,
+        };
+        if (k < 0 || !(event.key in steps)) return;
+        event.preventDefault();
+        all[steps[event.key]]?.focus();
+      },
+    },
+  };
+
   const FRAMES = 9; // from one end of the swing to the other
   const PACE = 70; // milliseconds a frame
 
@@ -455,6 +499,7 @@
     install(app) {
       app.component("MasslinePlot", Plot);
       app.component("MasslineTabs", Tabs);
+      app.component("MasslinePicker", Picker);
       app.component("MasslineView", View);
       app.component("MasslineSlider", Slider);
       app.component("MasslineDrop", Drop);
