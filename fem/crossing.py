@@ -20,8 +20,8 @@ from fem.beam_clumod import plan as beams
 from fem.factorisers import factorise
 from fem.frame import assemble
 from fem.held_base import hold
-from fem.structure import Integers, Structure
-from geometry.arrays import Array
+from fem.structure import Structure
+from geometry.arrays import Array, Integers
 from geometry.articles import clumod
 from geometry.articles.dimensions import Dimensions
 from geometry.frames import rigid_transformation_6

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.structure import Integers, Sparse, Structure
-from geometry.arrays import Array
+from fem.structure import Sparse, Structure
+from geometry.arrays import Array, Integers
 from geometry.errors import CheckFailed
 
 LOOSE = 100 * float(np.finfo(np.float64).eps)

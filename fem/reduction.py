@@ -21,8 +21,8 @@ from fem.eigen import lowest
 from fem.factorisers import factorise
 from fem.held_base import restricted
 from fem.modes import Modes, fixed_base
-from fem.structure import Integers, Sparse, Structure
-from geometry.arrays import Array, frozen
+from fem.structure import Sparse, Structure
+from geometry.arrays import Array, Integers, frozen
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 

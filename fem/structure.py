@@ -15,13 +15,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
+from geometry.arrays import Array, Integers, frozen
 from geometry.frames import rigid_transformation_6
 
 Sparse = Any
 """A `scipy.sparse.csr_array`; SciPy ships no types."""
-
-Integers = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

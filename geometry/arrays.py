@@ -5,6 +5,8 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
+Integers = npt.NDArray[np.intp]
+
 
 def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     """Copy `value` into a read-only float64 array of `shape`.

@@ -17,9 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import rigid_transformation
 from geometry.sensors import Channel, ChannelTable, resultants
@@ -64,7 +63,7 @@ class Readings:
     omega: Array
     values: ComplexArray
     noise: Array
-    lines: npt.NDArray[np.intp]
+    lines: Integers
     tolerances: Tolerances
 
 

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.structure import Integers, Sparse
+from fem.structure import Sparse
+from geometry.arrays import Integers
 from geometry.errors import BadInput
 
 BYTES = {"superlu": 30.0, "cholmod": 30.0, "pardiso": 16.0}

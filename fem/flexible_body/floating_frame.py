@@ -17,8 +17,8 @@ import numpy as np
 from fem.flexible_body.running import finite, running
 from fem.held_base import restricted
 from fem.static_answer import static_shapes
-from fem.structure import Integers, Structure
-from geometry.arrays import Array
+from fem.structure import Structure
+from geometry.arrays import Array, Integers
 from geometry.errors import BadInput
 
 LARGEST = 100_000

@@ -18,8 +18,7 @@ from fem.condensed import Condensed
 from fem.flexible_body.linearised import Linearised
 from fem.flexible_body.running import failed
 from fem.modes import Modes
-from fem.structure import Integers
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 
 ALIKE = 0.8
 """Least share of a mode of the fine mesh that coarse modes near its frequency must hold for it to be extrapolated."""

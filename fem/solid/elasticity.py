@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from fem.moduli import moduli
-from fem.solid.mesh import Integers, SolidMesh
+from fem.solid.mesh import SolidMesh
 from fem.structure import Sparse
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.materials import Material
 
 QUADRATURE = {10: 5, 27: 5}

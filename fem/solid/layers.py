@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.solid import soundness
-from fem.solid.mesh import LOCAL_HEX27, Integers, SolidMesh
+from fem.solid.mesh import LOCAL_HEX27, SolidMesh
 from fem.solid.plan import Outline, Plan, covered, with_whole_walls
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.article import Part
 from geometry.errors import BadInput
 from geometry.frames import Pose

@@ -9,11 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
-
-Integers = npt.NDArray[np.intp]
+from geometry.arrays import Array, Integers, frozen
 
 _VERTICES = ([0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1])
 _EDGES = ([1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1])

@@ -18,9 +18,9 @@ import numpy as np
 
 from fem.solid import packed, re_entrant, sizing, soundness
 from fem.solid.gmsh_session import session
-from fem.solid.mesh import Integers, SolidMesh
+from fem.solid.mesh import SolidMesh
 from fem.solid.sizing import Sizing, Volume
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.errors import BadInput
 
 JOB, MESH, FAULT = "job.json", "mesh.npz", "fault.json"

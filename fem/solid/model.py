@@ -10,10 +10,11 @@ from fem.solid import cache, packed, soundness
 from fem.solid.bodies import AnyArticle, Body, bodies
 from fem.solid.elasticity import Matrices, assemble
 from fem.solid.layers import foot_height, hexahedra
-from fem.solid.mesh import Integers, SolidMesh
+from fem.solid.mesh import SolidMesh
 from fem.solid.sizing import LARGEST, Sizing
 from fem.solid.tetrahedra import FINER, tetrahedra
 from fem.structure import Structure
+from geometry.arrays import Integers
 from geometry.article import Article
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import rigid_transformation

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from fem.solid.gmsh_session import session
-from fem.solid.mesh import Integers
-from geometry.arrays import Array, frozen
+from geometry.arrays import Array, Integers, frozen
 
 QUAD9 = 10
 """gmsh's number for the quadrilateral of nine nodes: corners, edges, middle."""

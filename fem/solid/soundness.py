@@ -8,8 +8,8 @@ from itertools import combinations
 import numpy as np
 
 from fem.solid.elasticity import jacobians, volumes
-from fem.solid.mesh import LOCAL_HEX27, Integers, SolidMesh
-from geometry.arrays import Array
+from fem.solid.mesh import LOCAL_HEX27, SolidMesh
+from geometry.arrays import Array, Integers
 from geometry.errors import BadInput, CheckFailed
 
 ON_THE_PLANE = 1e-6

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.structure import Integers, Sparse
-from geometry.arrays import Array
+from fem.structure import Sparse
+from geometry.arrays import Array, Integers
 from geometry.errors import BadInput
 from geometry.keys import require_known, require_present
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.structure import Integers, Sparse
-from geometry.arrays import Array
+from fem.structure import Sparse
+from geometry.arrays import Array, Integers
 
 SYMMETRIC = 1e-6
 """Two entries across the diagonal may differ by this share of the largest in their rows: single precision and printed digits."""

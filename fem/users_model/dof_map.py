@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.structure import Integers, rigid_motion
+from fem.structure import rigid_motion
 from fem.users_model.contents import Contents
 from fem.users_model.description import Description
 from fem.users_model.units import SI, UnitSystem
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation_6, skew

@@ -14,13 +14,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fem.structure import Integers, Sparse, Structure
+from fem.structure import Sparse, Structure
 from fem.users_model import definite, stated
 from fem.users_model.contents import Contents
 from fem.users_model.description import Description
 from fem.users_model.dof_map import DofMap, dof_map
 from fem.users_model.units import UnitSystem
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 

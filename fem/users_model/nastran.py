@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.structure import Integers, Sparse
+from fem.structure import Sparse
 from fem.users_model.contents import Contents
 from fem.users_model.description import Description
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.errors import BadInput
 from geometry.keys import nearest
 

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.structure import Integers
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.errors import BadInput
 from geometry.quantities import quantity
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from identification.elastic.model import SCALE, UPPER
@@ -88,7 +88,7 @@ def levels(H: ComplexArray) -> Array:
     return np.asarray(scale * np.sqrt((power.sum(axis=2)[:, :, None] + power.sum(axis=1)[:, None, :]) / 2))
 
 
-def kept(lines: Lines, measured: ComplexArray | None = None) -> npt.NDArray[np.intp]:
+def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
     """Indices of lines that say something new: `APART`, or where an entry changed by `CHANGE` of its level."""
     H = full(lines.values) if measured is None else measured
     values = (H / levels(H))[:, UPPER[0], UPPER[1]]

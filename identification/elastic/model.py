@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.inertia import PARAMETERS, Inertia
 from identification.elastic.terms import ElasticTerms
@@ -195,7 +195,7 @@ def inertia_scale() -> Array:
     return np.array([1.0, *3 * [length], *6 * [length**2]])
 
 
-def _pairs(layout: Layout) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+def _pairs(layout: Layout) -> tuple[Integers, Integers]:
     pairs = np.array(layout.pairs, dtype=np.intp).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]
 

@@ -9,9 +9,8 @@ Gaussian priors). Poles go the weakest first, each time with what the others the
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from identification.elastic import model
 from identification.self_calibration import elastic_block
 from identification.self_calibration.assembly import Assembly
@@ -79,7 +78,7 @@ def _without_weak(problem: Assembly, solution: Solution, price: float, below: fl
     return x, C, gone
 
 
-def _worth(x: Array, C: Array, at: npt.NDArray[np.intp]) -> float:
+def _worth(x: Array, C: Array, at: Integers) -> float:
     return float(x[at] @ np.linalg.solve(C[np.ix_(at, at)], x[at]))
 
 
@@ -88,7 +87,7 @@ def _first(problem: Assembly) -> int:
     return int(problem.layout.at(ELASTIC).start) - 10
 
 
-def _participation(problem: Assembly, r: int) -> npt.NDArray[np.intp]:
+def _participation(problem: Assembly, r: int) -> Integers:
     elastic = problem.campaigns[0].structure.elastic
     begin = 0 if elastic is None else elastic.blocks["participation"].start
     return np.asarray(_first(problem) + begin + 6 * r + np.arange(6))

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from validation.effects.stages import Matrices
-from validation.flexible.places import Integers, family
+from validation.flexible.places import family
 
 PART = 0.05
 """Share of the greatest effective mass of several modes that one of them must have to be driven."""

@@ -17,6 +17,8 @@ from geometry.arrays import Array
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.menu import is_resonator
 from validation.diagnosing.refitting import SPARSE, settled
+from validation.effects.catalogue import FAMILIES
+from validation.effects.family import PERIOD_STAGE
 from validation.engine.cost import Cost, cost_of
 from validation.engine.descent import BREAKDOWNS
 from validation.engine.fit import child
@@ -34,8 +36,9 @@ FLOOR = 0.2
 
 
 def can_be(added: Added) -> bool:
-    """Whether there is such a way: an effect of one size that is fitted."""
-    return not (added.fixed or is_resonator(added.named)) and len(_sized(added)) == 1
+    """Whether there is such a way: an effect of one size that is fitted, and not of a pendulum, whose period follows a line."""
+    swings = FAMILIES[added.named.family].stage == PERIOD_STAGE
+    return not (added.fixed or swings or is_resonator(added.named)) and len(_sized(added)) == 1
 
 
 def afresh(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:

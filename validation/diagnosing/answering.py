@@ -192,9 +192,18 @@ def _why(one: Round) -> str:
     if one.added:
         return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {worth(one.tried[0].family):g} are asked for"
     if not one.tried:
-        return "no candidate promises anything"
+        return _no_fit(one)
     asked = worth(one.tried[0].family)
     return f"the best, {one.tried[0].id}, brings {one.tried[0].evidence:.1f} nats, where {asked:g} are asked for"
+
+
+def _no_fit(one: Round) -> str:
+    """Why nothing was fitted, or nothing that was is left."""
+    if one.gone:
+        return f"a fit drives {', '.join(one.gone)} out of the band of the data, and no other candidate is worth a fit"
+    best = f", of {one.screened[0].id}" if one.screened else ""
+    promised = max(one.screened[0].evidence, 0.0) if one.screened else 0.0
+    return f"no candidate is worth a fit: a straight line promises {promised:.1f} nats at most{best}"
 
 
 def _settings(bench: Bench, rounds: Sequence[Round]) -> Mapping[str, object]:

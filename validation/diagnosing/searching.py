@@ -1,8 +1,9 @@
 """The search: screen all candidates, fit the best few, take the one with the most evidence, and again; then backward.
 
-A straight line finds the way and the fit decides. Where the model bends, so that a line misleads, the fits come from afar, over
-a coarse floor. Effects that were found first are asked once more when others are there: what explained a little of everything
-goes when what is really missing is named.
+A straight line finds the way and the fit decides, from one of three beginnings: where the tolerances stand; from afar, over a
+coarse floor, where the model bends so that a line misleads; and afresh, where tolerances have paid for an effect and no fit keeps
+what the line promised of it. Effects that were found first are asked once more when others are there: what explained a little of
+everything goes when what is really missing is named.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ AGAIN = 1
 """Times that a fit is taken up again where one with a useless effect ended lower."""
 
 INSTEAD = 2
-"""Fits in place of those of resonators that a fit has driven out of the band, where they are springs or masses."""
+"""Fits at most in place of those of resonators that a fit has driven out of the band, where they are springs or masses."""
 
 KEPT, AFRESH = 0.5, 3
 """Share of a promise that a fit must keep lest it be tried afresh, where no fit comes up to that promise; and how many are."""
@@ -104,6 +105,7 @@ class Round:
     screened : all candidates, the most promising first
     tried : those that were fitted, the most evidence first
     added : id of what was accepted; empty for nothing
+    gone : ids of resonators that a fit drove out of the band of the data
     """
 
     at: Hypothesis
@@ -111,6 +113,7 @@ class Round:
     screened: tuple[Screened, ...]
     tried: tuple[Tried, ...]
     added: str
+    gone: tuple[str, ...]
 
 
 def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Progress) -> tuple[Hypothesis, tuple[Round, ...]]:
@@ -134,15 +137,17 @@ def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Pr
 def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progress) -> Round:
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = standing(at.fit, at.problem), screen(bench, at, menu)
-    tried = (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, found, progress)
-    tried = _unstuck(bench, at, here, _within(bench, at, tried, found), found, progress)
+    tried, gone = _within(
+        bench, found, lambda some: (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, some, progress)
+    )
+    tried = _unstuck(bench, at, here, tried, found, progress)
     good = bool(tried) and tried[0].evidence >= worth(tried[0].family) and stands_out(tried[0].hypothesis)
     if good:
         rivals = _rivals(tried, menu, found)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        tried += [_tried(bench, at, one) for one in rivals]
+        tried += [one for one in (_tried(bench, at, each) for each in rivals) if _stays(bench, one)]
         tried.sort(key=lambda each: -each.evidence)
-    return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "")
+    return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", gone=gone)
 
 
 def _nearby(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screened], progress: Progress) -> list[Tried]:
@@ -166,20 +171,32 @@ def _from_afar(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Scr
     return [_tried(bench, at, added, begin) for added, begin in rough[:FINISHED]]
 
 
-def _within(bench: Bench, at: Hypothesis, tried: Sequence[Tried], found: Sequence[Screened]) -> list[Tried]:
-    """The fits; in place of resonators that have left the band the most promising of what is none."""
-    inside = [one for one in tried if not is_resonator(one.added.named) or reaches(bench, one.added.named)]
+def _within(
+    bench: Bench, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[Tried]]
+) -> tuple[list[Tried], tuple[str, ...]]:
+    """`fits` of the best, and of others in place of resonators that leave the band; and the ids of these resonators."""
+    tried = fits(found)
+    inside = [one for one in tried if _stays(bench, one)]
     if len(inside) == len(tried):
-        return inside
+        return inside, ()
     known = {one.id for one in tried}
-    others = [one for one in found if one.id not in known and one.evidence >= PROMISING and not is_resonator(one.added.named)]
-    return [*inside, *(_tried(bench, at, one.added) for one in others[:INSTEAD])]
+    others = [one for one in found if one.id not in known and not is_resonator(one.added.named)]
+    gone = tuple(one.id for one in tried if one not in inside)
+    return [*inside, *fits(_promising(others)[:INSTEAD])], gone
+
+
+def _stays(bench: Bench, one: Tried) -> bool:
+    """Whether a fit left the effect what it is: not a resonator so far from the data that it is a spring or a mass."""
+    return not is_resonator(one.added.named) or reaches(bench, one.added.named)
 
 
 def _unstuck(
     bench: Bench, at: Hypothesis, here: Standing, tried: Sequence[Tried], found: Sequence[Screened], progress: Progress
 ) -> list[Tried]:
-    """The fits, the best first; those afresh that fell far short of a promise that none kept, where something must be missing."""
+    """The fits, the best first; those afresh that fell far short of a promise that none kept, where something must be missing.
+
+    Only what was fitted to the end is asked again: of fits from afar the `FINISHED` best.
+    """
     ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
     if here.null or not ranked or ranked[0].standing.null:
         return ranked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 
-from validation.diagnosing import accepting, searching
+from validation.diagnosing import accepting, afresh, dictionary, searching
 from validation.diagnosing.bench import Bench
 from validation.effects.worth import ALIKE, WORTH, WORTH_OF
 from validation.engine.fit import FLOOR
@@ -40,7 +40,10 @@ def of_search() -> Mapping[str, object]:
         "least_share_of_excess": searching.LEAST,
         "kept_share_of_promise": searching.KEPT,
         "afresh_at_most": searching.AFRESH,
+        "afresh_octaves": [float(afresh.OCTAVES[0]), float(afresh.OCTAVES[-1])],
+        "afresh_floor": afresh.FLOOR,
         "instead_of_resonators_at_most": searching.INSTEAD,
+        "resonators_beyond_band": dictionary.BEYOND,
     }
 
 

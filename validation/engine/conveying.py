@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from math import prod
 
 import numpy as np
-from numpy.typing import NDArray
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.dynamic_mass import ComplexArray
 from identification.self_calibration.elimination import Normal
 from validation.engine.prediction import Change, Conveyed
@@ -47,14 +46,14 @@ class Ways:
     """
 
     count: int
-    channels: NDArray[np.intp]
+    channels: Integers
     through: ComplexArray
-    common: NDArray[np.intp]
+    common: Integers
     quantities: ComplexArray
-    single: NDArray[np.intp]
-    at: NDArray[np.intp]
+    single: Integers
+    at: Integers
     rows: ComplexArray
-    others: NDArray[np.intp]
+    others: Integers
     whole: ComplexArray
 
 
@@ -126,7 +125,7 @@ def _conveyed(of: Ways, u: ComplexArray) -> ComplexArray:
     return np.asarray((of.quantities.reshape(m, a * j, k) @ u[..., None]).reshape(m, a, j))
 
 
-def _met(directions: ComplexArray, single: ComplexArray, at: NDArray[np.intp]) -> ComplexArray:
+def _met(directions: ComplexArray, single: ComplexArray, at: Integers) -> ComplexArray:
     """(b, m, q) directions (m, c, q) met by what is in the one channel `at` of each."""
     return np.asarray(directions.conj().transpose(1, 0, 2)[at] * single[..., None])
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.structure import Sparse, Structure
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from validation.flexible.model import Flexible
 from validation.flexible.motion import displacement, has_rotations
-from validation.flexible.places import Integers, nearest_part
+from validation.flexible.places import nearest_part
 
 CLUSTER = 0.015
 """Neighbouring frequencies closer than this share of them belong to one cluster."""

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from fem.structure import Structure
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.article import Article, Part
 from geometry.shapes import Box
-from validation.flexible.places import Integers, distance
+from validation.flexible.places import distance
 
 NEIGHBOURS = 4
 """Nodes of a solid model whose motions are averaged, weighted with the inverse square of their distances."""

@@ -5,16 +5,13 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.article import Article, Part
 from geometry.shapes import Box, Placed
 
 _LAYER = re.compile(r"-(?:bottom|silicone|top)$")
 """Bodies of a sandwich, which move as one blade."""
-
-Integers = npt.NDArray[np.intp]
 
 
 def family(part: str) -> str:

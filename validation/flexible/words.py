@@ -13,10 +13,10 @@ import numpy as np
 
 from fem.modes import Modes
 from fem.structure import Structure
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from geometry.article import Article
 from validation.flexible.motion import has_rotations, node_displacement
-from validation.flexible.places import Integers, family, nearest_part
+from validation.flexible.places import family, nearest_part
 
 WORTH_NAMING = 0.15
 """Share of the energy below which a second part is not mentioned."""

@@ -8,8 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fem.structure import Integers
-from geometry.arrays import Array
+from geometry.arrays import Array, Integers
 from validation.effects.stages import Matrices
 
 

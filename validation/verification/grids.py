@@ -7,8 +7,8 @@ from itertools import permutations
 
 import numpy as np
 
-from fem.solid.mesh import LOCAL_HEX27, LOCAL_TET10, Integers, SolidMesh
-from geometry.arrays import Array
+from fem.solid.mesh import LOCAL_HEX27, LOCAL_TET10, SolidMesh
+from geometry.arrays import Array, Integers
 
 HEX, TET = 27, 10
 """Nodes of a cell: hexahedra and tetrahedra."""

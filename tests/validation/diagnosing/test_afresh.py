@@ -63,6 +63,23 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Bench, pa
     assert rounds[0].standing.price > 50 > 2 > rounds[0].tried[0].standing.price
 
 
+def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Bench, paid: Hypothesis, torsion: Added) -> None:
+    with_torsion = afresh(soft, paid, torsion)
+    mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
+    found = afresh(soft, with_torsion, mast)
+    assert [one.named.id for one in found.effects] == [TORSION, "modulus:mast"]
+    assert found.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
+    assert abs(found.effects[1].named.values[""]) < 0.05
+    assert found.fit.cost <= with_torsion.fit.cost
+
+
+def test_one_sided_sizes_are_looked_at_on_that_side() -> None:
+    one = Parameter(name="x", unit="m/N", tolerance=1e-6, kind=EFFECT, low=0.0, high=4e-6)
+    found = sizes(one)
+    assert found.min() > 0
+    assert found.max() < 4e-6
+
+
 def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> None:
     one = Parameter(name="x", unit="kg", tolerance=2.0, kind=EFFECT, low=-0.5, high=100.0)
     found = sizes(one)
@@ -76,7 +93,12 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> N
 
 @pytest.mark.parametrize(
     ("text", "fixed", "there"),
-    [("point-mass:mast-top=0.1", False, True), ("gravity=0", True, False), ("slosh:mast-top=m:0.1,f:5,zeta:0.01", False, False)],
+    [
+        ("point-mass:mast-top=0.1", False, True),
+        ("gravity=0", True, False),
+        ("slosh:mast-top=m:0.1,f:5,zeta:0.01", False, False),
+        ("pendulum-damping=0.1", False, False),
+    ],
 )
 def test_effects_of_one_size_that_is_fitted_have_such_a_way(text: str, fixed: bool, there: bool) -> None:
     assert can_be(Added(named=parse(text), fixed=fixed)) is there

@@ -1,6 +1,8 @@
 """What a search fits, of all that a straight line promises."""
 
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,17 +10,21 @@ import numpy as np
 import pytest
 
 from validation.diagnosing import searching
+from validation.diagnosing.answering import _why
 from validation.diagnosing.bench import Hypothesis
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.searching import (
+    AFRESH,
     INSTEAD,
     OF_A_FAMILY,
     PROMISING,
     STRUCTURAL,
     TRIED,
+    Round,
     Tried,
     _promising,
     _rivals,
+    _stays,
     _within,
 )
 from validation.effects.catalogue import FAMILIES
@@ -96,15 +102,106 @@ def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the
     assert twin.named.values == best.added.named.values
 
 
-def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(searching, "_tried", lambda bench, at, added: tried("=".join((added.named.id, "1"))))
-    bench: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
-    nowhere: Any = None
+def test_a_twin_that_was_fitted_is_not_fitted_again() -> None:
+    best, other = tried("slosh:mast-top=m:0.1,f:5,zeta:0.01"), tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")
+    assert _rivals([best, other], [best.added, other.added], []) == []
+
+
+BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
+
+
+def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> None:
     gone, there = tried("slosh:mast-top=m:0.9,f:1.1,zeta:0.01"), tried("slosh:hub-4=m:0.9,f:9,zeta:0.01")
     springs = [f"cable:{one}:lateral=50" for one in ("mast-top", "hub-4", "hub-3")]
     found = screened("slosh:mast-top=m:1,f:4,zeta:0.01", "slosh:hub-3=m:1,f:4,zeta:0.01", *springs)
-    assert [one.id for one in _within(bench, nowhere, [gone, there], found)] == [
-        there.id,
-        *(one.partition("=")[0] for one in springs[:INSTEAD]),
-    ]
-    assert _within(bench, nowhere, [there], found) == [there]
+    asked: list[Screened] = []
+
+    def fits(some: Sequence[Screened]) -> list[Tried]:
+        asked.append(ids(list(some)))
+        return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
+
+    kept, told = _within(BAND, found, fits)
+    instead = [one.partition("=")[0] for one in springs[:INSTEAD]]
+    assert [one.id for one in kept] == [there.id, *instead]
+    assert told == (gone.id,)
+    assert asked == [ids(found), instead]
+    assert _within(BAND, found, lambda some: [there]) == ([there], ())
+
+
+def test_an_effect_that_is_no_resonator_stays_wherever_it_ends() -> None:
+    assert _stays(BAND, tried("cable:mast-top:lateral=5000"))
+    assert not _stays(BAND, tried("absorber:mast-top=m:0.9,f:90,zeta:0.01"))
+
+
+def stands(null: bool) -> Any:
+    return SimpleNamespace(null=null)
+
+
+def ended(text: str, evidence: float, null: bool = False) -> Tried:
+    return replace(tried(text), evidence=evidence, standing=stands(null))
+
+
+def unstuck(
+    monkeypatch: pytest.MonkeyPatch, of: Sequence[Tried], promises: Sequence[float], gain: float, null: bool = False
+) -> Any:
+    """What comes of fits of such promises where a fit afresh ends `gain` [nats] off each; and which were."""
+    found = [replace(screened(f"{one.id}=1")[0], evidence=promise) for one, promise in zip(of, promises, strict=True)]
+    by_id, asked = {one.id: one for one in of}, []
+
+    def again(bench: object, at: object, added: Added) -> str:
+        asked.append(added.named.id)
+        return added.named.id
+
+    monkeypatch.setattr(searching, "afresh", again)
+    monkeypatch.setattr(searching, "_judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
+    nobody: Any = None
+    ranked = searching._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
+    return ranked, asked
+
+
+MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4", "hub-1"))
+
+
+def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_where_better(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fits = [ended(MASSES[0], 40.0), ended(MASSES[1], 30.0)]
+    ranked, asked = unstuck(monkeypatch, fits, (70.0, 90.0), 200.0)
+    assert asked == [fits[1].id]  # 40 are more than half of 70, and 30 less than half of 90
+    assert [(one.id, one.evidence) for one in ranked] == [(fits[1].id, 230.0), (fits[0].id, 40.0)]
+
+
+def test_a_fit_afresh_that_is_worse_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    ranked, asked = unstuck(monkeypatch, [ended(MASSES[0], 40.0)], (100.0,), -10.0)
+    assert asked
+    assert [one.evidence for one in ranked] == [40.0]
+
+
+def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
+    fits = [ended(one, 1.0) for one in MASSES]
+    _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
+    assert asked == [fits[1].id, fits[2].id, fits[3].id]
+    assert len(asked) == AFRESH
+
+
+@pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
+def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pytest.MonkeyPatch, here: bool, best: bool) -> None:
+    ranked, asked = unstuck(monkeypatch, [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)], (100.0, 100.0), 5.0, here)
+    assert not asked
+    assert [one.evidence for one in ranked] == [2.0, 1.0]
+
+
+def a_round(found: Sequence[Screened], gone: tuple[str, ...] = ()) -> Round:
+    """In which no fit is left."""
+    nobody: Any = None
+    return Round(at=nobody, standing=nobody, screened=tuple(found), tried=(), added="", gone=gone)
+
+
+def test_a_round_without_a_fit_says_why() -> None:
+    assert _why(a_round(screened("cable:mast-top:lateral=50", evidence=2.25))) == (
+        "no candidate is worth a fit: a straight line promises 2.2 nats at most, of cable:mast-top:lateral"
+    )
+    assert _why(a_round([])) == "no candidate is worth a fit: a straight line promises 0.0 nats at most"
+    assert _why(a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), gone=("slosh:mast-top",))) == (
+        "a fit drives slosh:mast-top out of the band of the data, and no other candidate is worth a fit"
+    )
