@@ -93,14 +93,28 @@ def test_the_keyboard_reaches_everything_and_shows_where_it_is(page: Any) -> Non
     assert page.locator('.picker [aria-pressed="true"]').get_attribute("aria-label").startswith(entry)
 
 
+def label(page: Any) -> str:
+    """What the control is called that has the focus; empty for one that needs no such name."""
+    return str(page.evaluate("document.activeElement.getAttribute('aria-label') ?? ''"))
+
+
 def test_arrow_keys_go_from_entry_to_entry_and_enter_shows_one(page: Any) -> None:
     page.get_by_role("button", name="H yy: force along y").focus()
     for key, wanted in (("ArrowRight", "yz"), ("ArrowDown", "zz"), ("Home", "zx"), ("ArrowLeft", "zx"), ("ArrowUp", "yx")):
         page.keyboard.press(key)
-        assert page.evaluate("document.activeElement.getAttribute('aria-label')").startswith(f"H {wanted}"), key
+        assert label(page).startswith(f"H {wanted}"), key
+    page.keyboard.press("Control+ArrowRight")
+    assert label(page).startswith("H yx"), "a shortcut of the browser moves nothing"
+    page.keyboard.press("Tab")
+    assert not label(page).startswith("H ")
+    page.keyboard.press("Shift+Tab")
+    assert label(page).startswith("H yx"), "Tab comes back to where it left"
     page.keyboard.press("Enter")
     page.locator('.picker [aria-pressed="true"][aria-label^="H yx"]').wait_for()
-    assert page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("H yx")
+    assert label(page).startswith("H yx")
+    page.get_by_role("button", name="H zz: force along z").click()
+    page.locator('.picker [aria-pressed="true"][aria-label^="H zz"][tabindex="0"]').wait_for()
+    assert page.locator('.picker [tabindex="0"]').count() == 1
 
 
 def test_arrow_keys_choose_a_tab_that_says_what_it_controls(page: Any) -> None:

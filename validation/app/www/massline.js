@@ -172,6 +172,8 @@
     updated() { if (Date.now() - (this.moved ?? 0) > REST) this.$refs.root.value = this.at; },
   };
 
+  const shortcut = (event) => event.ctrlKey || event.altKey || event.metaKey; // the browser's own
+
   // Tabs of a panel: one of them is reached by Tab, the others by arrow keys, which choose.
   const Tabs = {
     props: { label: String, of: Array, at: String, panel: String },
@@ -194,7 +196,7 @@
         const all = [...this.$el.children];
         const k = all.indexOf(event.target);
         const to = { ArrowLeft: k - 1, ArrowRight: k + 1, Home: 0, End: -1 }[event.key];
-        if (to === undefined) return;
+        if (to === undefined || shortcut(event)) return;
         event.preventDefault();
         const next = all.at(to % all.length);
         next.focus();
@@ -203,29 +205,37 @@
     },
   };
 
-  // The 6 x 6 entries: the one that is shown is reached by Tab, the others by arrow keys; Enter shows the one that has the focus.
+  // The 6 x 6 entries, a grid: Tab reaches the one that is shown, arrow keys the others; Enter shows the one that has the focus.
   const SIDE = 6;
   const Picker = {
     props: { label: String, signs: Array, tints: Array, peaks: Array, entries: Array, load: Number, motion: Number, off: Boolean },
     emits: ["choose"],
+    data: () => ({ visited: null }), // number of the entry that arrow keys came to; it is where Tab comes back to
+    watch: {
+      load() { this.visited = null; },
+      motion() { this.visited = null; },
+    },
     render() {
       const six = [...Array(SIDE).keys()];
+      const stop = this.visited ?? this.load * SIDE + this.motion;
       const cell = (i, j) => {
         const shown = this.load === i && this.motion === j;
         return h("td", { key: j }, h("button", {
           type: "button",
           class: `tint${this.tints[i][j]}`,
-          tabindex: shown ? 0 : -1,
+          tabindex: stop === i * SIDE + j ? 0 : -1,
           "aria-pressed": String(shown),
           "aria-label": this.entries[i][j],
           title: this.entries[i][j],
           disabled: this.off,
+          onFocus: () => { this.visited = i * SIDE + j; },
           onClick: () => this.$emit("choose", [i, j]),
         }, this.peaks[i][j]));
       };
       const head = h("tr", [h("td"), ...six.map((j) => h("th", { scope: "col", key: j }, this.signs[j]))]);
       const rows = six.map((i) => h("tr", { key: i }, [h("th", { scope: "row" }, this.signs[i]), ...six.map((j) => cell(i, j))]));
-      return h("table", { class: "picker", "aria-label": this.label, onKeydown: this.key }, [h("thead", head), h("tbody", rows)]);
+      const of = { class: "picker", role: "grid", "aria-label": this.label, onKeydown: this.key };
+      return h("table", of, [h("thead", head), h("tbody", rows)]);
     },
     methods: {
       key(event) {
@@ -240,7 +250,7 @@
           Home: row,
           End: row + SIDE - 1,
         };
-        if (k < 0 || !(event.key in steps)) return;
+        if (k < 0 || !(event.key in steps) || shortcut(event)) return;
         event.preventDefault();
         all[steps[event.key]]?.focus();
       },
