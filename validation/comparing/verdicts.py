@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from validation.engine.evaluation import Evaluation, Fit
-from validation.engine.parameter import TOLERANCES, Parameter
+from validation.engine.parameter import IDENTIFIED, TOLERANCES, Parameter
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
@@ -98,9 +98,14 @@ class Tolerance:
 
 
 def tolerances(of: Fit) -> tuple[Tolerance, ...]:
-    """The tolerances of a fit, the most absurd first."""
+    """The tolerances of a fit, the most absurd first; what is identified is one as far as anything is known of it beforehand.
+
+    The price is without these: a laboratory has to find them. But an FMD that ends farther off than anybody could build one has
+    taken what is missing elsewhere.
+    """
     both = zip(of.parameters, of.offsets, strict=True)
-    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in TOLERANCES and one.tolerance > 0]
+    kinds = (*TOLERANCES, IDENTIFIED)
+    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in kinds and one.tolerance > 0]
     return tuple(sorted((one for one in found if np.isfinite(one.parameter.tolerance)), key=lambda one: -abs(one.z)))
 
 

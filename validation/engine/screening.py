@@ -3,8 +3,9 @@
 At a fit with the whitened derivatives J of its free parameters, and knowledge beforehand on top, N = J^T J + diag(tolerance^-2),
 one more parameter with the column e is told by
 
-    q = e^T e - e^T J N^-1 J^T e ,        c = e^T r / q          (r is the residual; at the minimum the others' gradient is nil)
+    q = e^T e - e^T J N^-1 J^T e ,        c = e^T (r - J s) / q
 
+(r is the residual, s the step that the others would take by themselves: at a minimum none, unless a bound held one of them),
 its information when all others make up for it, and its size. Its evidence, were its plausible size a normal deviate of standard
 deviation s, is
 
@@ -28,11 +29,12 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from identification.self_calibration.solve import inverse
 from validation.engine.cost import cost_of
 from validation.engine.evaluation import Fit
 from validation.engine.fit import FLOOR
 from validation.engine.likelihood import Observed, normals, total, whitened
-from validation.engine.parameter import Parameter
+from validation.engine.parameter import EFFECT, Parameter
 from validation.engine.prediction import Fact, Offsets, Predicted
 from validation.engine.problem import Problem
 
@@ -106,14 +108,16 @@ class Screen:
 
     Attributes
     ----------
-    free : (p,) parameters of the fit that stand at no bound
+    free : (p,) parameters of the fit that may move
     covariance : (p, p)
+    step : (p,) that they would take by themselves: none but where a bound kept one
     products : by data set
     facts : of weights, periods and the like; they know no frequency
     """
 
     free: tuple[Parameter, ...]
     covariance: Array
+    step: Array
     products: tuple[Products, ...]
     facts: Products
 
@@ -140,6 +144,7 @@ class Screen:
             gradient += (s.conj() @ one.residual[:, at]).real
             cross += (s.conj() @ one.others[:, at]).real
             square += np.abs(s) ** 2 @ one.square[:, at]
+        gradient -= cross @ self.step
         left = square - np.einsum("np,pq,nq->n", cross, self.covariance, cross, optimize=True)
         information = np.where(left > KNOWN * square, left, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -171,12 +176,11 @@ def screened(problem: Problem, fit: Fit, names: Sequence[str], *, by_line: bool 
     fit : of the same data without them
     by_line : whether the columns will be taken times functions of frequency; their sums over lines are had sooner
     """
-    at_bound = {one.name for one, v in zip(fit.parameters, np.diag(fit.covariance), strict=True) if v <= 0}
-    free = tuple(one for one in fit.parameters if one.name not in at_bound)
-    keep = [k for k, one in enumerate(fit.parameters) if one.name not in at_bound]
     new = tuple(problem.by_name[name] for name in names)
+    stand = {**{one.name: 0.0 for one in new if not one.logarithmic}, **fit.by_name}
+    free, covariance, step = _beside(problem, fit, stand, floor)
     cost = cost_of(problem, (*free, *new), floor, fit.by_name)
-    offsets = cost.offsets(cost.at({**{one.name: 0.0 for one in new if not one.logarithmic}, **fit.by_name}))
+    offsets = cost.offsets(cost.at(stand))
     wanted = frozenset(cost.names)
     products = []
     for prediction, lines, seen in cost.observed:
@@ -188,7 +192,25 @@ def screened(problem: Problem, fit: Fit, names: Sequence[str], *, by_line: bool 
         else:
             products.append(_summed(seen, predicted, [one.name for one in free], here, floor))
     facts = _of_facts(problem.facts, offsets, [one.name for one in free], [one.name for one in new])
-    return Screen(free=free, covariance=fit.covariance[np.ix_(keep, keep)], products=tuple(products), facts=facts)
+    return Screen(free=free, covariance=covariance, step=step, products=tuple(products), facts=facts)
+
+
+def _beside(problem: Problem, fit: Fit, stand: Offsets, floor: float) -> tuple[tuple[Parameter, ...], Array, Array]:
+    """The parameters of `fit` that may move (p,), their covariance (p, p), and the step that they would take (p,).
+
+    An effect at a bound stays, since beyond is no physics. What a laboratory identifies does not: beside it, a fault that drove
+    it there would look as if only its rest were left to be explained.
+    """
+    bound = {one.name for one, v in zip(fit.parameters, np.diag(fit.covariance), strict=True) if v <= 0}
+    still = {one.name for one in fit.parameters if one.name in bound and one.kind == EFFECT}
+    keep = [k for k, one in enumerate(fit.parameters) if one.name not in still]
+    free = tuple(fit.parameters[k] for k in keep)
+    if bound == still:
+        return free, fit.covariance[np.ix_(keep, keep)], np.zeros(len(free))
+    cost = cost_of(problem, free, floor, stand)
+    whole, _, _ = cost.total(cost.at(stand))
+    covariance = inverse(whole.matrix)
+    return free, covariance, -covariance @ whole.gradient
 
 
 def _of_facts(facts: Sequence[Fact], offsets: Offsets, free: Sequence[str], new: Sequence[str]) -> Products:

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.engine.fit import child, fit, nearby, unfitted
-from validation.engine.parameter import EFFECT, FITTED, PLAIN
+from validation.engine.parameter import EFFECT, FITTED, IDENTIFIED, PLAIN
 from validation.engine.problem import Problem
 from validation.engine.screening import Told, in_the_fit, screened
 
@@ -36,6 +36,38 @@ def test_a_straight_line_says_what_the_fit_finds(small):
     assert_allclose(told.deviation, np.sqrt(there.covariance[k, k]), rtol=0.05)
     assert_allclose(told.evidence(1.0), there.log_evidence - parent.log_evidence, rtol=0.01)
     assert 0 < told.share < 1
+
+
+def bounded(lab, kind):
+    """The laboratory with a mass that no fit moves by more than 1 %."""
+    return tuple(replace(one, low=-0.01, high=0.01, kind=kind) if one.name == "mass" else one for one in lab.LABORATORY)
+
+
+def beside_a_mass_that_is_wrong(lab, parameters):
+    """What is screened beside a fit of `parameters` where the mass is off by 3 % and something else is missing."""
+    effect = lab.effect("offset", 1.0)
+    truth = {"mass": 0.03, "offset": OFFSET}
+    without = lab.toy(truth, parameters=parameters, acting=(effect,))
+    parent = fit(Problem((without,)), FITTED)
+    having = Problem((replace(without, parameters=(*without.parameters, effect)),))
+    return parent, screened(having, parent, ["offset"])
+
+
+def test_what_is_identified_and_stands_at_a_bound_makes_up_for_others_as_if_it_were_free(lab):
+    parent, at_bound = beside_a_mass_that_is_wrong(lab, bounded(lab, IDENTIFIED))
+    assert parent.by_name["mass"] == pytest.approx(0.01, abs=1e-9)
+    _, free = beside_a_mass_that_is_wrong(lab, lab.LABORATORY)
+    assert np.any(at_bound.step != 0)
+    assert not np.any(free.step)
+    assert_allclose(at_bound.told()["offset"].estimate, free.told()["offset"].estimate, rtol=0.05)
+    assert_allclose(at_bound.told()["offset"].information, free.told()["offset"].information, rtol=0.2)
+
+
+def test_an_effect_at_its_bound_stays_there(lab):
+    parent, at_bound = beside_a_mass_that_is_wrong(lab, bounded(lab, EFFECT))
+    assert parent.by_name["mass"] == pytest.approx(0.01, abs=1e-9)
+    assert "mass" not in {one.name for one in at_bound.free}
+    assert not np.any(at_bound.step)
 
 
 def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains(lab):
