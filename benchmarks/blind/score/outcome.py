@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from benchmarks.blind.names import Json
@@ -16,6 +16,9 @@ NAMING = (MISSING, AMBIGUOUS, SEVERAL, MISTAKE)
 NO_VERDICT = ""
 
 SWAP = "channel-swap"
+
+TIED = 1.0
+"""[nats] between explanations whose order is chance."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +43,9 @@ class Outcome:
     refused : whether the diagnosis refused, and `broken` whether it broke down
     claimed : ids that it says are missing, in its order
     alike : the class of ids that it cannot tell apart, the claims where it states none
+    tied : ids that rank within `TIED` of the first
+    size : the first of an effect that was planted alone; 0 for what has none
+    detectable : size from which these data would name an effect, as the diagnosis says, by id
     sizes : of the claims that are true
     misfit : chi² per degree of freedom without any effect
     held_out : [%] plain error on what was held out, with what was accepted; None where there is none
@@ -58,6 +64,9 @@ class Outcome:
     broken: bool
     claimed: tuple[str, ...]
     alike: tuple[str, ...]
+    tied: tuple[str, ...]
+    size: float
+    detectable: Mapping[str, float]
     sizes: tuple[Measured, ...]
     misfit: float
     held_out: float | None
@@ -121,6 +130,9 @@ def outcome(truth: Json, answer: Json) -> Outcome:
         broken="broken" in answer,
         claimed=tuple(claims),
         alike=tuple(map(canonical, answer.get("equivalence_class", ()))) or tuple(claims)[:1],
+        tied=_tied(answer.get("ranking", ())),
+        size=_size(truth["planted"]),
+        detectable={one["id"]: one["size"] for one in answer.get("detectable", ())},
         sizes=tuple(one for id, claim in claims.items() if id in planted for one in _measured(planted[id]["sizes"], claim)),
         misfit=float(answer.get("before", {}).get("fitted", {}).get("chi2_per_dof", float("nan"))),
         held_out=answer.get("errors", {}).get("heldout_after_percent"),
@@ -142,6 +154,16 @@ def _claims(verdict: str, answer: Json) -> dict[str, Json]:
         return accepted
     first = [*answer.get("equivalence_class", ()), *(one["id"] for one in answer.get("ranking", ()))][:1]
     return {canonical(id): {"id": id, "values": []} for id in first}
+
+
+def _tied(ranking: Sequence[Json]) -> tuple[str, ...]:
+    known = [one for one in ranking if one["evidence_nats"] is not None]
+    return tuple(canonical(one["id"]) for one in known if one["evidence_nats"] >= known[0]["evidence_nats"] - TIED)
+
+
+def _size(planted: Sequence[Json]) -> float:
+    sizes = [size for one in planted for size in one["sizes"].values()]
+    return abs(sizes[0]) if len(planted) == 1 and sizes else 0.0
 
 
 def _measured(true: Mapping[str, float], claim: Json) -> Iterator[Measured]:

@@ -61,6 +61,11 @@ def rows(outcomes: Sequence[Outcome]) -> list[Row]:
     return [
         _share("named first, at 2 times the detection limit and more", rate(one.first for one in named), least=0.90),
         *_by_size(singles),
+        Row(what="· or tied with what was: less than 1 nat behind", figure=str(rate(one.first or _tied(one) for one in named))),
+        Row(
+            what="the same, at 2 times what the diagnosis of its null said that it would name there",
+            figure=str(rate(one.first for one in named if not one.sized or _told(one, nulls))),
+        ),
         Row(
             what="the same, beyond 2 times what tolerances hide",
             figure=str(rate(one.first for one in named if one.told >= WELL_ABOVE * (1 - ROUNDING) or not one.sized)),
@@ -87,6 +92,17 @@ def _share(what: str, found: Rate, *, least: float | None = None, most: float | 
     bar = f"at least {100 * least:g} %" if least is not None else f"at most {100 * (most or 0.0):g} %"
     met = found.share >= least if least is not None else found.share <= (most or 0.0)
     return Row(what=what, figure=str(found), bar=bar, met=met if found.count else None)
+
+
+def _tied(one: Outcome) -> bool:
+    """Whether what is named first is so by chance, and what was planted stands beside it."""
+    return bool(one.claimed) and set(one.planted) <= set(one.tied)
+
+
+def _told(one: Outcome, nulls: Sequence[Outcome]) -> bool:
+    """Whether the null of `one`, the same sweeps held out, said that twice as little would be named."""
+    sizes = [null.detectable.get(one.planted[0]) for null in nulls if null.name == one.null]
+    return any(size is not None and one.size >= WELL_ABOVE * size for size in sizes)
 
 
 def _by_size(singles: Sequence[Outcome]) -> list[Row]:

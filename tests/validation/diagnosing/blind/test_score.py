@@ -279,3 +279,25 @@ def test_an_outcome_is_of_plain_json() -> None:
     one, other = truth("singles", GAIN), answer("missing", GAIN)
     assert outcome(json.loads(json.dumps(one)), json.loads(json.dumps(other))) == outcome(one, other)
     assert replace(outcome(one, other), seconds=nan).first
+
+
+def ranked(first: float, second: float) -> Json:
+    """A gain was planted and ranks second; each with its evidence [nats]."""
+    found = answer("ambiguous", "load-path-shunt:z", alike=("load-path-shunt:z", GAIN))
+    ranking = [{**_claim("load-path-shunt:z", 0.1), "evidence_nats": first}, {**_claim(GAIN, 0.1), "evidence_nats": second}]
+    return {**found, "ranking": ranking}
+
+
+@pytest.mark.parametrize(("behind", "tied"), [(0.2, "1 of 1"), (1.5, "0 of 1")])
+def test_what_is_less_than_a_nat_behind_the_first_is_tied_with_it(behind: float, tied: str) -> None:
+    outcomes = scored((truth("singles", GAIN), ranked(50.0, 50.0 - behind)))
+    assert row(outcomes, "named first, at 2 times").figure.startswith("0 of 1")
+    assert row(outcomes, "or tied").figure.startswith(tied)
+
+
+@pytest.mark.parametrize(("said", "count"), [(0.04, "0 of 1"), (0.06, "none yet"), (None, "none yet")])
+def test_what_the_null_said_that_it_would_name_is_asked_for(said: float | None, count: str) -> None:
+    """0.1 was planted, and missed: twice 0.04 is less than that, twice 0.06 more."""
+    null = {**answer("nothing"), "detectable": [] if said is None else [{"id": GAIN, "size": said}]}
+    outcomes = scored((truth("singles", GAIN), answer("nothing")), (truth("nulls"), null))
+    assert row(outcomes, "of its null said").figure.startswith(count)
