@@ -100,8 +100,8 @@ class Tolerance:
 def tolerances(of: Fit) -> tuple[Tolerance, ...]:
     """The tolerances of a fit, the most absurd first; what is identified is one as far as anything is known of it beforehand.
 
-    The price is without these: a laboratory has to find them. But an FMD that ends farther off than anybody could build one has
-    taken what is missing elsewhere.
+    The price is without these: a laboratory has to find them. But an FMD that ends farther off than anybody
+    would build one has taken what is missing elsewhere.
     """
     both = zip(of.parameters, of.offsets, strict=True)
     kinds = (*TOLERANCES, IDENTIFIED)
@@ -187,7 +187,8 @@ def misfit(of: Fit) -> float:
 
 def _judged(ratio: float, of: Fit) -> tuple[str, str]:
     moved, too_much = tolerances(of), absurd(of)
-    worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or moved[:1])
+    paying = [one for one in moved if one.parameter.kind in TOLERANCES]
+    worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or paying[:1])
     if ratio > MISFIT:
         return FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
     if too_much:

@@ -63,7 +63,7 @@ class Standing:
         if self.likely < UNLIKELY:
             said.append(f"the tolerances pay {self.price:.3g} times what is due")
         if self.largest >= ABSURD:
-            said.append(f"one of them stands at {self.largest:.1f} z")
+            said.append(f"a tolerance stands at {self.largest:.1f} z")
         return "; ".join(said)
 
 

@@ -22,7 +22,7 @@ from validation.effects.family import PERIOD_STAGE
 from validation.engine.cost import Cost, cost_of
 from validation.engine.descent import BREAKDOWNS
 from validation.engine.fit import child
-from validation.engine.parameter import EFFECT, FITTED, PLAIN, Parameter
+from validation.engine.parameter import EFFECT, FITTED, Parameter
 from validation.engine.prediction import Offsets
 from validation.engine.problem import Problem
 from validation.models.model import Added
@@ -31,7 +31,7 @@ from validation.prediction.applied import name
 OCTAVES = np.arange(-6.0, 4.0, 0.5)
 """Powers of two of what is plausible, at which a size is looked at."""
 
-FLOOR = 0.2
+ROUGH = 0.2
 """Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide."""
 
 
@@ -54,19 +54,19 @@ def afresh(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:
 
 def _nearest(problem: Problem, home: Offsets, which: str) -> float:
     """The size of the effect `which` that comes nearest to the data, everything else at `home`."""
-    cost = cost_of(problem, problem.free(PLAIN), FLOOR, plain=True)
-    return min(map(float, sizes(problem.by_name[which])), key=lambda size: _cost(cost, {**home, which: size}))
+    cost = cost_of(problem, [problem.by_name[which]], ROUGH, home)
+    return min(map(float, sizes(problem.by_name[which])), key=lambda size: _cost(cost, size))
 
 
-def _cost(cost: Cost, offsets: Offsets) -> float:
+def _cost(cost: Cost, size: float) -> float:
     try:
-        return cost.total(cost.at(offsets))[0].cost
+        return cost.total(np.array([size]))[0].cost
     except BREAKDOWNS:
         return inf
 
 
 def sizes(of: Parameter) -> Array:
-    """Offsets at which an effect is looked at, (n,) in the unit of `of`, none outside its bounds."""
+    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds."""
     steps = of.tolerance * np.exp2(OCTAVES)
     both = np.concatenate([-steps[::-1], steps])
     return both[(both > of.low) & (both < of.high)]

@@ -200,10 +200,12 @@ def _why(one: Round) -> str:
 def _no_fit(one: Round) -> str:
     """Why nothing was fitted, or nothing that was is left."""
     if one.gone:
-        return f"a fit drives {', '.join(one.gone)} out of the band of the data, and no other candidate is worth a fit"
-    best = f", of {one.screened[0].id}" if one.screened else ""
-    promised = max(one.screened[0].evidence, 0.0) if one.screened else 0.0
-    return f"no candidate is worth a fit: a straight line promises {promised:.1f} nats at most{best}"
+        return f"a fit drives {', '.join(one.gone)} out of the band of the data, and no other kind of effect is worth a fit"
+    if not one.screened:
+        return "there is no candidate"
+    best = one.screened[0]
+    promised, asked = max(best.evidence, 0.0), worth(best.added.named.family)
+    return f"no candidate is worth a fit: {best.id} promises most, {promised:.1f} nats, where {asked:g} are asked for"
 
 
 def _settings(bench: Bench, rounds: Sequence[Round]) -> Mapping[str, object]:

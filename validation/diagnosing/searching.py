@@ -145,7 +145,8 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
     if good:
         rivals = _rivals(tried, menu, found)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        tried += [one for one in (_tried(bench, at, each) for each in rivals) if _stays(bench, one)]
+        fitted = (_as_a_rival(bench, at, one, tried[0]) for one in rivals)
+        tried += [one for one in fitted if _stays(bench, one)]
         tried.sort(key=lambda each: -each.evidence)
     return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", gone=gone)
 
@@ -154,8 +155,10 @@ def _nearby(bench: Bench, at: Hypothesis, here: Standing, found: Sequence[Screen
     """Fits of the best, until one is all that is needed."""
     tried: list[Tried] = []
     for one in _promising(found):
-        if _settled(tried, one, found) or (here.null and one.evidence < worth(one.added.named.family) - SHORT):
+        if _settled(tried, one, found):
             break
+        if here.null and one.evidence < worth(one.added.named.family) - SHORT:
+            continue
         progress(f"trying {one.id}", len(tried) / TRIED)
         tried.append(_tried(bench, at, one.added))
     return tried
@@ -239,6 +242,14 @@ def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Scree
     )
     by_id = {one.id: one.added for one in found}
     return [by_id[id] for id in near if id in by_id][:ALIASES]
+
+
+def _as_a_rival(bench: Bench, at: Hypothesis, added: Added, best: Tried) -> Tried:
+    """The fit of what can do nearly all that the `best` does; afresh where it does not from where tolerances have paid."""
+    found = _tried(bench, at, added)
+    if found.evidence >= KEPT * best.evidence or not can_be(added):
+        return found
+    return max(found, _judged(at, afresh(bench, at, added)), key=lambda each: each.evidence)
 
 
 def _are_twins(one: Named, other: Named) -> bool:

@@ -41,7 +41,7 @@ def of_search() -> Mapping[str, object]:
         "kept_share_of_promise": searching.KEPT,
         "afresh_at_most": searching.AFRESH,
         "afresh_octaves": [float(afresh.OCTAVES[0]), float(afresh.OCTAVES[-1])],
-        "afresh_floor": afresh.FLOOR,
+        "afresh_floor": afresh.ROUGH,
         "instead_of_resonators_at_most": searching.INSTEAD,
         "resonators_beyond_band": dictionary.BEYOND,
     }

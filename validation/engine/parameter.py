@@ -41,7 +41,7 @@ class Parameter:
     above : what a logarithmic value has on top, -1 for a relative change of something that stays positive
     start : offset at which a fit begins
     within : greatest offset either way that a plain fit allows a declared one
-    low, high : least and greatest offset of all fits; beyond is no physics
+    low, high : least and greatest offset of all fits; beyond is no physics, or nothing that anybody would build
     """
 
     name: str

@@ -199,7 +199,8 @@ def _beside(problem: Problem, fit: Fit, stand: Offsets, floor: float) -> tuple[t
     """The parameters of `fit` that may move (p,), their covariance (p, p), and the step that they would take (p,).
 
     An effect at a bound stays, since beyond is no physics. What a laboratory identifies does not: beside it, a fault that drove
-    it there would look as if only its rest were left to be explained.
+    it there would look as if only its rest were left to be explained. What is promised then counts from where the step would end,
+    and is short of what a fit gains by what the step would gain.
     """
     bound = {one.name for one, v in zip(fit.parameters, np.diag(fit.covariance), strict=True) if v <= 0}
     still = {one.name for one in fit.parameters if one.name in bound and one.kind == EFFECT}

@@ -105,7 +105,7 @@ def test_one_tolerance_alone_refuses(noisy: Any) -> None:
     below, above = (standing(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.likely > UNLIKELY
-    assert above.text.startswith("one of them stands at 4.8 z")
+    assert above.text.startswith("a tolerance stands at 4.8 z")
 
 
 def test_everything_that_refuses_is_said(noisy: Any) -> None:

@@ -18,10 +18,13 @@ from validation.diagnosing.searching import (
     INSTEAD,
     OF_A_FAMILY,
     PROMISING,
+    SHORT,
     STRUCTURAL,
     TRIED,
     Round,
     Tried,
+    _as_a_rival,
+    _nearby,
     _promising,
     _rivals,
     _stays,
@@ -30,6 +33,7 @@ from validation.diagnosing.searching import (
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import STRUCTURE
 from validation.effects.identifiers import parse
+from validation.effects.worth import worth
 from validation.engine.screening import Told
 from validation.models.model import Added
 
@@ -191,6 +195,30 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pyte
     assert [one.evidence for one in ranked] == [2.0, 1.0]
 
 
+def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(searching, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
+    found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
+    assert worth("structural-damping") - SHORT > 15.0 > 14.0 > worth("force-gain") - SHORT
+    nobody: Any = None
+    tried_ones = _nearby(nobody, nobody, stands(null=True), found, lambda what, share: None)
+    assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
+    both = _nearby(nobody, nobody, stands(null=False), found, lambda what, share: None)
+    assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
+
+
+@pytest.mark.parametrize(("straight", "again", "kept"), [(60.0, 90.0, 60.0), (10.0, 90.0, 90.0), (10.0, 5.0, 10.0)])
+def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(
+    monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
+) -> None:
+    monkeypatch.setattr(searching, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
+    monkeypatch.setattr(searching, "afresh", lambda bench, at, added: added.named.id)
+    monkeypatch.setattr(searching, "_judged", lambda at, id: ended(f"{id}=0.1", again))
+    nobody: Any = None
+    assert _as_a_rival(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept
+
+
 def a_round(found: Sequence[Screened], gone: tuple[str, ...] = ()) -> Round:
     """In which no fit is left."""
     nobody: Any = None
@@ -199,9 +227,9 @@ def a_round(found: Sequence[Screened], gone: tuple[str, ...] = ()) -> Round:
 
 def test_a_round_without_a_fit_says_why() -> None:
     assert _why(a_round(screened("cable:mast-top:lateral=50", evidence=2.25))) == (
-        "no candidate is worth a fit: a straight line promises 2.2 nats at most, of cable:mast-top:lateral"
+        "no candidate is worth a fit: cable:mast-top:lateral promises most, 2.2 nats, where 8 are asked for"
     )
-    assert _why(a_round([])) == "no candidate is worth a fit: a straight line promises 0.0 nats at most"
+    assert _why(a_round([])) == "there is no candidate"
     assert _why(a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), gone=("slosh:mast-top",))) == (
-        "a fit drives slosh:mast-top out of the band of the data, and no other candidate is worth a fit"
+        "a fit drives slosh:mast-top out of the band of the data, and no other kind of effect is worth a fit"
     )

@@ -205,15 +205,15 @@
     },
   };
 
-  // The 6 x 6 entries, a grid: Tab reaches the one that is shown, arrow keys the others; Enter shows the one that has the focus.
+  // The 6 x 6 entries, a grid: Tab reaches the one that is shown or was visited last, arrow keys the others; Enter shows one.
   const SIDE = 6;
   const Picker = {
     props: { label: String, signs: Array, tints: Array, peaks: Array, entries: Array, load: Number, motion: Number, off: Boolean },
     emits: ["choose"],
     data: () => ({ visited: null }), // number of the entry that arrow keys came to; it is where Tab comes back to
     watch: {
-      load() { this.visited = null; },
-      motion() { this.visited = null; },
+      load() { this.leave(); },
+      motion() { this.leave(); },
     },
     render() {
       const six = [...Array(SIDE).keys()];
@@ -238,6 +238,7 @@
       return h("table", of, [h("thead", head), h("tbody", rows)]);
     },
     methods: {
+      leave() { if (!this.$el.contains(document.activeElement)) this.visited = null; },
       key(event) {
         const all = [...this.$el.querySelectorAll("button")];
         const k = all.indexOf(event.target);
@@ -406,7 +407,7 @@
           "-": () => this.zoomed(1 / 1.25),
           Home: () => this.home(),
         }[event.key];
-        if (!done) return;
+        if (!done || shortcut(event)) return;
         event.preventDefault();
         done();
       },
