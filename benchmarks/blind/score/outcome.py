@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from benchmarks.blind.names import Json
+from validation.effects.catalogue import FAMILIES
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, MISTAKE = "nothing", "missing", "ambiguous", "several", "unknown", "mistake"
 """Verdicts of the contract that an answer may have here."""
@@ -18,7 +19,7 @@ NO_VERDICT = ""
 SWAP = "channel-swap"
 
 TIED = 1.0
-"""[nats] between explanations whose order is chance."""
+"""[nats] of which nobody would make a difference between explanations; 5 make a class."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +45,7 @@ class Outcome:
     claimed : ids that it says are missing, in its order
     alike : the class of ids that it cannot tell apart, the claims where it states none
     tied : ids that rank within `TIED` of the first
-    size : the first of an effect that was planted alone; 0 for what has none
+    size : the first of an effect that was planted alone, from where there is no effect; 0 for what has none
     detectable : size from which these data would name an effect, as the diagnosis says, by id
     sizes : of the claims that are true
     misfit : chi² per degree of freedom without any effect
@@ -162,8 +163,12 @@ def _tied(ranking: Sequence[Json]) -> tuple[str, ...]:
 
 
 def _size(planted: Sequence[Json]) -> float:
-    sizes = [size for one in planted for size in one["sizes"].values()]
-    return abs(sizes[0]) if len(planted) == 1 and sizes else 0.0
+    if len(planted) != 1 or not planted[0]["sizes"]:
+        return 0.0
+    family, _, _ = planted[0]["id"].partition(":")
+    key, value = next(iter(planted[0]["sizes"].items()))
+    known = FAMILIES[family].sizes if family in FAMILIES else ()
+    return abs(value - next((size.null for size in known if size.key == key), 0.0))
 
 
 def _measured(true: Mapping[str, float], claim: Json) -> Iterator[Measured]:

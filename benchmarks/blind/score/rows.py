@@ -60,8 +60,8 @@ def rows(outcomes: Sequence[Outcome]) -> list[Row]:
     faulty = [*singles, *_of(outcomes, PAIR)]
     return [
         _share("named first, at 2 times the detection limit and more", rate(one.first for one in named), least=0.90),
+        Row(what="· first, or not more than 1 nat behind what is", figure=str(rate(one.first or _tied(one) for one in named))),
         *_by_size(singles),
-        Row(what="· or tied with what was: less than 1 nat behind", figure=str(rate(one.first or _tied(one) for one in named))),
         Row(
             what="the same, at 2 times what the diagnosis of its null said that it would name there",
             figure=str(rate(one.first for one in named if not one.sized or _told(one, nulls))),
@@ -95,12 +95,12 @@ def _share(what: str, found: Rate, *, least: float | None = None, most: float | 
 
 
 def _tied(one: Outcome) -> bool:
-    """Whether what is named first is so by chance, and what was planted stands beside it."""
-    return bool(one.claimed) and set(one.planted) <= set(one.tied)
+    """Whether what was planted stands as near to what is claimed first as makes no difference."""
+    return set(one.claimed[:1]) | set(one.planted) <= set(one.tied) and bool(one.claimed)
 
 
 def _told(one: Outcome, nulls: Sequence[Outcome]) -> bool:
-    """Whether the null of `one`, the same sweeps held out, said that twice as little would be named."""
+    """Whether the null of `one`, the same sweeps held out, said that half as much would be named."""
     sizes = [null.detectable.get(one.planted[0]) for null in nulls if null.name == one.null]
     return any(size is not None and one.size >= WELL_ABOVE * size for size in sizes)
 

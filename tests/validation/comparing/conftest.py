@@ -139,8 +139,8 @@ class ByHandLaboratory:
         return mapped(test, {}, nothing_fitted(Problem((test,))), left.inputs, ByHandLaboratory.RIG)
 
 
-def evaluated(z: float = 1.0) -> Evaluation:
-    """Errors and fits as an engine might return them; the gain of fmd-z2 stands at `z` tolerances."""
+def evaluated(z: float = 1.0, fmd: float = 0.1) -> Evaluation:
+    """Errors and fits as an engine might return them; fmd-z2 stands `z` tolerances off, the FMD's mass `fmd` [kg]."""
     parameters = (
         Parameter(name="fmd:m", unit="kg", tolerance=0.9, kind=IDENTIFIED, nominal=18.0),
         Parameter(name="modulus:mast", unit="1", tolerance=0.025, kind=DECLARED),
@@ -149,7 +149,7 @@ def evaluated(z: float = 1.0) -> Evaluation:
     )
     fitted = Fit(
         parameters=parameters,
-        offsets=np.array([0.1, 0.01, 0.003 * z, 0.001]),
+        offsets=np.array([fmd, 0.01, 0.003 * z, 0.001]),
         covariance=np.diag([1e-4, 1e-5, 1e-6, 1e-6]),
         cost=900.0,
         chi2=1760.0,

@@ -85,6 +85,24 @@ def test_absurd_tolerances_fail_a_model_whose_chi2_is_good(evaluation) -> None:
     assert "force-gain:fmd-z2 at +24.0 z" in bought.text
 
 
+@pytest.mark.parametrize(("fmd", "verdict"), [(0.9 * 5.0, FAILED), (0.9 * 3.8, GOOD)])
+def test_an_fmd_that_nobody_would_build_fails_a_model_without_a_price(evaluation, fmd: float, verdict: str) -> None:
+    of = evaluation(fmd=fmd)
+    assert of.fitted.tolerance_z2 == evaluation().fitted.tolerance_z2
+    said = told(of, EXPECTED, 2.0)[2]
+    assert said.verdict == verdict
+    assert ("fmd:m at +5.0 z" in said.text) == (verdict == FAILED)
+
+
+def test_an_fmd_within_reason_is_not_named_where_the_price_is_too_high(evaluation) -> None:
+    of = evaluation(z=3.0, fmd=0.9 * 3.8)
+    dear = replace(of.fitted, tolerance_z2=60.0)
+    said = told(replace(of, fitted=dear), EXPECTED, 2.0)[2]
+    assert said.verdict == FAILED
+    assert "fmd:m" not in said.text
+    assert "force-gain:fmd-z2 at +3.0 z" in said.text
+
+
 def test_what_modes_let_expect_of_the_plain_error_is_told_where_it_counts(evaluation) -> None:
     of = evaluation()
     said = told(of, Explained(measurement=0.97, with_modes=6.1), 2.0)[1].text

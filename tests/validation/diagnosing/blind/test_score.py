@@ -292,7 +292,18 @@ def ranked(first: float, second: float) -> Json:
 def test_what_is_less_than_a_nat_behind_the_first_is_tied_with_it(behind: float, tied: str) -> None:
     outcomes = scored((truth("singles", GAIN), ranked(50.0, 50.0 - behind)))
     assert row(outcomes, "named first, at 2 times").figure.startswith("0 of 1")
-    assert row(outcomes, "or tied").figure.startswith(tied)
+    assert row(outcomes, "not more than 1 nat").figure.startswith(tied)
+
+
+def test_nothing_is_tied_with_a_claim_that_another_round_ranks() -> None:
+    found = {**ranked(50.0, 49.5), "accepted": [_claim("force-delay:fmd-z1", 0.1)]}
+    assert row(scored((truth("singles", GAIN), found)), "not more than 1 nat").figure.startswith("0 of 1")
+
+
+def test_a_factor_counts_from_one() -> None:
+    planted = truth("singles", "fmd-compliance:lateral")
+    planted["planted"][0]["sizes"] = {"": 1.05}
+    assert outcome(planted, answer("nothing")).size == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize(("said", "count"), [(0.04, "0 of 1"), (0.06, "none yet"), (None, "none yet")])
