@@ -85,6 +85,10 @@ def test_absurd_tolerances_fail_a_model_whose_chi2_is_good(evaluation) -> None:
     assert "force-gain:fmd-z2 at +24.0 z" in bought.text
 
 
+def test_a_price_in_the_thousands_is_written_out(evaluation) -> None:
+    assert told(evaluation(z=47.26), EXPECTED, 2.0)[2].figure == "χ² 0.88, z² 2234"
+
+
 @pytest.mark.parametrize(("fmd", "verdict"), [(0.9 * 5.0, FAILED), (0.9 * 3.8, GOOD)])
 def test_an_fmd_that_nobody_would_build_fails_a_model_without_a_price(evaluation, fmd: float, verdict: str) -> None:
     of = evaluation(fmd=fmd)
