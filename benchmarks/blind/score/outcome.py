@@ -168,7 +168,8 @@ def _size(planted: Sequence[Json]) -> float:
     family, _, _ = planted[0]["id"].partition(":")
     key, value = next(iter(planted[0]["sizes"].items()))
     known = FAMILIES[family].sizes if family in FAMILIES else ()
-    return abs(value - next((size.null for size in known if size.key == key), 0.0))
+    none = next((size.null for size in known if size.key == key), 0.0)
+    return abs(float(value) - none)
 
 
 def _measured(true: Mapping[str, float], claim: Json) -> Iterator[Measured]:
