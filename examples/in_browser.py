@@ -18,6 +18,9 @@ PATIENCE = 600_000
 SWINGING = "canvas[data-frames]"
 """The structure in the mode nearest the frequency that is marked, all of its frames; they come last."""
 
+OF_A_MODE = ", damping ratio "
+"""What is said beneath the structure once a mode is what is seen; while it is drawn, the sensors are."""
+
 EFFECT_SEEN = "() => document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))"
 
 
@@ -42,6 +45,7 @@ def workbench(folder: Path) -> None:
         page.locator("#overlay[data-drawn]").wait_for()
         page.locator(".job").wait_for(state="detached")
         page.locator(".found ol li button").first.click()  # the worst spot
+        page.get_by_text(OF_A_MODE).wait_for()
         page.locator(SWINGING).wait_for()
         page.screenshot(path=str(folder / "workbench-compared.png"))
         page.get_by_role("tab", name="What is missing").click()
