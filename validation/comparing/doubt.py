@@ -23,6 +23,7 @@ from validation.engine.fit import PLAIN_FLOOR
 from validation.engine.parameter import STRUCTURAL
 from validation.engine.problem import Problem
 from validation.engine.refit import solved
+from validation.engine.roots import root
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,12 +62,11 @@ def doubt(problem: Problem, plain: Fit) -> Doubt:
     N = cost.total(cost.at(plain.by_name))[0].matrix
     p = len(free)
     own = inverse(N[:p, :p]) if p else np.zeros((0, 0))
-    values, vectors = np.linalg.eigh(own) if p else (np.zeros(0), own)
     return Doubt(
         tolerances=loose,
         fitted=tuple(one.name for one in free),
         answer=-own @ N[:p, p:] * np.array(list(loose.values())),
-        own=vectors * np.sqrt(np.maximum(values, 0.0)),
+        own=root(own) if p else own,
         of_modes=_of_modes(problem),
     )
 

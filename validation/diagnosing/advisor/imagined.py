@@ -18,7 +18,7 @@ import numpy as np
 from geometry.arrays import Array
 from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import inverse
-from validation.diagnosing.advisor.knowledge import SURE, Knowledge, effects_of, knowledge, root
+from validation.diagnosing.advisor.knowledge import SURE, Knowledge, effects_of, knowledge
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import opened
 from validation.diagnosing.menu import candidates, is_resonator
@@ -27,6 +27,7 @@ from validation.effects.identifiers import Named
 from validation.engine.cost import cost_of
 from validation.engine.fit import FLOOR
 from validation.engine.parameter import EFFECT, FITTED, Parameter
+from validation.engine.roots import root
 from validation.models.model import Added
 from validation.prediction.applied import name
 

@@ -15,6 +15,7 @@ import numpy as np
 from geometry.arrays import Array
 from validation.diagnosing.bench import Hypothesis
 from validation.engine.parameter import EFFECT, Parameter
+from validation.engine.roots import root
 from validation.models.model import Added
 
 
@@ -99,11 +100,3 @@ def effects_of(of: Hypothesis) -> tuple[Added, ...]:
     """The effects from which the offsets of its fit count: those of its model and its own."""
     own = [getattr(one, "effects", ()) for one in of.problem.predictions]
     return max(own, key=len, default=()) or of.effects
-
-
-def root(covariance: Array) -> Array:
-    """(p, p) R with R R^T = `covariance`, whose parameters may stand still or be of any unit."""
-    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    scale = np.where(sd > 0, sd, 1.0)
-    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -26,6 +26,7 @@ from validation.diagnosing.leftover.whitened import Whitened
 from validation.engine import likelihood
 from validation.engine.cost import cost_of
 from validation.engine.fit import FLOOR
+from validation.engine.roots import root
 from validation.engine.screening import Products
 
 LEAST = 1e-4
@@ -91,9 +92,7 @@ def swallowing(data: Sequence[Whitened], hypothesis: Hypothesis) -> list[Swallow
     """Of all data sets of `hypothesis`, with the parameters of its fit that could move."""
     fit = hypothesis.fit
     at = np.flatnonzero(np.diag(fit.covariance) > 0)
-    values, vectors = np.linalg.eigh(fit.covariance[np.ix_(at, at)])
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    free = tuple(fit.parameters[k] for k in at)
+    R, free = root(fit.covariance[np.ix_(at, at)]), tuple(fit.parameters[k] for k in at)
     cost = cost_of(hypothesis.problem, free, FLOOR, fit.by_name)
     away, rows = cost.knowledge(cost.at(fit.by_name))
     acting = [[k for k, one in enumerate(free) if one.name in each.predicted.changes] for each in data]
@@ -102,9 +101,9 @@ def swallowing(data: Sequence[Whitened], hypothesis: Hypothesis) -> list[Swallow
     gradient = rows.T @ away
     for some, V, one in zip(acting, moved, data, strict=True):
         gradient[some] -= _onto(V, one)
-    slope = root.T @ gradient
+    slope = R.T @ gradient
     found = zip(data, names, moved, acting, strict=True)
-    return [Swallowing(of=one, names=mine, moved=V, root=root[some], slope=slope) for one, mine, V, some in found]
+    return [Swallowing(of=one, names=mine, moved=V, root=R[some], slope=slope) for one, mine, V, some in found]
 
 
 def _onto(V: ComplexArray, of: Whitened) -> Array:

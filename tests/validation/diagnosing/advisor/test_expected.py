@@ -11,8 +11,9 @@ from identification.self_calibration.elimination import Normal
 from validation.diagnosing.advisor.comparing import either
 from validation.diagnosing.advisor.expected import nats
 from validation.diagnosing.advisor.following import _whitening
-from validation.diagnosing.advisor.knowledge import Knowledge, Origin, root
+from validation.diagnosing.advisor.knowledge import Knowledge, Origin
 from validation.engine.parameter import EFFECT, Parameter
+from validation.engine.roots import root
 
 
 @pytest.fixture

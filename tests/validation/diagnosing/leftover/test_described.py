@@ -4,9 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from geometry.frames import rigid_transformation_6
+from validation.diagnosing.bench import Hypothesis
+from validation.diagnosing.classes import opened
 from validation.diagnosing.leftover.described import described, unexplained
+from validation.diagnosing.leftover.tangents import swallowing
+from validation.diagnosing.leftover.whitened import whitened
+from validation.effects.identifiers import parse
+from validation.engine.cost import cost_of
+from validation.engine.descent import ended
+from validation.engine.fit import FLOOR, fitted
+from validation.engine.parameter import FITTED
+from validation.models.model import Added
 from validation.prediction import fmd
 
 
@@ -179,3 +190,18 @@ def test_where_nothing_is_missing_no_description_gains_much_and_a_small_fault_ga
     assert nothing.gain < 20
     assert small.gain > 50
     assert small.place.sign == -1
+
+
+def test_a_stiffness_among_the_parameters_does_not_drown_what_is_known_of_the_others(left) -> None:
+    """Its variance is some (N/m)² beside (µm)²: covariances are taken by their correlations."""
+    nothing = left(lambda s: np.zeros_like(s.read))
+    spring = Added(named=parse("cable:top:vertical=800"))
+    problem = opened(nothing.problem, [spring])
+    cost = cost_of(problem, problem.free(FITTED), FLOOR)
+    sprung = Hypothesis(effects=(spring,), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
+    (one,) = swallowing(list(whitened(sprung, derivatives=True)), sprung)
+    at = [k for k, each in enumerate(sprung.fit.parameters) if each.name in one.names]
+    C, sd = sprung.fit.covariance[np.ix_(at, at)], np.sqrt(np.diag(sprung.fit.covariance)[at])
+    assert sd.max() > 1e6 * sd.min() > 0
+    assert_allclose(one.root @ one.root.T / np.outer(sd, sd), C / np.outer(sd, sd), atol=1e-9)
+    assert unexplained(sprung).gain == pytest.approx(unexplained(nothing).gain, abs=5)
