@@ -31,7 +31,7 @@ STEPS = 6
 SPARSE = 3
 """Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
 
-AGAIN, WORTH = 3, 1.0
+AGAIN, WORTH = 6, 1.0
 """How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
 
 ROUNDING = 1e-9
