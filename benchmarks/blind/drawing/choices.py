@@ -64,9 +64,11 @@ PAIRS_OF_AXES = tuple(i + j for i in AXES for j in AXES if i != j)
 CHOICES = (
     _structural("point-mass", "mast-top", signed=True, least=0.3),
     _structural("point-mass", "lower-1+", "lower-1-", signed=True, least=0.3),
-    _structural("rigid-inertia", "m", "mx", "my", "mz", signed=True, largest=3.0),
+    _structural("rigid-inertia", "m", signed=True, largest=3.0, least=1.5),
+    _structural("rigid-inertia", "mx", "my", signed=True, largest=0.8),
+    _structural("rigid-inertia", "mz", signed=True, largest=2.5, least=0.3),  # a Cuboid that has lost more is no body
     _structural("rigid-inertia", "Ixx", "Iyy", "Izz", largest=1.0, least=0.3),
-    _structural("rigid-inertia", "Ixz", "Iyz", signed=True, largest=0.16, least=0.3),  # no Cuboid on its disc has more
+    _structural("rigid-inertia", "Ixz", "Iyz", signed=True, largest=0.11),  # no Cuboid on its disc has more
     _structural("modulus", "mast", signed=True, largest=0.6),
     _structural("modulus", "lower-1", signed=True, largest=0.6),
     _structural("modulus", "upper-long", signed=True, largest=0.6, articles=WHOLE_SERIES),
