@@ -142,7 +142,7 @@ def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_F
     """`named` at its best size; none where the data have not what it acts on, or no size helps."""
     from scipy.optimize import minimize_scalar
 
-    size = next(one for one in named.sizes if one.plausible > 0)
+    size = named.fitted_sizes[0]
     begin = named.values[size.key]
 
     def at(x: float) -> Named:
@@ -203,7 +203,7 @@ def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:
 
 def _size(one: _Found, scale: float) -> Size:
     """With the 90 % interval of the curvature: -log L is the sum of squares over `scale`."""
-    of = next(size for size in one.named.sizes if size.plausible > 0)
+    of = one.named.fitted_sizes[0]
     value = one.named.values[of.key]
     of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
     half = NORMAL_90 * float(np.hypot(np.sqrt(scale / one.curvature), of_equations)) if one.curvature > 0 else np.inf

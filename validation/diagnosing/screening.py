@@ -69,7 +69,7 @@ def _of_new(bench: Bench, at: Hypothesis, menu: Sequence[Added]) -> list[Screene
 
 def _first(added: Added) -> Size:
     """The size by which an effect of several is screened: the first that is fitted."""
-    return next((size for size in added.named.sizes if size.plausible > 0), added.named.sizes[0])
+    return (*added.named.fitted_sizes, added.named.sizes[0])[0]
 
 
 def _sized(added: Added, size: Size, one: Parameter, told: Told) -> Screened:

@@ -68,6 +68,11 @@ class Named:
         return FAMILIES[self.family].sizes_at(self.targets)
 
     @property
+    def fitted_sizes(self) -> tuple[Size, ...]:
+        """Those of them that a fit looks for."""
+        return tuple(size for size in self.sizes if size.plausible > 0)
+
+    @property
     def unit(self) -> str:
         """Of the number that stands alone; empty where there is none."""
         return next((size.unit for size in self.sizes if not size.key), "")

@@ -131,7 +131,7 @@ def _family(named: Named) -> Family:
 
 def _is_nothing(named: Named) -> bool:
     """Whether it stands at the size at which its equation changes nothing, so that derivatives pass as they are."""
-    sizes = [size for size in named.sizes if size.plausible > 0]
+    sizes = named.fitted_sizes
     return bool(sizes) and all(named.values[size.key] == size.null and not size.logarithmic for size in sizes)
 
 
@@ -143,7 +143,7 @@ def _free(added: Added) -> tuple[Size, ...]:
     """Sizes that a fit may move; none of an opened effect, whose parameter is somebody else's."""
     if added.fixed or _family(added.named).change is None:
         return ()
-    return tuple(size for size in added.named.sizes if size.plausible > 0)
+    return added.named.fitted_sizes
 
 
 def _parameter(named: Named, size: Size) -> Parameter:
