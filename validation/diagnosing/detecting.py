@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from math import inf, isfinite
 
 from validation.diagnosing.diagnosis import Detectable
 from validation.diagnosing.dictionary import smallest_mass
@@ -24,4 +24,14 @@ def _of(one: Screened) -> Detectable:
     size, wanted = one.added.named.sizes[0], worth(one.added.named.family)
     if one.usual is not None:
         return Detectable(id=one.id, size=smallest_mass(one.usual, wanted), unit=size.unit, at=USUAL)
-    return Detectable(id=one.id, size=one.told.detectable(one.plausible, wanted), unit=size.unit)
+    return Detectable(id=one.id, size=_meant(one, one.told.detectable(one.plausible, wanted)), unit=size.unit)
+
+
+def _meant(one: Screened, offset: float) -> float:
+    """How far from no effect the size is at `offset`; infinite where that is more than a number holds."""
+    if one.parameter is None or not isfinite(offset):
+        return offset
+    try:
+        return one.parameter.value(offset) - one.parameter.value(0.0)
+    except OverflowError:
+        return inf

@@ -80,7 +80,9 @@ def _sized(added: Added, size: Size, one: Parameter, told: Told) -> Screened:
         return Screened(added=_at(added, size, one.value(offset)), evidence=_at_size(told, offset), told=told, plausible=SWITCHED)
     offset = float(np.clip(told.estimate, low, high))
     evidence = told.evidence(size.plausible) if low < told.estimate < high else _at_size(told, offset)
-    return Screened(added=_at(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible)
+    return Screened(
+        added=_at(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible, parameter=one
+    )
 
 
 def _at_size(told: Told, offset: float) -> float:
