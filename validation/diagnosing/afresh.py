@@ -8,7 +8,7 @@ the one that comes nearest.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -21,6 +21,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.family import PERIOD_STAGE
 from validation.engine.cost import Cost, cost_of
 from validation.engine.descent import BREAKDOWNS
+from validation.engine.evaluation import Fit
 from validation.engine.fit import child
 from validation.engine.parameter import EFFECT, FITTED, Parameter
 from validation.engine.prediction import Offsets
@@ -38,18 +39,32 @@ ROUGH = 0.2
 def can_be(added: Added) -> bool:
     """Whether there is such a way: an effect of one size that is fitted, and not of a pendulum, whose period follows a line."""
     swings = FAMILIES[added.named.family].stage == PERIOD_STAGE
-    return not (added.fixed or swings or is_resonator(added.named)) and len(_sized(added)) == 1
+    return not (added.fixed or swings or is_resonator(added.named)) and len(added.named.fitted_sizes) == 1
 
 
 def afresh(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:
     """`at` with the effect `added` as well, tolerances from where they are declared; it never costs more than `at`."""
     effects = (*at.effects, added)
     problem = bench.problem(effects)
-    (which,) = (name(added.named, key) for key in _sized(added))
-    known = {one.name: at.fit.by_name[one.name] for one in at.fit.parameters if one.kind == EFFECT}
-    home = {one.name: one.start for one in problem.parameters} | known
+    (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
+    home = _home(problem, at.fit)
     begin = home | {which: _nearest(problem.sparser(SPARSE), home, which)}
     return settled(bench, Hypothesis(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
+
+
+def rested(bench: Bench, at: Hypothesis) -> Hypothesis:
+    """`at`, tolerances from where they are declared; it never costs more.
+
+    A tolerance that paid for an effect may stay behind in a valley of its own when that is found: a mode that takes part with the
+    wrong sign comes home by no small step.
+    """
+    return settled(bench, replace(at, fit=child(at.problem, FITTED, at.fit, _home(at.problem, at.fit), from_afar=True)))
+
+
+def _home(problem: Problem, fit: Fit) -> dict[str, float]:
+    """Offsets of tolerances that are declared, and of the effects of `fit` that were found."""
+    found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
+    return {one.name: one.start for one in problem.parameters} | found
 
 
 def _nearest(problem: Problem, home: Offsets, which: str) -> float:
@@ -70,7 +85,3 @@ def sizes(of: Parameter) -> Array:
     steps = of.tolerance * np.exp2(OCTAVES)
     both = np.concatenate([-steps[::-1], steps])
     return both[(both > of.low) & (both < of.high)]
-
-
-def _sized(added: Added) -> Sequence[str]:
-    return [size.key for size in added.named.sizes if size.plausible > 0]

@@ -30,7 +30,7 @@ from validation.diagnosing.diagnosis import (
 from validation.diagnosing.errors import errors
 from validation.diagnosing.leftover.described import described, unexplained
 from validation.diagnosing.leftover.ranking import Explanation
-from validation.diagnosing.searching import Round, Tried, alike
+from validation.diagnosing.rounds import Round, Tried, alike
 from validation.effects.catalogue import FAMILIES
 from validation.effects.family import PENDULUM
 from validation.effects.worth import worth
@@ -56,7 +56,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
     left = unexplained(_sparse(found))
     verdict = _verdict(found, rounds, left)
     named = () if verdict == UNKNOWN else found.effects
-    best = next((one for one in reversed(rounds) if one.added), rounds[-1])
+    best = _best(found, rounds)
     before = errors(bench, base, lambda share: progress("errors of the model as it is", share))
     after = before
     if named:
@@ -72,7 +72,7 @@ def answer(bench: Bench, base: Hypothesis, found: Hypothesis, rounds: Sequence[R
         detectable=detectable(rounds[-1].screened),
         before=before,
         after=after,
-        steps=tuple(_step(one) for one in rounds),
+        steps=tuple(_step(one) for one in rounds if one.again != one.added or not one.added),
         hold_out=before.held_out_names,
         remarks=(*contradictions(bench, base, found), *_unfinished(found)),
         settings=_settings(bench, rounds),
@@ -92,8 +92,15 @@ def _verdict(found: Hypothesis, rounds: Sequence[Round], left: Explanation) -> s
         return NOTHING
     if len(found.effects) > 1:
         return SEVERAL
-    last = next(one for one in reversed(rounds) if one.added)
-    return AMBIGUOUS if len(alike(last)) > 1 else MISSING
+    return AMBIGUOUS if len(alike(_best(found, rounds))) > 1 else MISSING
+
+
+def _best(found: Hypothesis, rounds: Sequence[Round]) -> Round:
+    """The round that says most of what was found: of a single effect the last that took it, of several the last step forward."""
+    ids = {one.named.id for one in found.effects}
+    mine = [one for one in rounds if one.added in ids]
+    forward = [one for one in mine if not one.again]
+    return (mine if len(ids) == 1 else forward or mine or rounds)[-1]
 
 
 def _unfinished(found: Hypothesis) -> tuple[str, ...]:
@@ -103,7 +110,8 @@ def _unfinished(found: Hypothesis) -> tuple[str, ...]:
 def _alike(named: Sequence[Added], rounds: Sequence[Round]) -> tuple[str, ...]:
     """Ids that the data cannot tell apart; of several effects those of which each could be another."""
     found = {one.named.id for one in named}
-    groups = [[each.id for each in alike(one)] for one in rounds if one.added in found]
+    last = {one.added: one for one in rounds if one.added in found}
+    groups = [[each.id for each in alike(one)] for one in last.values()]
     return tuple(dict.fromkeys(id for group in groups for id in group if len(found) == 1 or len(group) > 1))
 
 
@@ -189,6 +197,10 @@ def _step(one: Round) -> Step:
 
 
 def _why(one: Round) -> str:
+    if one.again:
+        beside = f"beside {' and '.join(each.named.id for each in one.at.effects)}" if one.at.effects else "alone"
+        worse = next(each.evidence for each in one.tried if each.id == one.again)
+        return f"{one.added} brings {one.tried[0].evidence:.1f} nats {beside}, and {one.again} only {worse:.1f}"
     if one.added:
         return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {worth(one.tried[0].family):g} are asked for"
     if not one.tried:

@@ -50,7 +50,7 @@ class Hypothesis:
 
     Attributes
     ----------
-    effects : at the sizes that the fit found, in the order of acceptance
+    effects : at the sizes that the fit found, the one that was tried last last
     fit : of `validation.engine.parameter.FITTED`; logarithmic sizes count from those of the effects that `problem` has
     problem : that was fitted
     """

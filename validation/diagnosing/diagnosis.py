@@ -98,7 +98,7 @@ class Detectable:
     Attributes
     ----------
     id : of the effect
-    size : of its first number, SI, positive
+    size : of its first number, SI, positive, from where there is no effect: 0.5 of a factor of 1.5
     unit : of it
     at : what it belongs to, such as "half of all frequencies" of a resonator; empty where it is one size
     """
@@ -194,7 +194,7 @@ class Step:
     ----------
     added : id of what was accepted; empty where nothing was
     ranking : what was tried, the best evidence first
-    misfit, price : before
+    misfit, price : before; of an effect that was asked once more, without it
     text : why it was or was not accepted
     """
 

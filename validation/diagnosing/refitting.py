@@ -70,7 +70,7 @@ def finished(bench: Bench, at: Hypothesis) -> Hypothesis:
 def stands_out(of: Hypothesis) -> bool:
     """Whether the newest effect is more than none: what is fitted of it lies off the size of no effect."""
     added = of.effects[-1]
-    sizes = [] if added.fixed or is_resonator(added.named) else [size for size in added.named.sizes if size.plausible > 0]
+    sizes = () if added.fixed or is_resonator(added.named) else added.named.fitted_sizes
     known = {one.name: (x, sd) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, _spread(of.fit), strict=True)}
     found = [known[which] for size in sizes if (which := name(added.named, size.key)) in known]
     return not found or any(abs(x) > OUT * sd > 0 for x, sd in found)
@@ -94,11 +94,20 @@ def refitted(bench: Bench, at: Hypothesis, added: Added, *, begin: Fit | None = 
     return settled(bench, Hypothesis(effects=effects, fit=found, problem=problem))
 
 
+def instead(bench: Bench, at: Hypothesis, rest: Hypothesis, added: Added) -> Hypothesis:
+    """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
+    effects = (*rest.effects, added)
+    problem = bench.problem(effects)
+    same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
+    start = {which: x for which, x in _in(problem, at.fit).items() if which in same} | _start(bench, added)
+    return settled(bench, Hypothesis(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
+
+
 def _start(bench: Bench, added: Added) -> dict[str, float]:
     """An effect with an equation begins at its size; the fit knows where a tolerance stands already."""
     if FAMILIES[added.named.family].stage == OPENED or added.fixed:
         return {}
-    keys = [size.key for size in added.named.sizes if size.plausible > 0]
+    keys = [size.key for size in added.named.fitted_sizes]
     parameters = {one.name: one for one in bench.problem((added,)).parameters}
     return {which: parameters[which].start for key in keys if (which := name(added.named, key)) in parameters}
 
@@ -113,6 +122,13 @@ def settled(bench: Bench, of: Hypothesis) -> Hypothesis:
 def _counted_from(problem: Problem, fit: Fit) -> Fit:
     """`fit` with its logarithms counted from the sizes that the models of `problem` have."""
     parameters = tuple(problem.by_name[one.name] for one in fit.parameters)
-    pairs = zip(fit.parameters, parameters, fit.offsets, strict=True)
-    offsets = np.array([x + log(old.nominal / new.nominal) if new.logarithmic else x for old, new, x in pairs])
-    return replace(fit, parameters=parameters, offsets=offsets)
+    return replace(fit, parameters=parameters, offsets=np.array(list(_in(problem, fit).values())))
+
+
+def _in(problem: Problem, fit: Fit) -> dict[str, float]:
+    """Offsets of `fit` of what `problem` has, its logarithms counted from there."""
+    found = {}
+    for old, x in zip(fit.parameters, fit.offsets, strict=True):
+        if (new := problem.by_name.get(old.name)) is not None:
+            found[old.name] = float(x) + (log(old.nominal / new.nominal) if new.logarithmic else 0.0)
+    return found

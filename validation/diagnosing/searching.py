@@ -2,34 +2,32 @@
 
 A straight line finds the way and the fit decides, from one of three beginnings: where the tolerances stand; from afar, over a
 coarse floor, where the model bends so that a line misleads; and afresh, where tolerances have paid for an effect and no fit keeps
-what the line promised of it. Effects that were found first are asked once more when others are there: what explained a little of
-everything goes when what is really missing is named.
+what the line promised of it. Effects that were found first are asked once more when others are there, see `asked_again`.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from validation.diagnosing.accepting import Standing, excess, standing
-from validation.diagnosing.afresh import afresh, can_be
+from validation.diagnosing.accepting import ABSURD, Standing, excess, standing
+from validation.diagnosing.afresh import afresh, can_be, rested
+from validation.diagnosing.asked_again import asked_again
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.classes import aliases
-from validation.diagnosing.dictionary import reaches
 from validation.diagnosing.menu import is_resonator
-from validation.diagnosing.refitting import polished, refitted, roughly, settled, stands_out
+from validation.diagnosing.refitting import polished, refitted, roughly, stands_out
+from validation.diagnosing.rounds import Round, Tried, enough, judged, ranked, stays
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.screening import screen
 from validation.effects.identifiers import Named
 from validation.effects.worth import ALIKE, worth
 from validation.engine.evaluation import Fit
-from validation.engine.fit import nearby
-from validation.engine.parameter import FITTED
 from validation.models.model import Added
 
-MOST = 3
-"""Effects that are looked for."""
+MOST, MOST_ROUNDS = 3, 6
+"""Effects that are looked for, and steps forward in which they are; some go again."""
 
 TRIED, OF_A_FAMILY, STRUCTURAL = 6, 3, 2
 """Fits of a round at most; of one family; and of the structure at least, where any promises something."""
@@ -66,60 +64,11 @@ ALIASES, FAR = 3, 0.3
 Progress = Callable[[str, float], None]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Tried:
-    """A candidate and its fit.
-
-    Attributes
-    ----------
-    id : of the effect
-    hypothesis : with it
-    evidence : [nats] against the hypothesis without it
-    standing : of the fit
-    """
-
-    id: str
-    hypothesis: Hypothesis
-    evidence: float
-    standing: Standing
-
-    @property
-    def added(self) -> Added:
-        """The effect, at the size that the fit found."""
-        return self.hypothesis.effects[-1]
-
-    @property
-    def family(self) -> str:
-        """Of the effect."""
-        return self.added.named.family
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Round:
-    """One step forward.
-
-    Attributes
-    ----------
-    at : where it began
-    standing : there
-    screened : all candidates, the most promising first
-    tried : those that were fitted, the most evidence first
-    added : id of what was accepted; empty for nothing
-    gone : ids of resonators that a fit drove out of the band of the data
-    """
-
-    at: Hypothesis
-    standing: Standing
-    screened: tuple[Screened, ...]
-    tried: tuple[Tried, ...]
-    added: str
-    gone: tuple[str, ...]
-
-
 def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Progress) -> tuple[Hypothesis, tuple[Round, ...]]:
     """The hypothesis that explains the data of `bench` with the fewest effects of `menu`, and how it was found."""
-    at, rounds, again = base, [], AGAIN
-    while len(at.effects) < MOST:
+    at, again = base, AGAIN
+    rounds: list[Round] = []
+    while len(at.effects) < MOST and sum(not one.again for one in rounds) < MOST_ROUNDS:
         one = _round(bench, at, menu, progress)
         if again and one.tried and not one.added and one.tried[0].evidence > ALIKE and not stands_out(one.tried[0].hypothesis):
             at, again = polished(bench, at, one.tried[0].hypothesis.fit), again - 1  # none of it, but a better way down
@@ -127,9 +76,11 @@ def searched(bench: Bench, base: Hypothesis, menu: Sequence[Added], progress: Pr
         rounds.append(one)
         if not one.added:
             break
-        best = one.tried[0]
-        at = _again(bench, best.hypothesis)
-        if not best.standing.null and one.at.fit.cost - best.hypothesis.fit.cost < LEAST * excess(one.at.fit, one.standing):
+        found = _at_rest(bench, one.tried[0].hypothesis)
+        explained, null = one.at.fit.cost - found.fit.cost, standing(found.fit, found.problem).null
+        at, asked = asked_again(bench, found, rounds, progress)
+        rounds += asked
+        if not null and explained < LEAST * excess(one.at.fit, one.standing):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     return at, tuple(rounds)
 
@@ -141,13 +92,15 @@ def _round(bench: Bench, at: Hypothesis, menu: Sequence[Added], progress: Progre
         bench, found, lambda some: (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, some, progress)
     )
     tried = _unstuck(bench, at, here, tried, found, progress)
-    good = bool(tried) and tried[0].evidence >= worth(tried[0].family) and stands_out(tried[0].hypothesis)
-    if good:
-        rivals = _rivals(tried, menu, found)
+    good = bool(tried) and enough(tried[0])
+    asked: set[str] = set()
+    while good and tried[0].id not in asked:  # a rival that is better has rivals of its own
+        rivals = [*_rivals(tried, menu, found), *(_elsewhere(tried) if asked else [])]
+        asked.add(tried[0].id)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        fitted = (_as_a_rival(bench, at, one, tried[0]) for one in rivals)
-        tried += [one for one in fitted if _stays(bench, one)]
-        tried.sort(key=lambda each: -each.evidence)
+        fitted = [_as_a_rival(bench, at, one, tried[0]) for one in rivals]
+        may = [one for one in fitted if stays(bench, one) and (enough(one) or one.evidence <= tried[0].evidence)]
+        tried = ranked([*tried, *may])
     return Round(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", gone=gone)
 
 
@@ -179,18 +132,13 @@ def _within(
 ) -> tuple[list[Tried], tuple[str, ...]]:
     """`fits` of the best, and of others in place of resonators that leave the band; and the ids of these resonators."""
     tried = fits(found)
-    inside = [one for one in tried if _stays(bench, one)]
+    inside = [one for one in tried if stays(bench, one)]
     if len(inside) == len(tried):
         return inside, ()
     known = {one.id for one in tried}
     others = [one for one in found if one.id not in known and not is_resonator(one.added.named)]
     gone = tuple(one.id for one in tried if one not in inside)
     return [*inside, *fits(_promising(others)[:INSTEAD])], gone
-
-
-def _stays(bench: Bench, one: Tried) -> bool:
-    """Whether a fit left the effect what it is: not a resonator so far from the data that it is a spring or a mass."""
-    return not is_resonator(one.added.named) or reaches(bench, one.added.named)
 
 
 def _unstuck(
@@ -206,7 +154,7 @@ def _unstuck(
     short = [one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT) and can_be(one.added)]
     for one in sorted(short, key=lambda each: -promised[each.id])[:AFRESH]:
         progress(f"trying {one.id} afresh", 0.8)
-        other = _judged(at, afresh(bench, at, one.added))
+        other = judged(at, afresh(bench, at, one.added))
         ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
     return sorted(ranked, key=lambda each: -each.evidence)
 
@@ -230,18 +178,30 @@ def _promising(found: Sequence[Screened]) -> list[Screened]:
 
 
 def _rivals(tried: Sequence[Tried], menu: Sequence[Added], found: Sequence[Screened]) -> list[Added]:
-    """Candidates that were not fitted, and can do nearly all that the best of those that were does to the data."""
+    """Candidates that were not fitted and may be what the best of those that were is.
+
+    Those that can do nearly all that it does to the data; of a resonator its twin and its like at the most promising places.
+    """
     best, known = tried[0], {one.id for one in tried}
     others = [one for one in menu if one.named.id not in known]
+    by_id = {one.id: one.added for one in found}
     if is_resonator(best.added.named):
-        return [_at_sizes(one, best.added) for one in others if _are_twins(one.named, best.added.named)]
+        twins = [one for one in others if _are_twins(one.named, best.added.named)]
+        elsewhere = [one.added for one in found if one.id not in known and one.added.named.family == best.family]
+        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIASES])]
     if best.added.fixed:
         return []
     near = aliases(
         best.hypothesis, best.added, [one for one in others if not is_resonator(one.named)], limit=min(ALIKE / best.evidence, FAR)
     )
-    by_id = {one.id: one.added for one in found}
     return [by_id[id] for id in near if id in by_id][:ALIASES]
+
+
+def _elsewhere(tried: Sequence[Tried]) -> list[Added]:
+    """Resonators of the family of the best that were fitted at other places, at its sizes: theirs came from a worse one."""
+    best = tried[0]
+    same = [one for one in tried[1:] if is_resonator(one.added.named) and one.family == best.family]
+    return [_at_sizes(one.added, best.added) for one in same]
 
 
 def _as_a_rival(bench: Bench, at: Hypothesis, added: Added, best: Tried) -> Tried:
@@ -249,7 +209,7 @@ def _as_a_rival(bench: Bench, at: Hypothesis, added: Added, best: Tried) -> Trie
     found = _tried(bench, at, added)
     if found.evidence >= KEPT * best.evidence or not can_be(added):
         return found
-    return max(found, _judged(at, afresh(bench, at, added)), key=lambda each: each.evidence)
+    return max(found, judged(at, afresh(bench, at, added)), key=lambda each: each.evidence)
 
 
 def _are_twins(one: Named, other: Named) -> bool:
@@ -271,35 +231,12 @@ def _settled(tried: Sequence[Tried], one: Screened, found: Sequence[Screened]) -
 
 
 def _tried(bench: Bench, at: Hypothesis, added: Added, begin: Fit | None = None) -> Tried:
-    return _judged(at, refitted(bench, at, added, begin=begin))
+    return judged(at, refitted(bench, at, added, begin=begin))
 
 
-def _judged(at: Hypothesis, there: Hypothesis) -> Tried:
-    evidence = there.fit.log_evidence - at.fit.log_evidence
-    return Tried(id=there.effects[-1].named.id, hypothesis=there, evidence=evidence, standing=standing(there.fit, there.problem))
-
-
-def _again(bench: Bench, at: Hypothesis) -> Hypothesis:
-    """`at` without the earlier effects that are not needed any more, the newest being there."""
-    for added in at.effects[:-1]:
-        rest = _without(bench, at, added)
-        if at.fit.log_evidence - rest.fit.log_evidence < worth(added.named.family):
-            at = rest
-    return at
-
-
-def _without(bench: Bench, at: Hypothesis, added: Added) -> Hypothesis:
-    """The fit of the other effects alone, from where it is with all."""
-    left = tuple(one for one in at.effects if one.named.id != added.named.id)
-    problem = bench.problem(left)
-    return settled(bench, Hypothesis(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
-
-
-def alike(of: Round) -> tuple[Tried, ...]:
-    """The explanations of a round that are as good as its best, the best first."""
-    if not of.tried:
-        return ()
-    best = of.tried[0]
-    return tuple(
-        one for one in of.tried if one.evidence >= best.evidence - ALIKE and (one.standing.null or not best.standing.null)
-    )
+def _at_rest(bench: Bench, at: Hypothesis) -> Hypothesis:
+    """`at`; where a tolerance stands absurdly far off, with all of them once more from where they are declared."""
+    if standing(at.fit, at.problem).largest < ABSURD:
+        return at
+    home = judged(at, rested(bench, at))
+    return home.hypothesis if home.evidence > 0 and stays(bench, home) else at

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 
-from validation.diagnosing import accepting, afresh, dictionary, searching
+from validation.diagnosing import accepting, afresh, asked_again, dictionary, searching
 from validation.diagnosing.bench import Bench
 from validation.effects.worth import ALIKE, WORTH, WORTH_OF
 from validation.engine.fit import FLOOR
@@ -42,6 +42,8 @@ def of_search() -> Mapping[str, object]:
         "afresh_at_most": searching.AFRESH,
         "afresh_octaves": [float(afresh.OCTAVES[0]), float(afresh.OCTAVES[-1])],
         "afresh_floor": afresh.ROUGH,
+        "asked_again_at_most": asked_again.RIVALS,
+        "asked_again_share": asked_again.SHARE,
         "instead_of_resonators_at_most": searching.INSTEAD,
         "resonators_beyond_band": dictionary.BEYOND,
     }

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from validation import cli
 from validation.comparing.gathered import gathered
-from validation.diagnosing.afresh import afresh, can_be, sizes
+from validation.diagnosing.afresh import afresh, can_be, rested, sizes
 from validation.diagnosing.bench import Bench, Hypothesis
 from validation.diagnosing.diagnosed import bench
 from validation.diagnosing.menu import candidates
@@ -71,6 +71,19 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Be
     assert found.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert abs(found.effects[1].named.values[""]) < 0.05
     assert found.fit.cost <= with_torsion.fit.cost
+
+
+def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(soft: Bench, paid: Hypothesis, torsion: Added) -> None:
+    found = afresh(soft, paid, torsion)
+    again = rested(soft, found)
+    assert again.fit.cost <= found.fit.cost + 1e-6
+    assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
+    assert rested(soft, paid).fit.cost <= paid.fit.cost + 1e-6
+
+
+def test_from_home_a_size_that_had_not_come_through_does(soft: Bench, paid: Hypothesis, torsion: Added) -> None:
+    stuck = refitted(soft, paid, torsion)
+    assert rested(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
 def test_one_sided_sizes_are_looked_at_on_that_side() -> None:

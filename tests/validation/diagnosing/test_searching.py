@@ -12,22 +12,22 @@ import pytest
 from validation.diagnosing import searching
 from validation.diagnosing.answering import _why
 from validation.diagnosing.bench import Hypothesis
+from validation.diagnosing.rounds import Round, Tried, ranked, stays
 from validation.diagnosing.screened import Screened
 from validation.diagnosing.searching import (
     AFRESH,
+    ALIASES,
     INSTEAD,
     OF_A_FAMILY,
     PROMISING,
     SHORT,
     STRUCTURAL,
     TRIED,
-    Round,
-    Tried,
     _as_a_rival,
+    _elsewhere,
     _nearby,
     _promising,
     _rivals,
-    _stays,
     _within,
 )
 from validation.effects.catalogue import FAMILIES
@@ -106,6 +106,28 @@ def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the
     assert twin.named.values == best.added.named.values
 
 
+def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_first() -> None:
+    best = tried("absorber:hub-3=m:0.1,f:5,zeta:0.01")
+    places = ("hub-4", "hub-2", "hub-1", "flange", "top")
+    found = screened("slosh:mast-top=m:1,f:5,zeta:0.01", *(f"absorber:{one}=m:1,f:5,zeta:0.01" for one in places))
+    rivals = _rivals([best], [], found)
+    assert [one.named.id for one in rivals] == [f"absorber:{one}" for one in places[:ALIASES]]
+    assert all(one.named.values == best.added.named.values for one in rivals)
+
+
+def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes() -> None:
+    best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
+    slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
+    again = _elsewhere([best, worse, slosh, other])
+    assert [one.named.id for one in again] == [worse.id, other.id]
+    assert all(one.named.values == best.added.named.values for one in again)
+
+
+def test_of_two_fits_of_one_candidate_the_better_counts() -> None:
+    first, second, other = ended(MASSES[0], 10.0), ended(MASSES[0], 30.0), ended(MASSES[1], 20.0)
+    assert ranked([first, second, other]) == [second, other]
+
+
 def test_a_twin_that_was_fitted_is_not_fitted_again() -> None:
     best, other = tried("slosh:mast-top=m:0.1,f:5,zeta:0.01"), tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")
     assert _rivals([best, other], [best.added, other.added], []) == []
@@ -133,8 +155,8 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> Non
 
 
 def test_an_effect_that_is_no_resonator_stays_wherever_it_ends() -> None:
-    assert _stays(BAND, tried("cable:mast-top:lateral=5000"))
-    assert not _stays(BAND, tried("absorber:mast-top=m:0.9,f:90,zeta:0.01"))
+    assert stays(BAND, tried("cable:mast-top:lateral=5000"))
+    assert not stays(BAND, tried("absorber:mast-top=m:0.9,f:90,zeta:0.01"))
 
 
 def stands(null: bool) -> Any:
@@ -157,10 +179,10 @@ def unstuck(
         return added.named.id
 
     monkeypatch.setattr(searching, "afresh", again)
-    monkeypatch.setattr(searching, "_judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
+    monkeypatch.setattr(searching, "judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
     nobody: Any = None
-    ranked = searching._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
-    return ranked, asked
+    best_first = searching._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
+    return best_first, asked
 
 
 MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4", "hub-1"))
@@ -170,15 +192,15 @@ def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fits = [ended(MASSES[0], 40.0), ended(MASSES[1], 30.0)]
-    ranked, asked = unstuck(monkeypatch, fits, (70.0, 90.0), 200.0)
+    best_first, asked = unstuck(monkeypatch, fits, (70.0, 90.0), 200.0)
     assert asked == [fits[1].id]  # 40 are more than half of 70, and 30 less than half of 90
-    assert [(one.id, one.evidence) for one in ranked] == [(fits[1].id, 230.0), (fits[0].id, 40.0)]
+    assert [(one.id, one.evidence) for one in best_first] == [(fits[1].id, 230.0), (fits[0].id, 40.0)]
 
 
 def test_a_fit_afresh_that_is_worse_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    ranked, asked = unstuck(monkeypatch, [ended(MASSES[0], 40.0)], (100.0,), -10.0)
+    best_first, asked = unstuck(monkeypatch, [ended(MASSES[0], 40.0)], (100.0,), -10.0)
     assert asked
-    assert [one.evidence for one in ranked] == [40.0]
+    assert [one.evidence for one in best_first] == [40.0]
 
 
 def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -190,9 +212,11 @@ def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
 def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pytest.MonkeyPatch, here: bool, best: bool) -> None:
-    ranked, asked = unstuck(monkeypatch, [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)], (100.0, 100.0), 5.0, here)
+    best_first, asked = unstuck(
+        monkeypatch, [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)], (100.0, 100.0), 5.0, here
+    )
     assert not asked
-    assert [one.evidence for one in ranked] == [2.0, 1.0]
+    assert [one.evidence for one in best_first] == [2.0, 1.0]
 
 
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
@@ -214,7 +238,7 @@ def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afres
 ) -> None:
     monkeypatch.setattr(searching, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
     monkeypatch.setattr(searching, "afresh", lambda bench, at, added: added.named.id)
-    monkeypatch.setattr(searching, "_judged", lambda at, id: ended(f"{id}=0.1", again))
+    monkeypatch.setattr(searching, "judged", lambda at, id: ended(f"{id}=0.1", again))
     nobody: Any = None
     assert _as_a_rival(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept
 
