@@ -76,10 +76,10 @@ def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None 
     return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
 
 
-def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST) -> End:
+def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
 
-    At the last floor it takes at most `most` evaluations before it begins again, see `direct`.
+    At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
         found |= stage.offsets(_solved(stage, found, close=ROUGHLY, most=STEPS).seen)
         progress((done + 1) / (len(stages) + 2))
-    return direct(cost, found, progress, most=most)
+    return direct(cost, found, progress, most=most, again=again)
 
 
 def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:

@@ -33,6 +33,9 @@ FLOOR = 0.0015
 TRIAL = 20
 """Evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not there."""
 
+FEW = 3
+"""Times that a way of a child begins again: it has others, one of which ends lower where this one creeps along a valley."""
+
 PLAIN_FLOOR = 0.01
 """The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
 
@@ -137,7 +140,7 @@ def _child(cost: Cost, parent: Fit, tell: Progress) -> End:
     begins = {one.name: parent.by_name.get(one.name, one.start) for one in cost.free}
     for way, begin in ((direct, null), (annealed, begins)):
         try:
-            ends.append(_cheaper(way(cost, begin, tell), begin, tell))
+            ends.append(_cheaper(way(cost, begin, tell, again=FEW), begin, tell))
         except CheckFailed:
             continue
     if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
