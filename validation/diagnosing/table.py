@@ -91,7 +91,8 @@ def explained(one: Cause) -> Grid:
 
 def alike(found: Diagnosis) -> Grid:
     """What these data cannot tell apart."""
-    known = {one.id: one for one in (*found.ranking, *found.accepted)}
+    before = [one for step in found.steps for one in step.ranking]
+    known = {one.id: one for one in (*before, *found.ranking, *found.accepted)}
     lines = tuple((id, _alike(id, known.get(id))) for id in found.equivalence_class)
     return Grid(header=("one of these", "size (90 %), evidence, and what it is"), lines=lines, words=True)
 

@@ -12,7 +12,7 @@ import pytest
 from validation.diagnosing import answering, automatic, diagnosed, mistaken, table, unequal, words
 from validation.diagnosing.as_json import advice, as_json, effect
 from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import MISSING, NONLINEAR, NOTHING, SEVERAL, UNKNOWN, VERDICTS, Advice, Diagnosis
+from validation.diagnosing.diagnosis import MISSING, NONLINEAR, NOTHING, SEVERAL, UNKNOWN, VERDICTS, Advice, Diagnosis, Step
 from validation.effects.identifiers import parse
 from validation.models.model import Model
 
@@ -46,6 +46,17 @@ def test_what_the_data_say_of_a_cause_is_on_the_page_and_in_json(made: Made) -> 
     assert effect(one)["note"] is None
     assert not any(line[0] == "these data say" for line in table.explained(one).lines)
     assert advice(Advice(test="weigh it", gain=3.0, hours=0.5))["hours"] == 0.5
+
+
+def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> None:
+    several = made("several")
+    (other, *_) = made("missing").accepted
+    step = Step(added=other.id, ranking=(other,), misfit=1.0, price=1.0, text="")
+    found = replace(several, ranking=(), equivalence_class=(other.id, "force-gain:fmd-z4"), steps=(step,))
+    fitted, unfitted = table.alike(found).lines
+    assert "was not fitted" not in fitted[1]
+    assert f"{other.evidence:+.1f} nats" in fitted[1]
+    assert "was not fitted" in unfitted[1]
 
 
 @pytest.mark.parametrize(("verdict", "told"), [("nonlinear", False), ("mistake", False), ("missing", True)])
