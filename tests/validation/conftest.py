@@ -1,6 +1,7 @@
 """What several tests ask for: the command line in this process, and a browser."""
 
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,44 @@ def chromium() -> Iterator[Any]:
         opened = playwright.chromium.launch(executable_path=browser.path(), args=list(browser.flags()))
         yield opened
         opened.close()
+
+
+BUTTONS = ["Download plot as a PNG", "Zoom", "Pan", "Zoom in", "Zoom out", "Reset axes"]
+"""Above every figure, of report and workbench: no other."""
+
+ELSEWHERE = re.compile(r"(?:https?|wss?|ftp):(?:\\?/){2}(?!www\.w3\.org/)[\w$\[{][^\s\"'`]*|[\"'`]//[\w-]+(?:\.[\w-]+)+")
+"""A foreign address within a script. Those of w3.org are names of XML: nothing goes there."""
+
+
+@pytest.fixture(scope="session")
+def elsewhere() -> Callable[[str], list[str]]:
+    """The foreign addresses that a script holds."""
+    return ELSEWHERE.findall
+
+
+@pytest.fixture(scope="session")
+def leaves_by_no_click(script: Callable[[str], str]) -> Callable[[Any, Collection[str]], None]:
+    """``leaves_by_no_click(page, schemes)``: above every figure are the named buttons alone; whichever is pressed,
+    no window opens, nothing but `schemes` is asked for, and no link, form or frame leads away."""
+
+    def holds(page: Any, schemes: Collection[str]) -> None:
+        opened: list[str] = []
+        asked: list[str] = []
+        page.context.on("page", lambda one: opened.append(one.url))
+        page.on("request", lambda one: asked.append(one.url))
+        figures = page.locator(".js-plotly-plot")
+        assert figures.count()
+        for number in range(figures.count()):
+            buttons = figures.nth(number).locator(".modebar-btn")
+            assert buttons.evaluate_all("all => all.map(one => one.getAttribute('data-title'))") == BUTTONS
+            for k in range(0 if number == 0 else 1, len(BUTTONS)):  # a picture takes its time: of the first figure
+                buttons.nth(k).evaluate("one => one.dispatchEvent(new MouseEvent('click', { bubbles: true }))")
+        page.wait_for_timeout(500)
+        assert page.evaluate(script("leads_away")) == []
+        assert opened == []
+        assert {url.partition(":")[0] for url in asked} <= set(schemes)
+
+    return holds
 
 
 @pytest.fixture(scope="session")

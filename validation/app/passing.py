@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
+from validation.addresses import without_addresses
 from validation.app.headers import DOOR_SECRET
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ HEARTBEAT = 20.0
 HOP_BY_HOP = {"connection", "keep-alive", "te", "trailer", "transfer-encoding", "upgrade", "host", "cookie", "content-length"}
 """Headers that speak of one connection only, and the cookie, which is the door's."""
 
+SCRIPTS = ("text/javascript", "application/javascript")
+"""Types of what a browser runs, ours and that of the libraries."""
+
 
 def is_websocket(request: web.BaseRequest) -> bool:
     """Whether the request asks to become a websocket."""
@@ -27,11 +31,11 @@ def is_websocket(request: web.BaseRequest) -> bool:
 
 
 async def passed(request: web.Request, client: ClientSession, *, port: int, path: str, secret: str) -> web.StreamResponse:
-    """The answer of the server at `port` to `request`, for `path`, handed through as it comes."""
+    """The answer of the server at `port` to `request`, for `path`, handed through as it comes; a script without its addresses."""
     from aiohttp import web
 
     headers = {key: value for key, value in request.headers.items() if key.lower() not in HOP_BY_HOP}
-    headers[DOOR_SECRET] = secret
+    headers |= {DOOR_SECRET: secret, "Accept-Encoding": "identity"}  # scripts are read on their way
     async with client.request(
         request.method,
         _address(port, path, request),
@@ -40,6 +44,8 @@ async def passed(request: web.Request, client: ClientSession, *, port: int, path
         allow_redirects=False,
     ) as answer:
         kept = {key: value for key, value in answer.headers.items() if key.lower() not in HOP_BY_HOP}
+        if answer.content_type in SCRIPTS and request.method == "GET" and answer.status == 200:
+            return web.Response(body=without_addresses(await answer.text("utf-8")).encode(), headers=kept)
         response = web.StreamResponse(status=answer.status, headers=kept)
         if answer.content_length is not None:
             response.content_length = answer.content_length

@@ -2,7 +2,7 @@
 (() => {
   const root = document.documentElement;
   const PAPER_WIDTH = 900; // CSS pixels between the margins of A4, as the style sheet shrinks figures in print
-  const settings = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const settings = { responsive: true }; // buttons and all else that must hold on every page comes with the library
   const plots = () => [...document.querySelectorAll(".plot")];
   let known = null;
   let onPaper = location.hash === "#paper";

@@ -196,7 +196,8 @@ def _listen(page: Any, heard: Heard) -> None:
 
 
 def _host(address: str) -> str:
-    return address.split("/")[2] if address.startswith(("http", "ws")) else address.split(":")[0]
+    named = address.removeprefix("blob:")  # a download that the page made names the page
+    return named.split("/")[2] if named.startswith(("http", "ws")) else named.split(":")[0]
 
 
 @pytest.fixture(scope="session")

@@ -199,3 +199,24 @@ def test_a_long_computation_can_be_cancelled_and_leaves_nothing(page: Any, bench
     page.locator("text=was cancelled").wait_for()
     assert until(lambda: set(bench.descendants()) <= set(windows), 5)
     assert page.locator("#diagnose").is_enabled()
+
+
+SCRIPTS = """async () => {
+    const named = [...document.scripts].map((one) => one.src);
+    const loaded = performance.getEntriesByType("resource").map((one) => one.name).filter((one) => /[.]m?js([?#]|$)/.test(one));
+    const every = [...new Set([...named, ...loaded])].filter(Boolean);
+    return Promise.all(every.map(async (one) => [one, await (await fetch(one)).text()]));
+}"""
+"""Every script that the page has run, as it came."""
+
+
+def test_no_click_leads_out_of_the_house(page: Any, leaves_by_no_click: Any) -> None:
+    page.locator("#map[data-drawn]").wait_for()
+    leaves_by_no_click(page, {"http", "data", "blob"})  # `visit` holds that it is this machine which is asked
+
+
+def test_no_script_of_the_page_holds_a_foreign_address(page: Any, elsewhere: Any) -> None:
+    scripts = dict(page.evaluate(SCRIPTS))
+    assert {one.rpartition("/")[2].partition("?")[0] for one in scripts} >= {"plotly.js", "vue.global.js", "massline.js"}
+    assert all(scripts.values())
+    assert {name: found for name, text in scripts.items() if (found := elsewhere(text))} == {}

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from base64 import b64decode
 from collections.abc import Callable
+from gzip import decompress
 from pathlib import Path
 from typing import Any
 
@@ -82,3 +85,36 @@ def test_paper_is_light_and_without_controls(opened: Opened, page: Path, tmp_pat
         found.tab.screenshot(path=tmp_path / "paper.png")
         found.tab.evaluate("dispatchEvent(new Event('afterprint'))")
         assert found.tab.evaluate(SURFACE) == "#171b22"
+
+
+def test_no_click_leads_out_of_the_house(opened: Opened, page: Path, leaves_by_no_click: Any) -> None:
+    with opened(page) as found:
+        leaves_by_no_click(found.tab, {"file", "data", "blob"})
+        assert found.complaints == []
+
+
+def test_what_would_share_a_figure_has_nowhere_to_go(opened: Opened, page: Path) -> None:
+    """The function that plotly.js offers for it is still in its script: nothing calls it, and it has no address."""
+    with opened(page) as found:
+        context = found.tab.evaluate(
+            "[...document.querySelectorAll('.plot')].map(({ _context: one }) =>"
+            " [one.plotlyServerURL, one.showSendToCloud, one.displaylogo])"
+        )
+        assert context
+        assert {tuple(one) for one in context} == {("", False, False)}
+
+
+def test_no_script_of_the_page_holds_a_foreign_address(page: Path, elsewhere: Callable[[str], list[str]]) -> None:
+    text = page.read_text("utf-8")
+    scripts = re.findall(r"<script[^>]*>(.*?)</script>", text, flags=re.DOTALL)
+    packed = re.findall(r'<script type="text/plain"[^>]*>(.*?)</script>', text, flags=re.DOTALL)
+    unpacked = [decompress(b64decode(one)).decode() for one in packed]
+    assert len(unpacked) == 2
+    assert "plotly.js v" in unpacked[0]
+    assert [elsewhere(one) for one in (*scripts, *unpacked)] == [[]] * (len(scripts) + 2)
+
+
+def test_a_foreign_address_in_a_script_is_seen(elsewhere: Callable[[str], list[str]]) -> None:
+    for address in ("https://cloud.plotly.com/newchart", "http://x.y", r"https:\/\/x.y/z", "wss://${host}/", "//cdn.x.y/a.js"):
+        assert elsewhere(f'const u = "{address}";') != [], address
+    assert elsewhere('document.createElementNS("http://www.w3.org/2000/svg", "g"); // drawn') == []

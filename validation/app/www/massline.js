@@ -79,12 +79,8 @@
         this.least = layout.height;
         delete layout.height;
         this.heighten(layout);
-        const config = {
-          displaylogo: false,
-          responsive: false,
-          modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"],
-          toImageButtonOptions: { format: "png", scale: 2, filename: "massline" },
-        };
+        // Buttons and all else that must hold on every page comes with the library.
+        const config = { responsive: false, toImageButtonOptions: { format: "png", scale: 2, filename: "massline" } };
         await this.Plotly.react(root, figure.data, layout, config);
         if (!this.drawn) {
           root.on("plotly_click", (event) => this.picked(event.points[0]));
