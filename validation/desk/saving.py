@@ -88,16 +88,17 @@ def reported(of: Desk, to: str | Path, progress: Progress | None = None) -> Path
     require_ending(path, (".html", ".htm"), "a report", "report.html")
     require_file(path, "report")
     ready, compared = _compared(of, tell)
-    found = diagnosing.noun(of)
+    found, at = diagnosing.noun(of), standing(of.model)
     report = assembled(
         ready.model,
         data_of(of, ready.model, tell),
         compared,
         provenance=signed(of, ready.model, diagnosed=found is not None),
         how=How(band=asked.band, method=asked.method),
+        identified=() if at.rung is None else at.rung.bodies,
         diagnosis=found,
         not_diagnosed="" if found else "nobody asked for it",
-        standing=standing(of.model),
+        standing=at,
         progress=tell,
     )
     write(as_given(of, report), path, tell)

@@ -102,7 +102,7 @@ def added(asked: Asked, progress: Progress | None = None) -> Step:
     effect, left = candidates.read(asked.effect, model, _words(data), fixed=asked.fixed)
     require_bodies(replace(model, effects=(*model.effects, effect)), data.campaigns)
     rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
-    bench = _bench(model, data, conditions, lambda share: tell("spectra", share))
+    bench = bench_of(model, data, conditions, lambda share: tell("spectra", share))
     conditions = replace(conditions, hold_out=bench.hold_out)  # names that mean the same from whatever folder
     tell("looking for aliases", 0.0)
     chosen = candidates.candidate(effect, left, model, bench.problem, allowed=asked.alias_ok)
@@ -246,7 +246,8 @@ def _words(data: Data) -> Vocabulary:
     return Vocabulary(accelerometers=tuple(dict.fromkeys(accelerometers)), forces=tuple(dict.fromkeys(forces)), places=None)
 
 
-def _bench(model: Model, data: Data, conditions: Conditions, progress: Callable[[float], None]) -> Bench:
+def bench_of(model: Model, data: Data, conditions: Conditions, progress: Callable[[float], None]) -> Bench:
+    """`data` ready for `model` with any effects, as a rung that stands on `conditions` wants them."""
     made = predictions(
         replace(model, effects=()), data.campaigns, band=conditions.band, method=conditions.method, progress=progress
     )

@@ -76,7 +76,7 @@ def judged(bench: Bench, model: Model, parent: Rung | None, progress: Progress |
     after = bench.problem(sized)
     nominal, held = _nominal(after, bench.hold_out)
     whole = replace(found, nominal=nominal, held_out_nominal=held)
-    body = _identified(bench, after, found.plain_fit, lambda share: tell("identifying", share))
+    body = body_of(bench, after, found.plain_fit, lambda share: tell("identifying", share))
     return Judged(model=sized, evaluation=whole, body=body)
 
 
@@ -210,7 +210,8 @@ def _nominal(problem: Problem, names: Sequence[str]) -> tuple[Share, Share | Non
     return errors.share(fitted), errors.share(held) if held else None
 
 
-def _identified(bench: Bench, problem: Problem, plain: Fit, progress: Callable[[float], None]) -> Body | None:
+def body_of(bench: Bench, problem: Problem, plain: Fit, progress: Callable[[float], None]) -> Body | None:
+    """Identified inertia of the article of a bench, by the model of `problem`, whose plain fit is `plain`; None without one."""
     if not bench.article:
         return None
     known = hold_out.without(problem, hold_out.named(problem, bench.hold_out)) if bench.hold_out else problem

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+from geometry.arrays import Array
 from validation.ladders.climbing import Standing
 from validation.ladders.nouns import SHOWN, Body, Errors, Rung, Size
 from validation.ladders.verdict import percent, unit
-from validation.rows import NONE
+from validation.rows import NONE, rounded
 from validation.statement import QUANTITIES
 from validation.tables.grid import Grid, aligned
 
@@ -75,8 +76,31 @@ def distances(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
     return Grid(header=tuple(header), lines=tuple(zip(*columns, strict=True)))
 
 
+def values(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
+    """The identified inertia of `article` rung by rung with its 95 % intervals, and the model's own on the last."""
+    header = ["identified ± 95 %"]
+    columns: list[tuple[str, ...]] = [tuple(f"{quantity.label} [{quantity.unit}]" for quantity in QUANTITIES)]
+    for number, body in bodies:
+        header.append(f"{article}, rung {number}")
+        columns.append(aligned(tuple(_value(body, k) for k in range(len(QUANTITIES)))))
+    header.append("reference")
+    last = bodies[-1][1]
+    columns.append(aligned(tuple(rounded(*_printed(last.reference, last.half_width, k)) for k in range(len(QUANTITIES)))))
+    return Grid(header=tuple(header), lines=tuple(zip(*columns, strict=True)))
+
+
+def _value(body: Body, k: int) -> str:
+    value, half = _printed(body.values, body.half_width, k)
+    return f"{rounded(value, half)} ± {rounded(half, half)}"
+
+
+def _printed(values: Array, half_width: Array, k: int) -> tuple[float, float]:
+    """One of the ten and half of its interval in the unit in which both are printed."""
+    return float(values[k]) * QUANTITIES[k].per_si, float(half_width[k]) * QUANTITIES[k].per_si
+
+
 def of_ladder(at: Standing) -> list[Grid]:
-    """All rungs as a tree, and the way of every article to its reference along the rungs that led here."""
+    """All rungs as a tree, and of every article what was identified and its way to the reference along the rungs to here."""
     return [_tree(at), *_way(at)]
 
 
@@ -114,17 +138,19 @@ def _way(at: Standing) -> list[Grid]:
     below = at.below
     path = () if below is None else at.ladder.path(below.number)
     articles = dict.fromkeys(body.article for one in path for body in one.bodies)
-    return [
-        distances(article, [(one.number, body) for one in path for body in one.bodies if body.article == article])
-        for article in articles
-    ]
+    found = []
+    for article in articles:
+        bodies = [(one.number, body) for one in path for body in one.bodies if body.article == article]
+        found += [values(article, bodies), distances(article, bodies)]
+    return found
 
 
 def notes(at: Standing) -> Iterator[str]:
     """What must be known to read the tables, and what is odd."""
     yield "Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of the force read. Evidence in nats."
     yield "Sum z²: of the tolerances, all fitted, and what is due where nothing is wrong."
-    yield "Inertia: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
+    yield "Identified: CoG from the article's own origin, moments and products about it. Reference: the model with its effects."
+    yield "Less reference: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
     yield from conditions(at)
 
 

@@ -17,6 +17,7 @@ from validation.diagnosing.diagnosis import Diagnosis
 from validation.identifying.classical import REDUCED
 from validation.identifying.known import above_fmd
 from validation.ladders.climbing import Standing
+from validation.ladders.nouns import Body
 from validation.measurement_file import read
 from validation.models.model import Model
 from validation.reduction import Reduction
@@ -48,6 +49,8 @@ def assembled(
     *,
     provenance: Provenance,
     how: How | None = None,
+    identified: Sequence[Body] = (),
+    not_identified: str = "",
     diagnosis: Diagnosis | None = None,
     not_diagnosed: str = "",
     standing: Standing | None = None,
@@ -61,6 +64,7 @@ def assembled(
     Parameters
     ----------
     model, data : of `comparison`
+    identified, not_identified : inertia with the effects of the model, or why there is none (see `validation.report.corrected`)
     diagnosis : of the same; None leaves the section with the reason `not_diagnosed`
     standing : of the model file
 
@@ -86,6 +90,8 @@ def assembled(
         provenance=provenance,
         articles=tuple(articles),
         campaigns=tuple(campaigns),
+        identified=tuple(identified),
+        not_identified=not_identified,
         classical=classical,
         diagnosis=diagnosis,
         not_diagnosed=not_diagnosed,

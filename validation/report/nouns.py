@@ -11,7 +11,7 @@ from validation.comparing.comparison import Comparison
 from validation.diagnosing.diagnosis import Diagnosis
 from validation.identifying.findings import Findings
 from validation.ladders.climbing import Standing
-from validation.ladders.nouns import Source
+from validation.ladders.nouns import Body, Source
 from validation.models.model import Model
 from validation.reduction import Reduction
 from validation.reference_table import ReferenceTable
@@ -108,6 +108,8 @@ class Report:
     comparison : four errors, maps and worst spots
     provenance : where it comes from
     articles, campaigns : each by itself
+    identified : inertia of the model's article from all data, with the effects of the model
+    not_identified : why there is none, where the model has effects
     classical : weighings, CoG and pendulum tests, reduced
     diagnosis : what is missing; None where nobody asked, and `not_diagnosed` says why
     standing : the model's ladder; without rungs where there is none
@@ -118,6 +120,8 @@ class Report:
     provenance: Provenance
     articles: tuple[ArticlePart, ...] = ()
     campaigns: tuple[CampaignPart, ...] = ()
+    identified: tuple[Body, ...] = ()
+    not_identified: str = ""
     classical: tuple[Reduction, ...] = ()
     diagnosis: Diagnosis | None = None
     not_diagnosed: str = ""

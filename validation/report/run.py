@@ -29,7 +29,7 @@ from validation.ladders.sources import digest
 from validation.models.model import Model
 from validation.output import require_ending, require_file
 from validation.progress import stages
-from validation.report import browser, pdf
+from validation.report import browser, corrected, pdf
 from validation.report.assembling import How, assembled
 from validation.report.nouns import Provenance, Report
 from validation.report.page import write
@@ -120,12 +120,15 @@ def reported(asked: Asked, *, quiet: bool = False) -> Report:
     with stages("diagnosing", quiet=quiet) as told:
         found, why = _diagnosis(asked, model, data, told) if asked.diagnosis else (None, NOT_ASKED)
     with stages("identifying and drawing", quiet=quiet) as told:
+        bodies, missing = corrected.identified(question, model, data, comparison, at, told)
         return assembled(
             model,
             data,
             comparison,
             provenance=provenance(asked),
             how=How(band=question.band, method=question.method),
+            identified=bodies,
+            not_identified=missing,
             diagnosis=found,
             not_diagnosed=why,
             standing=at,

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,15 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
 from validation import cli
+from validation.comparing.asked import Asked, ready
+from validation.comparing.compared import compared
 from validation.engine.evaluation import Evaluation, Fit, Share
 from validation.ladders import adding
 from validation.ladders.climbing import standing
 from validation.ladders.judging import Bench, Judged, judged
 from validation.ladders.nouns import Rung
 from validation.models.model import Model
+from validation.report import corrected
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -189,6 +193,41 @@ def test_the_page_marks_the_rung_and_draws_the_fall(made: Path, run: Run) -> Non
     for name in ("model-ladder.png", "model-ladder-cuboid.png"):
         assert f"wrote out/{name}" in err
         assert Path("out", name).stat().st_size > 10_000
+
+
+def test_the_page_prints_what_was_identified_with_its_intervals_beside_the_reference(made: Path, run: Run) -> None:
+    _, out, _ = run("ladder", "model.toml", "--no-plot")
+    head = next(line for line in out.splitlines() if "identified ± 95 %" in line)
+    assert re.split(r"  +", head.strip()) == ["identified ± 95 %", "cuboid, rung 0", "cuboid, rung 1", "reference"]
+    (mass,) = (re.findall(r"[\d.]+", line) for line in out.splitlines() if "Mass m [kg]" in line)
+    bodies = [rung["inertia"][0] for rung in ladder(run)["rungs"]]
+    said = [body[name]["mass_kg"] for body in bodies for name in ("identified", "half_width95")]
+    assert_allclose(
+        [float(one) for one in mass], [*said, bodies[1]["reference"]["mass_kg"]], atol=0.06
+    )  # to the last digit printed
+
+
+def test_a_report_has_the_inertia_of_the_rung_and_without_a_ladder_finds_the_same(made: Path, run: Run) -> None:
+    """With the effects of the model: the raw records of a load cell that reads too much know none."""
+
+    def quiet(what: str, share: float) -> None: ...
+
+    asked = Asked(model="model.toml", data=("cuboid",))
+    model, data = ready(asked, quiet)
+    found = compared(model, data, (), quiet)
+    at = standing(made)
+    assert at.rung is not None
+    (kept,), _ = corrected.identified(asked, model, data, found, at, quiet)
+    (here,) = at.rung.bodies
+    assert kept is here
+    (fitted,), _ = corrected.identified(asked, model, data, found, None, quiet)
+    assert_allclose((fitted.values - here.values) / here.deviation, 0.0, atol=0.01)
+    assert_allclose(fitted.half_width, here.half_width, rtol=0.01)
+    elsewhere = replace(asked, band=(9.0, 15.0))  # the rung stands on other lines, and does not speak for these
+    (other,), _ = corrected.identified(elsewhere, model, data, found, at, quiet)
+    assert other is not here
+    bare = replace(model, effects=())
+    assert corrected.identified(elsewhere, bare, data, found, at, quiet) == ((), "")
 
 
 def test_an_edit_by_hand_is_said(made: Path, run: Run) -> None:

@@ -11,10 +11,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from validation.diagnosing.as_json import as_json
+from validation.ladders.nouns import Body
 from validation.report import browser
 from validation.report import run as asked
 from validation.report.figures import Figures
@@ -198,3 +200,52 @@ def test_every_verdict_has_its_page(report: Report, verdict: str, parsed: Callab
     page = parsed(missing.html(replace(report, diagnosis=told), Figures()))
     assert any(one.caption == "The errors before and after what was found is added" for one in page.tables)
     assert any(one.caption == "What these data cannot tell apart" for one in page.tables) == bool(alike)
+
+
+def body(mass: float) -> Body:
+    """A Cuboid that is identified to 1 % of its mass and to a tenth of the rest."""
+    reference = np.array([12.09, 0.0, 0.0, 0.2, 0.166, 0.187, 0.031, 0.0, 0.0, 0.0])
+    deviation = np.array([0.12, *3 * (1e-3,), 0.016, 0.018, 0.003, *3 * (0.001,)])
+    values = reference + np.array([mass - 12.09, *3 * (5e-4,), *6 * (1e-4,)])
+    return Body(article="cuboid", values=values, deviation=deviation, reference=reference)
+
+
+def test_the_inertia_with_the_effects_of_the_model_stands_first_in_summary_and_section(
+    report: Report, parsed: Callable[[str], Any]
+) -> None:
+    comparison = replace(report.comparison, effects=("force-gain:fmd-z2",))
+    page = html(replace(report, comparison=comparison, identified=(body(12.2),)))
+    summary = page[page.index('<ol class="summary">') : page.index("</ol>", page.index('<ol class="summary">'))]
+    said = parsed(summary[summary.rindex("<li>") :]).text
+    first, raw = (
+        said.index("with the effects of the model: cuboid weighs 12.20 ± 0.24 kg (95 %), the model 12.09"),
+        said.index("raw"),
+    )
+    assert first < raw < said.index("fmd+cuboid, the FMD's moving part included, weighs")
+    assert "all ten values inside their intervals" in said
+    tables = parsed(page).tables
+    captions = [one.caption for one in tables]
+    own = "cuboid, with the effects of the model: mass, CoG and inertia"
+    records = next(one for one in captions if one.startswith("fmd+cuboid: mass, CoG and inertia,"))
+    assert records.endswith("raw records")
+    assert captions.index(own) < captions.index(records)
+    mass = tables[captions.index(own)].row("Mass m")
+    assert_allclose(mass[2:6], [12.2, 1.959964 * 0.12, 12.09, 0.11], rtol=1e-6)
+
+
+def test_an_inertia_outside_its_interval_is_said_so(report: Report, parsed: Callable[[str], Any]) -> None:
+    page = html(replace(report, identified=(body(13.2),)))
+    assert (
+        "with the model, which has no effects: cuboid weighs 13.20 ± 0.24 kg (95 %), the model 12.09, OUTSIDE"
+        in parsed(page).text
+    )
+    assert "1 of the ten values outside their intervals" in parsed(page).text
+
+
+def test_a_cause_that_the_model_lacks_is_said_beside_the_inertia_that_does_not_know_it(read: Any) -> None:
+    assert "Nothing of this knows force-gain:fmd-z2 yet, which the model lacks: massline add adds it." in read.text
+
+
+def test_why_no_inertia_was_identified_with_the_effects_is_said(report: Report, parsed: Callable[[str], Any]) -> None:
+    text = parsed(html(replace(report, not_identified="the fit ended nowhere"))).text
+    assert text.count("With the effects of the model no inertia was identified: the fit ended nowhere") == 2

@@ -1,4 +1,4 @@
-"""Identified inertia with intervals and verdicts, plain and self-calibrated, beside its reference."""
+"""Identified inertia with intervals and verdicts beside its reference: with the effects of the model, then from raw records."""
 
 from __future__ import annotations
 
@@ -19,11 +19,56 @@ from validation.report.tables import NOTHING, Cell, Column, number, table, toler
 from validation.rows import NONE
 from validation.statement import QUANTITIES, Statement
 
+RAW = "Identified from the records as they were read: no effect of the model is taken out of them."
+
 
 def html(report: Report, figures: Figures) -> Safe:
     """The section; empty where nobody identified anything."""
-    parts = [_campaign(one, figures) for one in report.campaigns if one.findings is not None or one.missing]
+    parts = [_with_effects(one, report, figures) for one in report.identified]
+    if report.not_identified:
+        parts.append(notes([f"With the effects of the model no inertia was identified: {report.not_identified}"]))
+    parts += [_campaign(one, figures) for one in report.campaigns if one.findings is not None or one.missing]
     return section("inertia", "Identified inertia", *parts) if parts else Safe("")
+
+
+def _with_effects(body: Body, report: Report, figures: Figures) -> Safe:
+    from validation.plots.inertia import identified_inertia
+
+    effects = report.comparison.effects
+    title = (
+        f"{body.article}, with the effects of the model" if effects else f"{body.article}, with the model, which has no effects"
+    )
+    columns = [Column(head="quantity", words=True), Column(head="unit", words=True), Column(head="identified")]
+    columns += [Column(head="± 95 %"), Column(head="the model"), Column(head="less the model"), Column(head="in intervals")]
+    rows: list[list[Cell]] = [[quantity.label, quantity.unit, *_held(body, k)] for k, quantity in enumerate(QUANTITIES)]
+    note = "CoG from the article's own origin; moments and products about it, which are matrix entries. In intervals: 1 is its end."
+    said = [
+        f"Effects of the model: {', '.join(effects)}" if effects else "",
+        "From all data that are fitted, ten parameters free beside what the plain fit frees",
+        "The model: its own inertia with its effects",
+        "" if body.converged else "The fit did not end by itself",
+    ]
+    return tag(
+        "div",
+        tag("h3", title),
+        table(f"{title}: mass, CoG and inertia", columns, rows, note=note),
+        figures.placed(identified_inertia({"identified": body}, f"{title}: identified less the model, 95 % intervals")),
+        notes(said),
+        class_="part",
+    )
+
+
+def _held(body: Body, k: int) -> tuple[Cell, ...]:
+    """One quantity: identified, half of its interval, the model's, how far apart."""
+    value, half, model = (float(one[k]) * QUANTITIES[k].per_si for one in (body.values, body.half_width, body.reference))
+    many = (value - model) / half if half else None
+    return (
+        toleranced(value, half),
+        toleranced(half, half),
+        toleranced(model, half),
+        toleranced(value - model, half),
+        number(many, "+.2f"),
+    )
 
 
 def _campaign(one: CampaignPart, figures: Figures) -> Safe:
@@ -31,14 +76,15 @@ def _campaign(one: CampaignPart, figures: Figures) -> Safe:
 
     found = one.findings
     if found is None:
-        return joined(tag("h3", one.campaign.source), notes(one.missing))
+        return joined(tag("h3", f"From the raw records of {one.campaign.source}"), notes(one.missing))
     bodies = bodies_of(found, one.reference)
     figure = (
         figures.placed(identified_inertia(bodies, f"{found.article}: identified less drawn, 95 % intervals")) if bodies else None
     )
     return tag(
         "div",
-        tag("h3", f"{found.article}, from {one.campaign.source}"),
+        tag("h3", f"{found.article}, from the raw records of {one.campaign.source}"),
+        paragraphs([RAW]),
         notes(found.doubts),
         _table(found, one.reference),
         figure,
@@ -76,7 +122,9 @@ def _table(found: Findings, reference: Statement | None) -> Safe:
     ]
     where = "from the article's own origin" if found.origin == "article" else "from F"
     note = f"CoG {where}; moments and products about the CoG, products as matrix entries. In intervals: 1 is its end."
-    return table(f"{found.article}: mass, CoG and inertia, {found.result.identified.way} counts", columns, rows, note=note)
+    return table(
+        f"{found.article}: mass, CoG and inertia, {found.result.identified.way} counts, raw records", columns, rows, note=note
+    )
 
 
 def _drawn(reference: Statement | None, k: int) -> Cell:

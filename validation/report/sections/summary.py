@@ -6,12 +6,16 @@ from validation.comparing.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT, pe
 from validation.comparing.words import text
 from validation.diagnosing import words
 from validation.identifying.known import FMD
+from validation.ladders.nouns import Body
 from validation.report.figures import Figures
-from validation.report.markup import Safe, joined, tag
+from validation.report.markup import Safe, joined, tag, worded
 from validation.report.nouns import CampaignPart, Report
 from validation.report.sections.parts import section, verdict
 from validation.rows import rounded
 from validation.statement import QUANTITIES
+
+RAW = "From the raw records alone, which know no effect: "
+"""Before what was identified without the model."""
 
 
 def html(report: Report, figures: Figures) -> Safe:
@@ -60,10 +64,40 @@ def _inertia(report: Report) -> Safe:
     known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
     alone = [part for part, article in known if article.split("+")[0] != FMD]
     told = [_identified(part) for part in alone or [part for part, _ in known]]
-    if not told:
-        return joined("No inertia was identified from these data.")
-    blind = " Identification knows no effects of the model; with them the ladder says what the data give."
-    return joined("Identified: ", *_between(told), ".", blind if report.comparison.effects else "")
+    raw = joined(RAW, *_between(told), ".") if told else joined("No inertia was identified from the raw records.")
+    if report.identified:
+        lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
+        return joined(
+            f"Identified {lead}: ", *_between([_corrected(one) for one in report.identified]), ". ", raw, _uncorrected(report)
+        )
+    why = f" With the effects of the model no inertia was identified: {report.not_identified}" if report.not_identified else ""
+    return joined(raw, why, _uncorrected(report))
+
+
+def _uncorrected(report: Report) -> Safe:
+    """That what was diagnosed is not in the model yet."""
+    there = set(report.comparison.effects)
+    found = [one.id for one in report.diagnosis.accepted if one.id not in there] if report.diagnosis is not None else []
+    told = f" Nothing of this knows {words.listed(found)} yet, which the model lacks: `massline add` adds it." if found else ""
+    return worded(told)
+
+
+def _corrected(body: Body) -> Safe:
+    """Mass, CoG and moments with their intervals beside the model's, and how many of the ten values lie outside."""
+    mass = _beside(body, slice(0, 1))
+    within = verdict("within", GOOD) if abs(body.distance[0]) <= body.half_width[0] else verdict("outside", DOUBTFUL)
+    beyond = int((abs(body.distance) > body.half_width).sum())
+    of_ten = f"{beyond} of the ten values outside" if beyond else "all ten values inside"
+    rest = f"; CoG {_beside(body, slice(1, 4))}; moments about it {_beside(body, slice(4, 7))}; {of_ten} their intervals"
+    return joined(f"{body.article} weighs {mass}, ", within, rest)
+
+
+def _beside(body: Body, which: slice) -> str:
+    """Some of the ten with half their 95 % intervals, and the model's."""
+    values, half, model = (one[which] * QUANTITIES[which][0].per_si for one in (body.values, body.half_width, body.reference))
+    told = ", ".join(f"{rounded(x, h)} ± {rounded(h, h)}" for x, h in zip(values, half, strict=True))
+    own = ", ".join(rounded(x, h) for x, h in zip(model, half, strict=True))
+    return f"{told} {QUANTITIES[which][0].unit} (95 %), the model {own}"
 
 
 def _between(parts: list[Safe]) -> list[str]:
