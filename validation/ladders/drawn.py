@@ -59,7 +59,7 @@ def _errors(errors: Errors | None) -> dict[str, float]:
     if errors is None:
         return dict.fromkeys((*pages.PERCENT, *pages.FITTED), NAN)
     held_out = NAN if errors.held_out is None else errors.held_out
-    figures = (errors.nominal, errors.plain, held_out, errors.chi2_per_dof, errors.tolerance_z2 / max(errors.tolerances, 1))
+    figures = (errors.nominal, errors.plain, held_out, errors.chi2_per_dof, errors.z2_over_due)
     seen = (one if one > 0 else NAN for one in figures)  # an error of nothing but noise is 0 and has no place on these axes
     return dict(zip((*pages.PERCENT, *pages.FITTED), seen, strict=True))
 

@@ -107,6 +107,11 @@ class Errors:
         """What its tolerances cost where nothing is wrong; at most one each."""
         return float(self.tolerances) if self.expected_z2 is None else self.expected_z2
 
+    @property
+    def z2_over_due(self) -> float:
+        """What its tolerances cost, as a multiple of what they cost where nothing is wrong."""
+        return self.tolerance_z2 / max(self.due_z2, 1.0)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Body:

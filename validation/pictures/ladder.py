@@ -47,16 +47,16 @@ class DrawnRung:
 
 
 PERCENT = {"nominal": NOMINAL, "plain": PLAIN, "held out": HELD_OUT}
-NAMED = ("held out", "sum z² per tolerance")
+NAMED = ("held out", "sum z² over what is due")
 """The errors at which branches have their names."""
 
-BELOW = ("plain", "sum z² per tolerance")
+BELOW = ("plain", "sum z² over what is due")
 """Those whose figures stand below and to the left of their points, out of the way of the others'."""
 
 LINE = 10.5
 """[points] between two labels, one above the other."""
 
-FITTED = {"chi² per deg. of freedom": CHI2, "sum z² per tolerance": PRICE}
+FITTED = {"chi² per deg. of freedom": CHI2, "sum z² over what is due": PRICE}
 """The errors of the upper and of the lower panel, and their colours."""
 
 

@@ -23,7 +23,7 @@ UPPER: tuple[Error, ...] = (
 )
 LOWER: tuple[Error, ...] = (
     ("χ² per degree of freedom", "#1f9d61", lambda of: of.chi2_per_dof),
-    ("z² of the tolerances over what is due", "#9a6fd0", lambda of: of.tolerance_z2 / max(of.due_z2, 1.0)),
+    ("z² of the tolerances over what is due", "#9a6fd0", lambda of: of.z2_over_due),
 )
 
 LONGEST = 28
