@@ -64,6 +64,11 @@ def json_text(value: dict[str, Any]) -> str:
     return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)
 
 
+def plain_unit(unit: str) -> str:
+    """`unit` in ASCII (kg m^2), as a model file writes it: for programs, and for spreadsheets that are not told of UTF-8."""
+    return unit.replace("²", "^2").replace("³", "^3")
+
+
 def inertia_json(inertia: Inertia) -> dict[str, Any]:
     """INERTIA of the output contract: CoG [mm] in the body's frame, moments and products [kg m²] about the CoG."""
     return {

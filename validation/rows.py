@@ -13,6 +13,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from validation.output import plain_unit
+
 if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
@@ -88,7 +90,7 @@ def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
             "quantity": row.quantity,
             "value": row.value,
             "tolerance": row.tolerance,
-            "unit": row.unit,
+            "unit": plain_unit(row.unit),
             "reference": row.reference,
             "deviation_percent": row.deviation_percent,
             "within": row.within,

@@ -145,3 +145,14 @@ def test_a_budget_prints_its_unit_and_any_name_of_an_input() -> None:
     page = printed(budget_table([item], "Tolerance of MoI xx", "kg m²", 1.0), 120)
     assert "[kg m²]" in page
     assert "rope [left] :smile:" in page
+
+
+def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
+    """Effects, rows of measurements and facts of a comparison go into the same programs."""
+    from validation.comparing.as_json import _fact
+    from validation.comparing.comparison import Beside
+    from validation.effects.catalogue import FAMILIES
+
+    (of_effect,) = {size.unit for size in FAMILIES["air-inertia"].sizes}
+    fact = Beside(name="a period", unit="kg m²", predicted=1.0, measured=1.0, tolerance=0.1, sigma=0.0, nominal_sigma=0.0)
+    assert rows_json([moment()])[0]["unit"] == _fact(fact)["unit"] == of_effect == "kg m^2"

@@ -16,6 +16,7 @@ from validation.comparing.spots import Spot
 from validation.comparing.verdicts import Told, Tolerance, expected_z2, misfit
 from validation.comparing.words import text
 from validation.engine.evaluation import Fit, Share
+from validation.output import plain_unit
 
 PAIRS = 10
 
@@ -141,7 +142,7 @@ def _fact(one: Beside) -> dict[str, Any]:
         "name": one.name,
         "sigma": one.sigma,
         "nominal_sigma": one.nominal_sigma,
-        "unit": one.unit,
+        "unit": plain_unit(one.unit),
         "predicted": one.predicted,
         "measured": one.measured,
         "tolerance": one.tolerance,

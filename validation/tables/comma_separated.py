@@ -9,6 +9,7 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 
+from validation.output import plain_unit
 from validation.reference_table import ReferenceTable, row
 from validation.statement import QUANTITIES
 
@@ -49,7 +50,7 @@ def _lines(table: ReferenceTable) -> Iterator[tuple[object, ...]]:
             yield (
                 table.article,
                 quantity.key,
-                quantity.unit.replace("²", "^2"),
+                plain_unit(quantity.unit),
                 column,
                 value,
                 tolerance,

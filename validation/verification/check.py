@@ -9,6 +9,7 @@ from enum import Enum
 from functools import cache, wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
+from validation.output import plain_unit
 from validation.progress import counted
 
 P = ParamSpec("P")
@@ -91,7 +92,7 @@ class Result:
             "reference": reference,
             "source": self.check.source,
             "value": value,
-            "unit": self.check.unit,
+            "unit": plain_unit(self.check.unit),
             "error": self.error if math.isfinite(self.error) else None,
             "error_is": self.check.error.value,
             "bar": self.check.bar,
