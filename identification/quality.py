@@ -20,6 +20,9 @@ from identification.classical import QUANTITIES, jacobian, quantities
 from identification.evidence import scale
 from identification.identified import Identified
 
+NORMAL_90 = 1.6448536269514722
+"""Half the width of a 90 % interval, in standard deviations."""
+
 NORMAL_95 = 1.959963984540054
 """Half the width of a 95 % interval, in standard deviations."""
 

@@ -30,14 +30,13 @@ from geometry.arrays import Array, frozen
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from geometry.inertia import parallel_axis, six_from_tensor, tensor_from_six
+from identification.quality import NORMAL_95
 from validation import printed
 from validation.frame_text import position
 from validation.statement import COG, MASS, TENSOR, Stated, Statement, through
 
 TABLES = ("name", "source", "inertia", "tolerance", "interval95", "covariance")
 MATRIX_ENTRY, POSITIVE_INTEGRAL = "matrix-entry", "positive-integral"
-NORMAL_95 = 1.96
-"""Half-width of a 95 % interval in standard deviations."""
 
 _GROUPS = {
     "mass": (slice(0, 1), "mass"),

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
+from identification.quality import NORMAL_95
 from validation import stated_inertia
 from validation.cross_check import cross_check, summary
 from validation.frame_text import pose_of
@@ -111,7 +112,7 @@ def test_a_covariance_counts_what_its_values_share() -> None:
     values = stated_inertia.read({**table, "covariance": C.tolist()}, "test", IDENTITY).values
     assert values[0] is not None
     assert values[3] is not None
-    assert_allclose(values[0].tolerance or 0, 1.96 * 0.01 * m, rtol=1e-6)
+    assert_allclose(values[0].tolerance or 0, NORMAL_95 * 0.01 * m, rtol=1e-6)
     assert (values[3].tolerance or 1) < 1e-6 * mz, "1.96 standard deviations of nothing"
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from identification.quality import NORMAL_90
 from validation.diagnosing import stated, swinging
 from validation.diagnosing.accepting import standing
 from validation.diagnosing.advisor.advised import advised
@@ -17,7 +18,6 @@ from validation.diagnosing.detecting import detectable
 from validation.diagnosing.diagnosis import (
     AMBIGUOUS,
     MISSING,
-    NORMAL_90,
     NOTHING,
     SEVERAL,
     UNKNOWN,

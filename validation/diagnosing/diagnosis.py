@@ -23,9 +23,6 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
 MANY_NATS = 1000.0
 """Beyond which a forecast of evidence says only that it is decided."""
 
-NORMAL_90 = 1.6448536269514722
-"""Standard deviations of half a 90 % interval."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Size:

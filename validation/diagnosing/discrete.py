@@ -22,8 +22,9 @@ from geometry.arrays import Array
 from geometry.errors import CheckFailed
 from geometry.sensors import ChannelTable
 from identification.mistakes import candidates
+from identification.quality import NORMAL_90
 from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import NORMAL_90, Cause, Size
+from validation.diagnosing.diagnosis import Cause, Size
 from validation.diagnosing.heard import Heard, heard
 from validation.effects.identifiers import Named
 

@@ -18,9 +18,10 @@ from functools import cached_property
 import numpy as np
 
 from geometry.errors import BadInput
+from identification.quality import NORMAL_90
 from validation.diagnosing.bench import Bench
 from validation.diagnosing.bent import Bent, bent, could_act
-from validation.diagnosing.diagnosis import NORMAL_90, Cause, Level, Size
+from validation.diagnosing.diagnosis import Cause, Level, Size
 from validation.diagnosing.driven import Beyond, beyond, driven
 from validation.effects.family import Size as OfFamily
 from validation.effects.identifiers import Named

@@ -14,12 +14,12 @@ from geometry.arrays import Array
 from geometry.errors import BadInput
 from geometry.frames import Pose
 from identification.campaign import Campaign
+from identification.quality import NORMAL_95
 from identification.request import Fact
 from validation import crane_cog, pendulum_file, results_file, weighing
 from validation.identifying.known import above_fmd, stated
 from validation.measurement_file import Fields, read
 from validation.reduction import Reduction
-from validation.stated_inertia import NORMAL_95
 
 REDUCED: dict[str, Callable[[Fields], Reduction]] = {
     "weighing": weighing.reduce,

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from identification.quality import NORMAL_90
 from validation.ladders import file
 from validation.ladders.climbing import Standing
 from validation.ladders.nouns import Body, Errors, Rung, Size
 from validation.ladders.verdict import worth
-
-NORMAL_90 = 1.6448536269514722
-"""Half the width of a 90 % interval, in standard deviations."""
 
 
 def of_ladder(at: Standing) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from geometry.articles import NAMES, changes_of
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
 from identification import classical
+from identification.quality import NORMAL_95
 from validation import crane_cog, pendulum_file, results_file, weighing
 from validation.engine.parameter import Parameter
 from validation.engine.prediction import Offsets
@@ -33,7 +34,6 @@ from validation.prediction.inertia import OfArticle
 from validation.prediction.inputs import Spread, spread
 from validation.prediction.set_up import drawn_inertia
 from validation.reduction import QUANTITIES, Reduction
-from validation.stated_inertia import NORMAL_95
 
 if TYPE_CHECKING:
     from uncertainties import UFloat

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.arrays import Array
-from validation.stated_inertia import NORMAL_95
+from identification.quality import NORMAL_95
 
 if TYPE_CHECKING:
     from uncertainties import UFloat

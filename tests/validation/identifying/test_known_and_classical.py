@@ -12,9 +12,9 @@ from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from identification.campaign import Campaign
+from identification.quality import NORMAL_95
 from validation.identifying import classical
 from validation.identifying.known import above_fmd, known, stated
-from validation.stated_inertia import NORMAL_95
 
 Make = Callable[..., Campaign]
 

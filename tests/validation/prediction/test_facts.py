@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
+from identification.quality import NORMAL_95
 from validation.pendulum_corrections import plane_amplitude_factor
 from validation.prediction.facts import ArticleFact, facts
-from validation.stated_inertia import NORMAL_95
 
 SHIPPED = ("clumod-4-weighing", "clumod-4-cog", "clumod-4-pendulum")
 

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from geometry import multibody
 from geometry.articles import built_in
 from geometry.inertia import PARAMETERS
+from identification.quality import NORMAL_95
 from validation.pretest.asked import Question
 from validation.pretest.findings import Findings, findings
-from validation.stated_inertia import NORMAL_95
 
 RATIOS = ("gain", "table_gain", "cell_stiffness", "crosstalk", "fmd_inertia")
 EXACT = (*(f"{name}=0" for name in RATIOS), "delay=0 s", "position=0 mm", "angle=0 deg")

@@ -10,6 +10,7 @@ import numpy as np
 
 from geometry.errors import BadInput
 from identification import classical as classical_numbers
+from identification.quality import NORMAL_95
 from validation.diagnosing.advisor.articles import named
 from validation.diagnosing.advisor.offer import Offer
 from validation.diagnosing.advisor.planned import Template
@@ -17,7 +18,6 @@ from validation.engine.prediction import Fact
 from validation.identifying.known import above_fmd
 from validation.models.model import Added, Model
 from validation.prediction.facts import KEYS, ArticleFact, article_of, weights_of
-from validation.stated_inertia import NORMAL_95
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,6 +15,7 @@ from numpy.polynomial import chebyshev
 
 from geometry.arrays import Array
 from geometry.errors import BadInput
+from identification.quality import NORMAL_95
 from validation.diagnosing.classical.curve import DEGREE, Curve
 from validation.diagnosing.classical.judged import Tried
 from validation.diagnosing.classical.menu import Trial, menu, period_per_inertia
@@ -24,7 +25,6 @@ from validation.diagnosing.diagnosis import Advice
 from validation.diagnosing.practical import said
 from validation.effects.worth import ALIKE
 from validation.prediction.inputs import covariance
-from validation.stated_inertia import NORMAL_95
 
 MOST = 6
 """Explanations that are told apart at most, the best of each family first."""

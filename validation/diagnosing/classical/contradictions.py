@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 
+from identification.quality import NORMAL_95
 from validation.diagnosing.classical.nouns import Beside
 from validation.diagnosing.classical.observed import Observed
 from validation.diagnosing.practical import said
 from validation.pendulum_corrections import CompoundSwing, RopeSwing
 from validation.prediction.facts import ArticleFact
-from validation.stated_inertia import NORMAL_95
 
 DISAGREE = 4.0
 """Standard deviations from which two measurements of one quantity contradict each other."""

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from identification.quality import NORMAL_95
 from validation.diagnosing.classical.judged import UNLIKELY, chance
 from validation.diagnosing.classical.nouns import Reading
 from validation.diagnosing.classical.observed import Observed, inverse
 from validation.prediction.inputs import Input
-from validation.stated_inertia import NORMAL_95
 
 ROUNDING = 1e-12
 """Share of a variance that is left of one that a single input makes alone."""

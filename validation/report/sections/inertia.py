@@ -41,7 +41,7 @@ def _with_effects(body: Body, report: Report, figures: Figures) -> Safe:
     columns = [Column(head="quantity", words=True), Column(head="unit", words=True), Column(head="identified")]
     columns += [Column(head="± 95 %"), Column(head="the model"), Column(head="less the model"), Column(head="in intervals")]
     rows: list[list[Cell]] = [[quantity.label, quantity.unit, *_held(body, k)] for k, quantity in enumerate(QUANTITIES)]
-    note = "CoG from the article's own origin; moments and products about it, which are matrix entries. In intervals: 1 is its end."
+    note = "CoG from the article's own origin; moments and products about it, as matrix entries. In intervals: 1 is its end."
     said = [
         f"Effects of the model: {', '.join(effects)}" if effects else "",
         "From all data that are fitted, ten parameters free beside what the plain fit frees",
