@@ -8,11 +8,11 @@ READY := .venv/ready
 # The matrices here are small: a second BLAS thread costs more than it saves, and makes the last digits depend on the machine.
 export OPENBLAS_NUM_THREADS := 1
 
-$(READY): requirements.lock pyproject.toml tools/setup.sh tools/doctor.py
+$(READY): requirements.lock pyproject.toml tools/setup.sh tools/pip.sh tools/doctor.py
 	@sh tools/setup.sh .venv
 	@touch $@
 
-.PHONY: help setup demo test check bench blind lock clean
+.PHONY: help setup demo test proof check bench blind lock clean
 
 help: ## what each target does
 	@grep -E '^[a-z]+:.*## ' Makefile | sed -E 's/^([a-z]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -24,9 +24,12 @@ demo: $(READY) ## everything massline shows, tables on the screen and pictures u
 
 # The editable install says in a second that it imports from here; then the whole suite runs once, against the built wheel, because
 # that is what a user installs. The wheel is these very files (test_wheel.py), so running everything twice would prove nothing more.
-test: $(READY) ## where the editable install imports from, then the whole suite on the built wheel, by two processes; ARGS="-k cuboid" picks tests
+test: $(READY) ## where the editable install imports from, then the suite on the built wheel, by two processes; ARGS="-k cuboid" picks tests
 	$(PYTHON) -P -m pytest --quiet tests/architecture/test_origin.py
-	sh tools/suite_on_wheel.sh $(ARGS)
+	sh tools/suite_on_wheel.sh -m "not proof" $(ARGS)
+
+proof: $(READY) ## what `make test` leaves out because it takes long: whole stories, many drawn cases, large models; on the built wheel as well
+	sh tools/suite_on_wheel.sh -m proof $(ARGS)
 
 check: $(READY) ## lint, format, types and the rules of import
 	$(PYTHON) -m ruff check .

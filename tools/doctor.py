@@ -4,13 +4,17 @@ Wheels carry nearly everything they need, but not OpenGL, X11, the XML parser an
 system, and a bare Debian has none of them. Without this check a newcomer would meet them one `ImportError` at a time. It runs
 before anything is installed and therefore knows the standard library only.
 
-    python3.11 tools/doctor.py              says what is missing and the line that installs it; exit code 1 if something is
+    python3.11 tools/doctor.py              says what is missing and the line that installs it; exit code 1 if a library is
     python3.11 tools/doctor.py --packages   the missing Debian packages on one line, nothing when all is there; exit code 0
+
+A browser is not needed, so that one is missing is a note.
 """
 
 from __future__ import annotations
 
 import ctypes
+import os
+import shutil
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -41,6 +45,11 @@ LIBRARIES = (
     Library(soname="libfontconfig.so.1", package="libfontconfig1", needed_by="gmsh"),
 )
 
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
+"""What a browser may be called; `validation.report.browser` looks for the same."""
+
+INSTALL_BROWSER = "apt-get install --no-install-recommends chromium"
+
 
 def installed(soname: str) -> bool:
     """Whether the system's loader finds `soname`."""
@@ -54,6 +63,23 @@ def installed(soname: str) -> bool:
 def missing(present: Callable[[str], bool] = installed) -> tuple[Library, ...]:
     """The libraries that are not `present`."""
     return tuple(library for library in LIBRARIES if not present(library.soname))
+
+
+def browser() -> str | None:
+    """The path of a browser: what `MASSLINE_BROWSER` names, or the first of `BROWSERS`; None where there is none."""
+    named = os.environ.get("MASSLINE_BROWSER")
+    return next(filter(None, map(shutil.which, BROWSERS if named is None else (named,))), None)
+
+
+def note() -> str:
+    """What a machine without a browser cannot do, and what to type."""
+    return "\n".join(
+        [
+            "massline: note: no browser of the Chromium family is found. Tests that drive one will be skipped, and reports",
+            "not be printed to PDF; everything else works. To have them, as root:",
+            "  " + INSTALL_BROWSER,
+        ]
+    )
 
 
 def install_line(libraries: Iterable[Library] = LIBRARIES) -> str:
@@ -82,6 +108,8 @@ def main(arguments: list[str]) -> int:
         return 0
     if absent:
         sys.stderr.write(report(absent) + "\n")
+    if browser() is None:
+        sys.stderr.write(note() + "\n")
     return 1 if absent else 0
 
 

@@ -33,7 +33,7 @@ fi
 
 quiet=--quiet
 if [ -t 1 ]; then quiet=; fi
-pip="$folder/bin/python -m pip --disable-pip-version-check --no-input"
+pip="sh tools/pip.sh $folder/bin/python"
 
 if ! cmp -s requirements.lock "$folder/installed.lock" || ! "$folder/bin/python" -c '' 2>/dev/null; then
     say "installing $(grep -c '^[a-z0-9].*==' requirements.lock) locked packages into $folder: a minute or more, about 2.5 GB, once."

@@ -10,12 +10,11 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 python=$root/.venv/bin/python
 wheel=$root/build/wheel
-pip="-m pip --disable-pip-version-check --quiet"
 
 rm -rf "$wheel"
 mkdir -p "$wheel/neutral"
-"$python" $pip wheel --no-index --no-deps --no-build-isolation --wheel-dir "$wheel" "$root"
-"$python" $pip install --no-index --no-deps --target "$wheel/site" "$wheel"/massline-*.whl
+sh "$root/tools/pip.sh" "$python" wheel --quiet --no-index --no-deps --no-build-isolation --wheel-dir "$wheel" "$root"
+sh "$root/tools/pip.sh" "$python" install --quiet --no-index --no-deps --target "$wheel/site" "$wheel"/massline-*.whl
 
 cd "$wheel/neutral"
 MASSLINE_UNDER_TEST=$wheel/site PYTHONPATH=$wheel/site exec "$python" -P -m pytest -n 2 --dist worksteal "$root/tests" "$@"

@@ -11,9 +11,10 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from tools.doctor import LIBRARIES, install_line, installed, main, missing, report
+from tools.doctor import BROWSERS, INSTALL_BROWSER, LIBRARIES, install_line, installed, main, missing, report
+from validation.report import browser
 
-TARGETS = ("help", "setup", "demo", "test", "check", "bench", "blind", "lock", "clean")
+TARGETS = ("help", "setup", "demo", "test", "proof", "check", "bench", "blind", "lock", "clean")
 
 
 def test_this_machine_lacks_nothing_that_the_wheels_open() -> None:
@@ -43,8 +44,65 @@ def test_the_doctor_ends_with_1_only_when_something_is_missing(
     assert capsys.readouterr().out == "libgl1\n"
 
 
-def test_the_readme_names_the_system_libraries(root: Path) -> None:
-    assert install_line() in (root / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("variable", [None, "no-such-browser"])
+def test_without_a_browser_the_doctor_notes_it_once_and_ends_as_with_one(
+    variable: str | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.delenv(browser.BROWSER, raising=False)
+    program = tmp_path / BROWSERS[-1]
+    program.write_text("#!/bin/sh\n", encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert main([]) == 0
+    assert capsys.readouterr().err == ""
+    if variable is None:
+        program.unlink()
+    else:
+        monkeypatch.setenv(browser.BROWSER, variable)
+    assert main([]) == 0
+    said = capsys.readouterr().err
+    assert said.count("note: no browser") == said.count(INSTALL_BROWSER) == 1
+    assert main(["--packages"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_doctor_looks_for_the_browsers_that_the_report_is_printed_by() -> None:
+    assert browser.NAMES == BROWSERS
+
+
+def test_the_readme_names_the_system_libraries_and_the_browser(root: Path) -> None:
+    text = (root / "README.md").read_text(encoding="utf-8")
+    assert install_line() in text
+    assert f"{INSTALL_BROWSER}    # for the workbench's tests and PDF" in text
+
+
+def test_what_the_suite_leaves_out_is_run_where_submissions_are_judged(root: Path) -> None:
+    script = (root / ".ci" / "run").read_text(encoding="utf-8")
+    left_out = set(re.findall(r"not (\w+)", "".join(re.findall(r"-m \"(.*?)\"", script))))
+    assert left_out == {"proof", "fast"}
+    assert {"make proof", "export CI=true"} <= set(script.splitlines())
+    assert "pytest --quiet -m fast tests/fem" in script
+
+
+def test_where_ci_is_set_a_skip_fails_and_says_what_is_missing(root: Path, tmp_path: Path) -> None:
+    test = "import pytest\n\n@pytest.fixture\ndef gauge():\n    pytest.skip('no gauge')\n\ndef test_it(gauge):\n    pass\n"
+    (tmp_path / "test_it.py").write_text(test, encoding="utf-8")
+    (tmp_path / "conftest.py").write_text((root / "tests" / "conftest.py").read_text(encoding="utf-8"), encoding="utf-8")
+    for ci, ends, said in (("", 0, "1 skipped"), ("true", 1, "nothing is skipped where CI is set, but Skipped: no gauge")):
+        command = [sys.executable, "-P", "-m", "pytest", "-p", "no:cacheprovider", str(tmp_path)]
+        done = subprocess.run(command, env={**os.environ, "CI": ci}, capture_output=True, text=True, check=False, cwd=tmp_path)
+        assert (done.returncode, said in done.stdout) == (ends, True), done.stdout
+
+
+def test_of_what_pip_says_only_ignored_locations_are_kept_from_the_screen(root: Path, tmp_path: Path) -> None:
+    python = tmp_path / "python"
+    ignored = "WARNING: Location 'file:///empty/' is ignored: it is neither a file nor a directory."
+    python.write_text(f'#!/bin/sh\necho "$@"\necho "{ignored}" >&2\necho "ERROR: No space" >&2\nexit 3\n', encoding="utf-8")
+    python.chmod(0o755)
+    command = ["/bin/sh", str(root / "tools/pip.sh"), str(python), "install", "massline"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stdout.endswith("install massline\n")
+    assert (done.returncode, done.stderr) == (3, "ERROR: No space\n")
 
 
 @pytest.mark.parametrize("target", TARGETS)

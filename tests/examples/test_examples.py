@@ -137,6 +137,7 @@ def test_a_line_of_a_story_that_fails_ends_it(root: Path, monkeypatch: pytest.Mo
         program["main"](["moon"])
 
 
+@pytest.mark.usefixtures("browser_path")
 def test_a_page_is_photographed_as_a_browser_shows_it(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(root / "examples"))
     (tmp_path / "page.html").write_text("<!doctype html><title>A page</title><h1>Mass</h1>", encoding="utf-8")

@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, eye_array, kron
 
+from fem import factorisers
 from fem.structure import Structure, rigid_motion
+
+
+@pytest.fixture(autouse=True)
+def _optional_factoriser(request: pytest.FixtureRequest) -> None:
+    """A test marked ``fast(name)`` needs the factoriser of that name."""
+    marker = request.node.get_closest_marker("fast")
+    if marker is not None and marker.args[0] not in factorisers.installed():
+        pytest.skip(f"{marker.args[0]} is not installed: it comes with the extra `fast`")
 
 
 @pytest.fixture(scope="session")

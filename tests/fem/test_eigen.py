@@ -20,10 +20,10 @@ from geometry.errors import CheckFailed
 Block = Callable[..., Structure]
 
 
-@pytest.mark.parametrize("name", factorisers.NAMES)
+@pytest.mark.parametrize(
+    "name", ["superlu", *(pytest.param(name, marks=pytest.mark.fast(name)) for name in factorisers.NAMES if name != "superlu")]
+)
 def test_lanczos_and_lapack_agree_with_every_factoriser(name: str, block: Block) -> None:
-    if name not in factorisers.installed():
-        pytest.skip(f"{name} is not installed")
     held = hold(block(6, 5, 7))
     found = lowest(held.stiffness, held.mass, 30, factoriser=name)
     assert found.factor is not None

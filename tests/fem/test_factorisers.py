@@ -18,12 +18,12 @@ from geometry.errors import BadInput
 
 Block = Callable[..., Structure]
 
+OPTIONAL = [pytest.param(name, marks=pytest.mark.fast(name)) for name in factorisers.NAMES if name != "superlu"]
 
-@pytest.mark.parametrize("name", factorisers.NAMES)
+
+@pytest.mark.parametrize("name", ["superlu", *OPTIONAL])
 @pytest.mark.parametrize("kind", ["definite", "indefinite", "complex"])
 def test_every_factoriser_solves_or_says_that_it_cannot(name: str, kind: str, block: Block) -> None:
-    if name not in factorisers.installed():
-        pytest.skip(f"{name} is not installed")
     held = hold(block(5, 5, 5))
     inside = 1.5 * np.linalg.eigvalsh(held.stiffness.toarray())[3] / 0.1  # between eigenvalues of this matrix
     A = {
@@ -42,10 +42,8 @@ def test_every_factoriser_solves_or_says_that_it_cannot(name: str, kind: str, bl
     assert_allclose(A @ factor.solve(B[:, 0]), B[:, 0], rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["cholmod", "pardiso"])
+@pytest.mark.parametrize("name", OPTIONAL)
 def test_a_broken_promise_of_definiteness_is_noticed(name: str, block: Block) -> None:
-    if name not in factorisers.installed():
-        pytest.skip(f"{name} is not installed")
     held = hold(block(5, 5, 5))
     with pytest.raises(factorisers.Singular):
         factorisers.factorise(held.stiffness - 1e6 * held.mass, definite=True, name=name)

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.sparse import block_diag, csr_array
 
-from fem import effective_mass, factorisers
+from fem import effective_mass
 from fem.modes import fixed_base
 from fem.structure import Structure
 from geometry.errors import BadInput, CheckFailed
@@ -98,7 +98,7 @@ def test_a_structure_that_swings_freely_fails(size: tuple[int, int, int], block:
         fixed_base(replace(block(*size), held=np.arange(3)), 5)
 
 
-@pytest.mark.skipif("pardiso" not in factorisers.installed(), reason="pypardiso is not installed")
+@pytest.mark.fast("pardiso")
 def test_the_factoriser_does_not_show_in_the_modes(block: Block) -> None:
     structure = block(5, 5, 8)
     one, other = (fixed_base(structure, 20, factoriser=name) for name in ("superlu", "pardiso"))

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
@@ -13,10 +14,8 @@ from geometry.mesh import inertia
 from geometry.mesh.checks import require_closed_volume
 from geometry.mesh.triangles import TriangleMesh, joined, merged, placed, scaled, selected, turned
 
-trimesh = pytest.importorskip("trimesh", reason="makes the meshes that are judged here")
 
-
-def of_trimesh(solid: "trimesh.Trimesh") -> TriangleMesh:
+def of_trimesh(solid: trimesh.Trimesh) -> TriangleMesh:
     return merged(TriangleMesh(vertices=solid.vertices, faces=solid.faces))
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -11,12 +12,10 @@ from geometry.inertia import Inertia
 from geometry.mesh import TriangleMesh, from_trimesh, inertia, to_trimesh
 from geometry.mesh.triangles import joined, merged, pieces, placed, scaled, turned
 
-trimesh = pytest.importorskip("trimesh", reason="the mesh route is what is tested here")
-
 DENSITY = 2700.0
 
 
-def of_trimesh(solid: "trimesh.Trimesh") -> TriangleMesh:
+def of_trimesh(solid: trimesh.Trimesh) -> TriangleMesh:
     return merged(TriangleMesh(vertices=solid.vertices, faces=solid.faces))
 
 

@@ -4,11 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from geometry.errors import BadInput
 from geometry.user_article import inertias, load
-
-trimesh = pytest.importorskip("trimesh", reason="writes the files that are damaged here")
 
 DESCRIPTION = """format = 1
 [article]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 import yaml
 from numpy.testing import assert_allclose
 
@@ -16,8 +17,6 @@ from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from geometry.user_article import UserArticle, agreement, inertias, load
-
-trimesh = pytest.importorskip("trimesh", reason="writes the files that are read here")
 
 TOOLS = "workshop_tools"
 

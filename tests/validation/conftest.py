@@ -27,12 +27,12 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
+def chromium(browser_path: str) -> Iterator[Any]:
     """A browser without a window, one for all tests of a process: playwright stands but one."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=browser.path(), args=list(browser.flags()))
+        opened = playwright.chromium.launch(executable_path=browser_path, args=list(browser.flags()))
         yield opened
         opened.close()
 

@@ -17,9 +17,9 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")
-def printed(page: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def printed(browser_path: str, page: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("paper") / "report.pdf"
-    pdf.print_to(page, path, browser.path())
+    pdf.print_to(page, path, browser_path)
     return path.read_bytes()
 
 
