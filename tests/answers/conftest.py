@@ -1,0 +1,394 @@
+"""What massline answers, asked anew and beside what it answered when it was stored.
+
+`commands.toml` says what is asked, `stored` holds what was answered: a folder a kind of series, a file a line. A command that is
+meant to answer otherwise gets its answers stored anew, to be read in the difference that git shows:
+
+    MASSLINE_RENEW_ANSWERS=1 python -m pytest tests/answers
+
+Everything goes through the command line, so that the code behind it may move; `workbench` alone goes deeper.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import io
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from validation import cli
+
+HERE = Path(__file__).parent
+STORED = HERE / "stored"
+RENEW = "MASSLINE_RENEW_ANSWERS"
+
+DIGITS = 9
+"""Significant ones that are stored."""
+
+RELATIVE = 1e-6
+"""Of a number: an optimiser of least squares ends where its step is 1e-8 of itself, sums of another order differ by 1e-12."""
+
+OF_LARGEST = 1e-9
+"""Of the largest number in the same list: a zero that is the difference of such numbers is as good as another."""
+
+NOTHING = 1e-15
+"""[any unit] Two numbers below this are both zero."""
+
+NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
+DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-]\d\d:\d\d| UTC)?")
+DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
+RULE = re.compile(r"([─━═-])\1{2,}")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Answer:
+    """Of one line.
+
+    Attributes
+    ----------
+    line : that was asked
+    text : exit code and all that was printed, or the text of a file
+    data : what JSON was printed; None for a page
+    """
+
+    line: str
+    text: str
+    data: Any = None
+
+
+@dataclass(kw_only=True)
+class Asking:
+    """The lines of one kind, asked in a folder.
+
+    Attributes
+    ----------
+    folder : that the lines run in
+    root : the repository
+    process : each line in a process of its own
+    """
+
+    folder: Path
+    root: Path
+    process: bool = False
+    places: dict[str, str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.places = {str(self.folder.resolve()): "<folder>", str(self.folder): "<folder>", str(self.root): "<root>"}
+
+    def answers(self, lines: list[str]) -> Iterator[Answer]:
+        """One after the other."""
+        for line in lines:
+            words = shlex.split(line.replace("{root}", str(self.root)))
+            if words[0] == "show":
+                yield self._shown(line, (self.folder / words[1]).read_text(encoding="utf-8"))
+                continue
+            code, out, err = (in_process if self.process else here)(words)
+            head = f"exit code {code}\n"
+            if "--json" in words and out.startswith("{"):
+                yield Answer(line=line, text=self._plain(head + err), data=self._clean(json.loads(out)))
+            else:
+                yield Answer(line=line, text=self._plain(head + out + err))
+            if words[0] == "report" and "--out" in words and code == cli.DONE:
+                from_page = report((self.folder / words[words.index("--out") + 1]).read_text(encoding="utf-8"))
+                yield Answer(line=f"figures of {line}", text="", data=self._clean(from_page[1]))
+                yield Answer(line=f"text of {line}", text=self._plain(from_page[0]))
+
+    def _shown(self, line: str, text: str) -> Answer:
+        if line.endswith(".json"):
+            return Answer(line=line, text="", data=self._clean(json.loads(text)))
+        return Answer(line=line, text=self._plain(text))
+
+    def _plain(self, text: str) -> str:
+        """Without what another day, folder or version changes."""
+        for place, name in self.places.items():
+            text = text.replace(place, name)
+        text = text.replace(f"massline {version('massline')}", "massline <version>")
+        text = DIGEST.sub("<digest>", DATE.sub("<date>", text))
+        return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
+
+    def _clean(self, data: Any) -> Any:
+        if isinstance(data, dict):
+            return {key: self._clean(value) for key, value in data.items()}
+        if isinstance(data, list):
+            return [self._clean(value) for value in data]
+        if isinstance(data, str):
+            return self._plain(data)[:-1]
+        return float(f"{data:.{DIGITS}g}") if isinstance(data, float) else data
+
+
+def here(words: list[str]) -> tuple[int, str, str]:
+    """Exit code, output and errors of a command line in this process: importing the libraries takes longer than most lines."""
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # as `main` does
+        code = cli.run(words)
+    return code, out.getvalue(), err.getvalue()
+
+
+def in_process(words: list[str]) -> tuple[int, str, str]:
+    """The same in a process of its own."""
+    command = [sys.executable, "-P", "-c", "from validation.cli import main; main()", *words]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+class Text(HTMLParser):
+    """The words of a page, one line a heading, paragraph, row or list item; scripts, styles and pictures apart."""
+
+    LINES = frozenset(("h1", "h2", "h3", "h4", "p", "tr", "li", "section", "figure", "figcaption", "div", "summary", "pre"))
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.text: list[str] = []
+        self.silent = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag in ("script", "style"):
+            self.silent = tag
+        elif tag == "section":
+            self.text.append(f"\n\n# {dict(attrs).get('id')}\n")
+        elif tag in self.LINES:
+            self.text.append("\n")
+        elif tag in ("td", "th"):
+            self.text.append(" | ")
+        elif tag == "img":
+            self.text.append(f" [picture: {dict(attrs).get('alt')}] ")
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == self.silent:
+            self.silent = ""
+        elif tag in self.LINES:
+            self.text.append("\n")
+
+    def handle_data(self, data: str) -> None:
+        if not self.silent:
+            self.text.append(" ".join(data.split()) if not data.isspace() else " ")
+
+
+def report(page: str) -> tuple[str, Any]:
+    """The words of a report by section, and the data of its figures: of a long series of numbers what tells it from another."""
+    reader = Text()
+    reader.feed(page)
+    lines = (" ".join(line.split()) for line in "".join(reader.text).splitlines())
+    packed = re.search(r'id="packed-figures">([^<]*)<', page)
+    assert packed is not None
+    whole = json.loads(gzip.decompress(base64.b64decode(packed[1])))
+    return "\n".join(line for line in lines if line) + "\n", _shortened(whole["figures"])
+
+
+LONG = 12
+"""Numbers in a row from which on a figure's series is told by its summary."""
+
+
+def _shortened(data: Any) -> Any:
+    if isinstance(data, dict) and set(data) >= {"dtype", "bdata"}:
+        values = np.frombuffer(base64.b64decode(data["bdata"]), dtype=data["dtype"])
+        return {**{key: value for key, value in data.items() if key != "bdata"}, **_summary(values)}
+    if isinstance(data, dict):
+        return {key: _shortened(value) for key, value in data.items()}
+    if isinstance(data, list) and len(data) > LONG and all(isinstance(value, (int, float)) for value in data):
+        return _summary(np.array(data, dtype=np.float64))
+    return [_shortened(value) for value in data] if isinstance(data, list) else data
+
+
+def _summary(values: Any) -> dict[str, Any]:
+    """Of numbers in order; `slope` changes when they stand in another one."""
+    known = np.asarray(values, dtype=np.float64)
+    known = known[np.isfinite(known)]
+    told = {"length": len(values), "finite": len(known)}
+    if len(known) == 0:
+        return told
+    along = np.linspace(-1.0, 1.0, len(known))
+    figures = {"first": known[0], "last": known[-1], "low": known.min(), "high": known.max()}
+    figures |= {"rms": np.sqrt(np.mean(known**2)), "slope": np.mean(along * known)}
+    return {**told, **{name: float(f"{value:.6g}") for name, value in figures.items()}}  # the page has four bytes a number
+
+
+def kinds() -> dict[str, dict[str, Any]]:
+    """What `commands.toml` asks, by kind, with its shorthands written out."""
+    asked = tomllib.loads((HERE / "commands.toml").read_text(encoding="utf-8"))
+    return {name: {**kind, "lines": _lines(kind["lines"], asked["quick"]["options"])} for name, kind in asked["kinds"].items()}
+
+
+def _lines(written: list[str], quick: str) -> list[str]:
+    lines: list[str] = []
+    for line in written:
+        whole = line.replace("{quick}", quick)
+        lines += [whole.replace(" [--json]", end) for end in ("", " --json")] if "[--json]" in whole else [whole]
+    return lines
+
+
+def written(answer: Answer) -> str:
+    """As a file of `stored`: the line, what was printed, and JSON with an entry of the outermost object a line."""
+    if answer.data is None:
+        return f"{answer.line}\n{answer.text}"
+    entries = [f"{json.dumps(key)}: {compact(value)}" for key, value in answer.data.items()]
+    return f"{answer.line}\n{answer.text}" + "{\n" + ",\n".join(entries) + "\n}\n"
+
+
+def compact(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+
+def read(path: Path) -> Answer:
+    """The other way."""
+    line, _, text = path.read_text(encoding="utf-8").partition("\n")
+    if path.suffix == ".txt":
+        return Answer(line=line, text=text)
+    head, brace, data = text.partition("{\n")
+    return Answer(line=line, text=head, data=json.loads(brace + data))
+
+
+def file_name(number: int, answer: Answer) -> str:
+    words = answer.line.split()
+    name = words[0] if words[0] not in ("figures", "text", "show") else f"{words[0]}-{words[2 if words[0] != 'show' else 1]}"
+    return f"{number:02d}-{name.replace('/', '-')}.{'txt' if answer.data is None else 'json'}"
+
+
+def store(folder: Path, answers: list[Answer]) -> None:
+    """Replace what is stored of a kind."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.iterdir():
+        old.unlink()
+    for number, answer in enumerate(answers, 1):
+        (folder / file_name(number, answer)).write_text(written(answer), encoding="utf-8")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Differing:
+    """Compares answers; `most` differences are told of one."""
+
+    most: int = 12
+
+    def between(self, stored: Answer, found: Answer) -> list[str]:
+        """In words: where, what is stored and what was found; empty when they are the same."""
+        if stored.line != found.line:
+            return [f"line: stored of `{stored.line}`, found of `{found.line}`"]
+        told = list(pages(stored.text, found.text))
+        told += data("", stored.data, found.data)
+        return [f"`{found.line}`: {one}" for one in told[: self.most]] + (
+            [f"`{found.line}`: and {len(told) - self.most} more"] if len(told) > self.most else []
+        )
+
+
+def pages(stored: str, found: str) -> Iterator[str]:
+    """Of text: the same words in the same lines; numbers to a unit of their last digit, however wide columns are."""
+    lines, other = stored.splitlines(), found.splitlines()
+    if len(lines) != len(other):
+        yield f"stored {len(lines)} lines, found {len(other)}"
+    for number, (one, another) in enumerate(zip(lines, other, strict=False), 1):
+        if not same_line(one, another):
+            yield f"line {number}\n    stored: {one}\n    found:  {another}"
+
+
+def same_line(stored: str, found: str) -> bool:
+    if stored == found:
+        return True
+    words, other = (" ".join(NUMBER.sub("#", RULE.sub(r"\1", line)).split()) for line in (stored, found))
+    numbers, others = NUMBER.findall(stored), NUMBER.findall(found)
+    return words == other and all(same_printed(*pair) for pair in zip(numbers, others, strict=True))
+
+
+def same_printed(stored: str, found: str) -> bool:
+    """Within a unit of the last printed digit of the coarser one."""
+    unit = max(last_digit(stored), last_digit(found))
+    return abs(value(stored) - value(found)) <= (1 + 1e-9) * unit if "." in stored + found else stored == found
+
+
+def value(printed: str) -> float:
+    return float(printed.replace("−", "-"))
+
+
+def last_digit(printed: str) -> float:
+    mantissa, _, exponent = printed.lower().partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def data(path: str, stored: Any, found: Any, largest: float = 0.0) -> Iterator[str]:
+    """Of JSON; `largest` number of the list that both stand in."""
+    where = path or "all"
+    if is_number(stored) and is_number(found):
+        if abs(stored - found) > RELATIVE * max(abs(stored), abs(found)) + OF_LARGEST * largest + NOTHING:
+            yield f"{where}: stored {stored!r}, found {found!r}"
+    elif isinstance(stored, dict) and isinstance(found, dict):
+        if list(stored) != list(found):
+            lost, new = [key for key in stored if key not in found], [key for key in found if key not in stored]
+            yield f"{where}: keys lost {lost}, new {new}" if lost or new else f"{where}: keys in another order: {list(found)}"
+        for key in stored:
+            if key in found:
+                yield from data(f"{path}.{key}" if path else key, stored[key], found[key])
+    elif isinstance(stored, list) and isinstance(found, list):
+        if len(stored) != len(found):
+            yield f"{where}: stored {len(stored)} entries, found {len(found)}"
+        most = max((abs(one) for one in stored if is_number(one)), default=0.0)
+        most = max(most, largest) if most else most
+        for number, pair in enumerate(zip(stored, found, strict=False)):
+            yield from data(f"{path}[{number}]", *pair, most)
+    elif isinstance(stored, str) and isinstance(found, str):
+        yield from (f"{where}: {one}" for one in pages(stored, found))
+    elif type(stored) is not type(found) or stored != found:
+        yield f"{where}: stored {stored!r}, found {found!r}"
+
+
+def is_number(one: Any) -> bool:
+    return isinstance(one, (int, float)) and not isinstance(one, bool)
+
+
+@pytest.fixture(scope="session")
+def differing() -> Differing:
+    return Differing()
+
+
+@pytest.fixture
+def ask(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], list[Answer]]:
+    """``ask(kind)``: the answers of today."""
+    monkeypatch.chdir(tmp_path)
+
+    def asked(kind: str) -> list[Answer]:
+        of = kinds()[kind]
+        for name, text in of.get("files", {}).items():
+            (tmp_path / name).write_text(text, encoding="utf-8")
+        if script := [word.replace("{root}", str(root)) for word in of.get("python", ())]:
+            subprocess.run([sys.executable, "-P", *script], capture_output=True, check=True)
+        return list(Asking(folder=tmp_path, root=root, process=of.get("process", False)).answers(of["lines"]))
+
+    return asked
+
+
+@pytest.fixture
+def stored() -> Callable[[str], list[Answer]]:
+    """``stored(kind)``: what was answered when it was stored."""
+    return lambda kind: [read(path) for path in sorted((STORED / kind).iterdir())]
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "kind" in metafunc.fixturenames:
+        metafunc.parametrize("kind", kinds())
+
+
+@pytest.fixture
+def renewed() -> Callable[[str, list[Answer]], bool]:
+    """``renewed(kind, answers)``: whether they were stored because whoever runs the tests wants it."""
+
+    def stored_anew(kind: str, answers: list[Answer]) -> bool:
+        if os.environ.get(RENEW):
+            store(STORED / kind, answers)
+        return bool(os.environ.get(RENEW))
+
+    return stored_anew
