@@ -20,7 +20,7 @@ help: ## what each target does
 setup: $(READY) ## the virtual environment .venv from the lock, this project editable in it
 
 demo: $(READY) ## everything massline shows, tables on the screen and pictures under out/
-	@$(PYTHON) -m validation.demo
+	@$(PYTHON) -m validation.cli.demo
 
 # The editable install says in a second that it imports from here; then the whole suite runs once, against the built wheel, because
 # that is what a user installs. The wheel is these very files (test_wheel.py), so running everything twice would prove nothing more.

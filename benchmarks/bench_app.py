@@ -22,7 +22,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from validation.report import browser as chromium
+from validation.report import page as report_page
 
 BAR = 0.2
 """Seconds from a slider's move to the curve."""
@@ -59,7 +59,16 @@ FOLLOWED = """() => new Promise((done) => {
 def served(*arguments: str) -> Iterator[tuple[str, float]]:
     """`massline app`, its address, and how long it took to print it."""
     began = time.perf_counter()
-    command = [sys.executable, "-P", "-c", "from validation.cli import main; main()", "app", "--no-browser", "--stay", *arguments]
+    command = [
+        sys.executable,
+        "-P",
+        "-c",
+        "from validation.cli.main import main; main()",
+        "app",
+        "--no-browser",
+        "--stay",
+        *arguments,
+    ]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
     assert process.stdout is not None
@@ -110,7 +119,7 @@ def main(example: str) -> None:
 
     table = Table("what", "seconds", "times the empty page", "bar")
     with sync_playwright() as playwright, served("--example", example) as (address, printed):
-        browser = playwright.chromium.launch(executable_path=chromium.path(), args=list(chromium.flags()))
+        browser = playwright.chromium.launch(executable_path=report_page.browser_path(), args=list(report_page.flags()))
         page = browser.new_page(viewport={"width": 1366, "height": 768})
         page.set_default_timeout(900_000)
         began = time.perf_counter()

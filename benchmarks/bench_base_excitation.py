@@ -12,18 +12,18 @@ from functools import partial
 import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
-from fem import beam
-from fem.base_excitation import body, linear
+from fem.base_excitation import response, rig
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
+from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.beam import articles
 from fem.damping import Damping
-from fem.flexible_body import driven_base, large_motion
+from fem.exudyn import driven_run, large_motion
 from fem.modes import fixed_base
 from geometry.articles import built_in
 from geometry.articles.locations import locations
-from geometry.multibody import inertia
+from geometry.routes import inertia
 
 ARTICLE, MODES, RATE = "clumod-1", 10, 8192.0
 OCTAVES = 90.0
@@ -37,9 +37,9 @@ Call = Callable[[], object]
 
 def article(count: int = MODES) -> Body:
     """Clumod with one blade, on beams."""
-    structure = beam.structure(ARTICLE)
+    structure = articles.structure(ARTICLE)
     modes = fixed_base(structure, count, damping=Damping(ratio=0.003))
-    return body.flexible(ARTICLE, structure, modes, places=locations(ARTICLE))
+    return rig.flexible(ARTICLE, structure, modes, places=locations(ARTICLE))
 
 
 def driven(rate: float = RATE) -> BaseMotion:
@@ -53,7 +53,7 @@ def rigs(article: Body) -> dict[str, Rig]:
     seat = np.zeros(3) if fmd.seat is None else fmd.seat.position
     corners = [np.array([x, y, 0.0]) for x, y in ((0.13, 0.13), (-0.13, 0.13), (-0.13, -0.13), (0.13, -0.13))]
     cells = tuple(
-        Cell(position=at, stiffness=k, damping=np.full(3, 2e3)) for at, k in zip(corners, beam.load_cells(), strict=True)
+        LoadCell(position=at, stiffness=k, damping=np.full(3, 2e3)) for at, k in zip(corners, articles.load_cells(), strict=True)
     )
     on_cells = Rig(article=article, cover=inertia(fmd), seat=seat, cells=cells)
     return {
@@ -84,7 +84,7 @@ def shown(
 
 
 def exudyn(rig: Rig, motion: BaseMotion) -> Call:
-    return partial(driven_base.respond, rig, motion)
+    return partial(driven_run.respond, rig, motion)
 
 
 def routes() -> None:
@@ -92,10 +92,10 @@ def routes() -> None:
     clumod, motion = article(), driven()
     by_joint = rigs(clumod)
     calls: dict[str, Callable[[], Response]] = {
-        "recursion": partial(linear.respond, by_joint["rigid base"], motion),
-        "recursion, load cells": partial(linear.respond, by_joint["load cells"], motion),
+        "recursion": partial(response.respond, by_joint["rigid base"], motion),
+        "recursion, load cells": partial(response.respond, by_joint["load cells"], motion),
     }
-    calls |= {f"exudyn, {name}": partial(driven_base.respond, rig, motion) for name, rig in by_joint.items()}
+    calls |= {f"exudyn, {name}": partial(driven_run.respond, rig, motion) for name, rig in by_joint.items()}
     slow = {"exudyn's own beams": partial(large_motion.respond, ARTICLE, motion, elements=ELEMENTS)}
     seconds = dict.fromkeys((*calls, *slow), motion.duration)
     shown(f"Routes: {ARTICLE}, {MODES} modes, {RATE:g} steps a second", calls, seconds, "recursion", slow)
@@ -107,7 +107,7 @@ def modes() -> None:
     calls: dict[str, Call] = {}
     for count in (3, 6, 12, 24):
         rig = Rig(article=article(count))
-        calls |= {f"recursion, {count}": partial(linear.respond, rig, motion), f"exudyn, {count}": exudyn(rig, motion)}
+        calls |= {f"recursion, {count}": partial(response.respond, rig, motion), f"exudyn, {count}": exudyn(rig, motion)}
     shown(f"Modes kept, {RATE:g} steps a second", calls, dict.fromkeys(calls, motion.duration), "recursion, 3")
 
 
@@ -119,7 +119,7 @@ def rates() -> None:
     for rate in (2048.0, 4096.0, 8192.0, 16384.0):
         motion = driven(rate)
         own: dict[str, Call] = {
-            f"recursion, {rate:g}": partial(linear.respond, rig, motion),
+            f"recursion, {rate:g}": partial(response.respond, rig, motion),
             f"exudyn, {rate:g}": exudyn(rig, motion),
         }
         calls |= own
@@ -133,7 +133,7 @@ def joints() -> None:
     calls: dict[str, Call] = {}
     for count in (0, 1, 2, 4, 8):
         rig = with_struts(clumod, count)
-        calls |= {f"recursion, {count}": partial(linear.respond, rig, motion), f"exudyn, {count}": exudyn(rig, motion)}
+        calls |= {f"recursion, {count}": partial(response.respond, rig, motion), f"exudyn, {count}": exudyn(rig, motion)}
     shown(f"Joints, {MODES} modes, {RATE:g} steps a second", calls, dict.fromkeys(calls, motion.duration), "recursion, 0")
 
 

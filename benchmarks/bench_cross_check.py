@@ -15,11 +15,10 @@ import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
 from identification.campaign import Campaign
-from validation.effects.identifiers import parse
-from validation.engine.prediction import Lines
-from validation.engine.problem import Problem
-from validation.models.model import Added, Model
-from validation.prediction import set_up
+from validation.effects.catalogue import parse
+from validation.estimation.problem import Lines, Problem
+from validation.model.model import Added, Model
+from validation.prediction import structure
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
@@ -78,9 +77,9 @@ def differences(of: Sequence[SeriesPrediction]) -> float:
 
 def solved_again() -> None:
     """Modes, reduction and prediction of the three set-ups from the structure on."""
-    set_up._made.cache_clear()
+    structure._made.cache_clear()
     for campaign in campaigns():
-        set_up.standing(MODEL, campaign)
+        structure.mounted_article(MODEL, campaign)
     every(series(), derivatives=False)
 
 

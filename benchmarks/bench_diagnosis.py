@@ -16,18 +16,17 @@ import click
 import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
-from geometry.arrays import Array
+from geometry.frames import Array
 from identification.campaign import Campaign
-from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.diagnosed import diagnosed
-from validation.diagnosing.menu import candidates
-from validation.diagnosing.refitting import baseline, refitted
-from validation.diagnosing.screening import screen
-from validation.effects.identifiers import parse
-from validation.models.model import Model
+from validation.diagnose.candidates import candidates, screen
+from validation.diagnose.diagnose import diagnosed
+from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.search import baseline, refitting_refitted
+from validation.effects.catalogue import parse
+from validation.model.model import Model
 from validation.prediction.series import predictions
-from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.plan import Plan
+from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
 
 ARTICLES = ("fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
@@ -64,16 +63,16 @@ def campaigns() -> tuple[Campaign, ...]:
 
 
 @cache
-def bench(step: int = 1) -> Bench:
+def bench(step: int = 1) -> FittedData:
     """All data at every so many lines."""
     whole = predictions(MODEL, campaigns())
     lines: Array | None = None if step == 1 else np.asarray(whole[0].measured.frequency[::step])
     made = whole if lines is None else predictions(MODEL, campaigns(), lines=lines)
-    return Bench(model=MODEL, campaigns=campaigns(), made=made)
+    return FittedData(model=MODEL, campaigns=campaigns(), made=made)
 
 
 @cache
-def start() -> Hypothesis:
+def start() -> Candidate:
     """The baseline from which all are refitted."""
     return baseline(bench())
 
@@ -82,7 +81,7 @@ def one_by_one() -> None:
     """A fit for some of the candidates, spread over the menu."""
     menu = candidates(bench())
     for k in np.linspace(0, len(menu) - 1, SAMPLE).astype(int):
-        refitted(bench(), start(), menu[k])
+        refitting_refitted(bench(), start(), menu[k])
 
 
 def against_refits() -> None:

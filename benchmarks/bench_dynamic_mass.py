@@ -11,12 +11,13 @@ from functools import partial
 import numpy as np
 
 from benchmarks.ratios import measure, show
-from fem import beam, dynamic_mass, reduction
+from fem import dynamic_mass, reduction
+from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import LINES
 from fem.modes import fixed_base
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
 
 ARTICLE = "clumod-4"
 COUNT = 30
@@ -27,7 +28,7 @@ DAMPING = {"per mode": Damping(ratio=0.003), "per part": None}
 
 def ways(damping: Damping | None) -> dict[str, Callable[[Array], ComplexArray]]:
     """Every way to the dynamic mass at given lines."""
-    structure = beam.structure(ARTICLE)
+    structure = articles.structure(ARTICLE)
     modes = fixed_base(structure, COUNT, damping=damping)
     reduced = reduction.of_modes(modes, structure.rigid)
     return {

@@ -22,15 +22,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks.ratios import measure, show
-from fem import eigen, factorisers
+from fem import factorisers, modes
 from fem.held_base import HeldBase, hold
-from fem.solid import model, sizing
-from fem.solid.bodies import bodies
+from fem.solid import model, tetrahedra
 from fem.solid.mesh import SolidMesh
+from fem.solid.tetrahedra import bodies
 from fem.structure import Structure
-from geometry.arrays import Array
+from geometry.article import Material
 from geometry.articles import built_in
-from geometry.materials import Material
+from geometry.frames import Array
 
 ARTICLE = "disc"
 COUNT = 30
@@ -45,7 +45,7 @@ GROWTH = (0.03, 0.0085, 0.006, 0.0048)
 def solid(size: float) -> tuple[SolidMesh, Structure, Material]:
     """Mesh and structure of the block, and what it is made of."""
     found = bodies(built_in(ARTICLE))
-    made = model.mesh(found, sizing.Sizing(size=size))
+    made = model.mesh(found, tetrahedra.Sizing(size=size))
     materials = {body.name: body.material for body in found}
     return made, model.of_mesh(made, materials), found[0].material
 
@@ -85,7 +85,7 @@ def _deck(mesh: SolidMesh, structure: Structure, material: Material) -> str:
 
 
 def _ours(held: HeldBase, name: str) -> Array:
-    return _hertz(eigen.lowest(held.stiffness, held.mass, COUNT, factoriser=name).values)
+    return _hertz(modes.lowest(held.stiffness, held.mass, COUNT, factoriser=name).values)
 
 
 def _scipy(held: HeldBase, **options: Any) -> Array:
@@ -136,7 +136,7 @@ def growth() -> None:
     for size in GROWTH:
         held = hold(solid(size)[1])
         for name in factorisers.installed():
-            foreseen = factorisers.memory.predicted_bytes(held.stiffness, name)
+            foreseen = factorisers.predicted_bytes(held.stiffness, name)
             seconds, peak = _alone(held, name) if foreseen < AFFORDABLE else ("-", "-")
             table.add_row(str(held.free.size), name, seconds, peak, f"{foreseen / 1e9:.2f}")
     Console().print(table)
@@ -160,7 +160,7 @@ def _one(folder: Path, name: str) -> None:
 
     K, M = (load_npz(folder / f"{matrix}.npz") for matrix in ("K", "M"))
     before, start = _peak(), time.perf_counter()
-    eigen.lowest(K, M, COUNT, factoriser=name)
+    modes.lowest(K, M, COUNT, factoriser=name)
     sys.stdout.write(f"{time.perf_counter() - start} {_peak() - before}\n")
 
 

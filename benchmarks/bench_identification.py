@@ -16,21 +16,19 @@ from importlib.util import find_spec
 import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
-from geometry.arrays import Array
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.frames import Array
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place, motion_rows, resultants
 from identification import base_motion, identify, rigid_body
-from identification import resultants as loads
+from identification import resultants as identification_resultants
+from identification.base_motion import RunNoise
 from identification.campaign import Campaign
-from identification.dynamic_mass import from_runs
+from identification.dynamic_mass import corrected, from_runs
 from identification.elastic import model
-from identification.elastic.terms import ElasticTerms
-from identification.errors_in_variables import corrected
+from identification.elastic.model import ElasticTerms
 from identification.request import Request
-from identification.run_noise import RunNoise
-from identification.spectra.full_record import full_record
-from identification.spectra.line_spectra import Spectra
+from identification.spectra.line_spectra import Spectra, full_record
 from identification.spectra.of_campaign import spectra
 from identification.spectra.peak_hold import peak_reference_hold
 from validation.virtual_test.plan import Plan
@@ -66,7 +64,7 @@ def campaign() -> None:
 
 def plain(of: Spectra) -> rigid_body.RigidFit:
     """Eqs. 2 to 11, and Eqs. 1 and 4 turned round."""
-    motion, load = base_motion.base_motion(of), loads.resultants(of)
+    motion, load = base_motion.base_motion(of), identification_resultants.resultants(of)
     return rigid_body.fit(from_runs(load.values, motion.values, of.frequency).dynamic_mass)
 
 
@@ -76,7 +74,7 @@ def plain(of: Spectra) -> rigid_body.RigidFit:
 def written_out() -> None:
     """All lines at once, with condition numbers, beside a loop over the lines; and errors in variables."""
     of = drawn(ChannelTable(channels=channels()), LINES, 12)
-    U, F = base_motion.base_motion(of), loads.resultants(of)
+    U, F = base_motion.base_motion(of), identification_resultants.resultants(of)
     noise = RunNoise(load=F.covariance, motion=U.covariance)
     estimate = from_runs(F.values, U.values, of.frequency)
     calls: dict[str, Call] = {
@@ -241,7 +239,7 @@ def channels(more: int = 0) -> tuple[Channel, ...]:
 
 def simulate_table() -> ChannelTable:
     """The paper's 22 channels."""
-    from validation.virtual_test.laboratory import laboratory
+    from validation.virtual_test.simulate import laboratory
 
     return laboratory(Plan(article="fmd+disc+cuboid", model="rigid")).layout.table
 

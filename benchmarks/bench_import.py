@@ -10,7 +10,7 @@ STATEMENTS = {
     "bare python": "pass",
     "import numpy": "import numpy",
     "import geometry.inertia": "import geometry.inertia",
-    "massline --help": "from validation.cli import run; run(['--help'])",
+    "massline --help": "from validation.cli.main import run; run(['--help'])",
     "import trimesh": "import trimesh",
     "import pinocchio": "import pinocchio",
     "import exudyn": "import exudyn",

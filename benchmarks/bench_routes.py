@@ -12,9 +12,9 @@ import numpy as np
 
 from benchmarks.bench_import import in_a_fresh_process
 from benchmarks.ratios import measure, show
-from geometry import multibody
+from geometry import cad
+from geometry import routes as geometry_routes
 from geometry.articles import built_in
-from geometry.cad import brep
 from geometry.routes import DEFAULT_CHORD, by_mesh, tessellation_error
 
 ARTICLE = "fmd+clumod-4"
@@ -24,8 +24,8 @@ CHORDS = DEFAULT_CHORD * 4.0 ** np.arange(4, -1, -1)
 def routes() -> dict[str, Callable[[], object]]:
     """Every route on `ARTICLE`, and the import of every route's library in a fresh process."""
     return {
-        "pinocchio": lambda: multibody.inertia(built_in(ARTICLE)),
-        "occ": lambda: brep.inertia(built_in(ARTICLE)),
+        "pinocchio": lambda: geometry_routes.inertia(built_in(ARTICLE)),
+        "occ": lambda: cad.inertia(built_in(ARTICLE)),
         f"trimesh, chord {1e6 * DEFAULT_CHORD:g} µm": lambda: by_mesh(built_in(ARTICLE)),
         "import pinocchio": in_a_fresh_process("import pinocchio"),
         "import cadquery": in_a_fresh_process("import cadquery"),
@@ -36,7 +36,7 @@ def routes() -> dict[str, Callable[[], object]]:
 def tessellations() -> tuple[dict[str, Callable[[], object]], dict[str, str]]:
     """The mesh route at every chord error, and its error in mass and in the tensor beside the bound that is stated."""
     article = built_in(ARTICLE)
-    exact = multibody.inertia(article).parameters
+    exact = geometry_routes.inertia(article).parameters
     callables: dict[str, Callable[[], object]] = {}
     notes = {}
     for chord in CHORDS:

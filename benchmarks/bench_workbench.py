@@ -20,10 +20,9 @@ import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
 from geometry.errors import BadInput, CheckFailed
-from validation.desk import comparing, examples, recorded, whatif
-from validation.desk.desk import Desk, begun
-from validation.desk.sliders import Effect, Slider, reaching
-from validation.desk.whatif import Table, what_if
+from validation.app import examples, session, whatif
+from validation.app.session import Session, begun
+from validation.app.whatif import Slider, Table, TrialEffect, reaching, what_if
 
 EXAMPLE = "mast"
 
@@ -41,15 +40,15 @@ ENTRY = (4, 4)
 BASE = "one full prediction"
 
 
-def ready(folder: Path) -> Desk:
+def ready(folder: Path) -> Session:
     """The example, compared."""
     series = examples.series(EXAMPLE)
     desk = begun(folder, series.model, series.data, hold_out=series.hold_out, band=series.band)
-    comparing.compared(desk)
+    session.compared(desk)
     return desk
 
 
-def drags(of: Table, effect: Effect) -> list[float]:
+def drags(of: Table, effect: TrialEffect) -> list[float]:
     """[s] of every drag but the first, which makes ready; none where the model refuses the middle of the slider."""
     taken = []
     for place in PLACES:
@@ -75,7 +74,7 @@ def at(one: Slider, place: float) -> float:
 
 def by_family(of: Table) -> Iterator[tuple[str, list[float]]]:
     """By family, the slowest drag of each of the effects that are tried [s]."""
-    families: dict[str, list[Effect]] = {}
+    families: dict[str, list[TrialEffect]] = {}
     for effect in reaching(of):
         families.setdefault(effect.family, []).append(effect)
     for name, effects in families.items():
@@ -88,7 +87,7 @@ def main() -> None:
     """Measure, and print ratios; on a terminal the milliseconds, too."""
     with tempfile.TemporaryDirectory() as folder:
         desk = ready(Path(folder) / "desk")
-        of, anew = whatif.table(desk), recorded.made(desk, recorded.model_of(desk))
+        of, anew = whatif.table(desk), session.made(desk, session.model_of(desk))
         base = measure({BASE: lambda: [one.at(of.offsets, derivatives=False) for one in anew]}, clock=perf_counter)
         families = dict(by_family(of))
     every = [one for taken in families.values() for one in taken]

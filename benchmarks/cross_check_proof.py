@@ -29,24 +29,20 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.identification_bars import code
-from geometry.arrays import Array
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
-from validation.effects.identifiers import Named, parse
-from validation.effects.targets import Vocabulary, built_in_places
-from validation.effects.worth import worth
-from validation.engine.evaluate import evaluate
-from validation.engine.evaluation import Evaluation
-from validation.engine.hold_out import named, without
-from validation.engine.parameter import EFFECT
-from validation.engine.problem import Problem
-from validation.ladders import candidate as candidates
-from validation.ladders.beginning import begun
-from validation.models.model import Model
+from geometry.frames import Array
+from validation.effects.catalogue import Named, parse
+from validation.effects.effect import Vocabulary, built_in_places, evidence_threshold
+from validation.estimation.evaluate import evaluate, named, without
+from validation.estimation.problem import EFFECT, Problem
+from validation.estimation.result import Evaluation
+from validation.history import add
+from validation.history.add import starting_sizes
+from validation.model.model import Model
 from validation.prediction.series import SeriesPrediction, predictions
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.effects.reach import reaching
 from validation.virtual_test.plan import Plan
+from validation.virtual_test.planted import planted, reaching
 from validation.virtual_test.simulate import VirtualTest, simulate
 
 FOLDER = Path("out/cross_check_proof")
@@ -203,9 +199,11 @@ def added(name: str, made: Sequence[SeriesPrediction], before: Evaluation, known
         return Problem(tuple(one.with_effects(of.effects) for one in made))
 
     try:
-        effect, left = candidates.read(name, known, words(), fixed=False)
-        chosen = candidates.candidate(effect, left, known, problem, allowed=True)
-        start = begun(chosen.added, left, _fitted(problem(replace(known, effects=(chosen.added,)))), before.plain_fit.by_name)
+        effect, left = add.read(name, known, words(), fixed=False)
+        chosen = add.candidate(effect, left, known, problem, allowed=True)
+        start = starting_sizes(
+            chosen.added, left, _fitted(problem(replace(known, effects=(chosen.added,)))), before.plain_fit.by_name
+        )
         return evaluated(problem(replace(known, effects=(start,))), before)
     except (BadInput, CheckFailed):
         return None
@@ -339,7 +337,7 @@ def verdict(found: Json) -> Verdict:
     visible = times(before, null) > WITHIN
     if right is None:
         return Verdict(falls=False, visible=visible, inside=None, worth=False, beaten=False)
-    asked = worth(parse(found["planted"], words()).family)
+    asked = evidence_threshold(parse(found["planted"], words()).family)
     return Verdict(
         falls=times(right, null) <= WITHIN,
         visible=visible,

@@ -22,15 +22,10 @@ import numpy as np
 from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
-from identification import files
-from identification.campaign import Campaign, Excitation, Processing, Run
-from identification.campaign_text import parse
-from identification.campaign_values import Problems
-from identification.campaign_words import text
-from identification.files import csv, hdf5, mat, uff
-from identification.files.contents import Signals
-from identification.matching import recording
-from identification.recording import Recording
+from identification.campaign import Campaign, Excitation, Processing, Recording, Run
+from identification.campaign_file import Problems, parse, recording, text
+from identification.files import csv, files, hdf5, mat, uff
+from identification.files.files import Signals
 
 PATIENCE = 20
 """Seconds after which a reader counts as hanging."""

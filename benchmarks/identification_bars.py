@@ -22,21 +22,19 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from geometry.arrays import Array
 from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS
+from geometry.frames import Array
 from geometry.inertia import Inertia
-from identification.classical import QUANTITIES, quantities
-from identification.evidence import Evidence, Known, Settings, TareSpectra
-from identification.identified import Identified
 from identification.plain import plain
 from identification.quality import quality
-from identification.self_calibration.calibrated import calibrated
+from identification.request import QUANTITIES, Evidence, Identified, Known, Settings, TareSpectra, quantities
+from identification.self_calibration.fit import calibrated
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import BEAM, NOISE, RIGID, Plan, exact
-from validation.virtual_test.set_up import middles_of_cells
+from validation.virtual_test.shaker import middles_of_cells
 from validation.virtual_test.simulate import VirtualTest, simulate
 
 SEEDS = 200

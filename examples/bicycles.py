@@ -21,11 +21,18 @@ from numpy import pi
 from rich.table import Table
 from uncertainties import UFloat, umath
 
-from geometry.quantities import tagged
-from validation.orientations import PLANAR, meeting_point, tensor_from_axes
+from geometry.toml_file import tagged
+from validation.classical.pendulum import (
+    PLANAR,
+    compound_pendulum,
+    meeting_point,
+    rod_inertia,
+    tensor_from_axes,
+    torsion_pendulum,
+    torsion_stiffness,
+)
 from validation.output import print_pages
-from validation.pendulum import compound_pendulum, rod_inertia, torsion_pendulum, torsion_stiffness
-from validation.rows import add_figures
+from validation.reference.statement import add_figures
 
 BICYCLES = ("Browser", "Fisher", "Pista", "Yellow")
 HANGINGS = ("1", "2", "3")

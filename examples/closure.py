@@ -15,19 +15,18 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem import beam
-from fem.base_excitation import body, linear, ring_down
+from fem.base_excitation import response, rig
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns import CrossMotion, Sweep, drawn, sweeps
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Rig
-from fem.base_excitation.rig_structure import dynamic_mass
+from fem.base_excitation.rig import Rig, dynamic_mass
+from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import LINES
-from fem.flexible_body import driven_base
+from fem.exudyn import driven_run
 from fem.modes import Modes, fixed_base
-from validation.closure import Deviation, deviation, identified
-from validation.progress import counted
+from validation.output import counted
+from validation.reference.reconstruction import Deviation, deviation, identified
 
 QUICK = ("clumod-1", "120", "0.05", "8192")
 MODES, CROSS, LEFT = 10, 0.03, 1e-7
@@ -36,9 +35,9 @@ MODES, CROSS, LEFT = 10, 0.03, 1e-7
 
 def model(article: str, ratio: float) -> tuple[Rig, Modes]:
     """`article` of beams, rigid on the table, with its fixed-base modes."""
-    structure = beam.structure(article)
+    structure = articles.structure(article)
     modes = fixed_base(structure, MODES, damping=Damping(ratio=ratio))
-    return Rig(article=body.flexible(article, structure, modes)), modes
+    return Rig(article=rig.flexible(article, structure, modes)), modes
 
 
 def closed(rig: Rig, modes: Modes, octaves: float, rate: float, respond: Callable[..., Response]) -> Deviation:
@@ -51,14 +50,14 @@ def closed(rig: Rig, modes: Modes, octaves: float, rate: float, respond: Callabl
 
 def record(rig: Rig, drive: Sweep, cross: CrossMotion, rate: float) -> BaseMotion:
     """The motion of the table in one run, to the end of the ring-down."""
-    length = ring_down.needed(rig, drive.motion(rate, ring_down=0.0, cross=cross), LEFT)
+    length = response.needed(rig, drive.motion(rate, ring_down=0.0, cross=cross), LEFT)
     return drive.motion(rate, ring_down=length - drive.driven, cross=cross)
 
 
 def main(console: Console, arguments: Sequence[str] = QUICK) -> None:
     article, (octaves, ratio, rate) = arguments[0], map(float, arguments[1:])
     rig, modes = model(article, ratio)
-    ways = {"exudyn": driven_base.respond, "recursion": linear.respond}
+    ways = {"exudyn": driven_run.respond, "recursion": response.respond}
     found = {name: closed(rig, modes, octaves, rate, way).by_axis() for name, way in ways.items()}
     shown = Table(title=f"{article}: {octaves:g} octaves a minute, damping {ratio:.1%}, {rate:g} steps a second")
     shown.add_column("axis")

@@ -13,19 +13,21 @@ from pathlib import Path
 
 from rich.console import Console
 
-from validation.identifying import closure_table
-from validation.progress import shown
-from validation.result_file import read
-from validation.tables.text import page
+from validation.output import shown
+from validation.reference.reference import result_file_read
+from validation.report import identify
+from validation.report.document import page
 
 
 def main(console: Console, path: str) -> None:
     """The table of the article that the identification in the file `path` is about."""
     article = json.loads(Path(path).read_text(encoding="utf-8"))["article"]
-    identified = {f"identified, {way}": read(path, article=article, way=way).statement for way in ("plain", "self-calibrated")}
+    identified = {
+        f"identified, {way}": result_file_read(path, article=article, way=way).statement for way in ("plain", "self-calibrated")
+    }
     with shown(f"CAD, exudyn and pendulum of {article}"):
-        found = closure_table.rows(article, identified)
-    text = page(f"{article}: closure", closure_table.grids(found), closure_table.notes(), console.width)
+        found = identify.rows(article, identified)
+    text = page(f"{article}: closure", identify.grids(found), identify.notes(), console.width)
     console.print(text, markup=False, highlight=False)
 
 

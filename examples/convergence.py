@@ -16,10 +16,8 @@ from rich.table import Table
 
 from fem.solid import model
 from fem.solid.convergence import BLADE_BAR, Convergence, study
-from geometry.article import Article, Part
+from geometry.article import Article, Box, Part, Shape, material, upright
 from geometry.articles import built_in
-from geometry.materials import material
-from geometry.shapes import Box, Shape, upright
 
 BLADES = ("plate", "lower", "upper")
 QUICK = ("plate", "2", "20", "13", "8.5")

@@ -148,7 +148,7 @@ def leave(what: str, picture: Path) -> None:
 
 def done(line: str) -> None:
     """Run a line as a reader would type it; a line that fails ends everything."""
-    from validation.cli import run
+    from validation.cli.main import run
 
     program, *arguments = shlex.split(line)
     if program == "massline":

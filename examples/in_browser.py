@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from validation.report import browser as chromium
+from validation.report import page
 
 PATIENCE = 600_000
 """Milliseconds that a page may take: it computes."""
@@ -65,7 +65,7 @@ def browser() -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=chromium.path(), args=list(chromium.flags()))
+        opened = playwright.chromium.launch(executable_path=page.browser_path(), args=list(page.flags()))
         yield opened
         opened.close()
 
@@ -73,7 +73,16 @@ def browser() -> Iterator[Any]:
 @contextmanager
 def serving(*arguments: str) -> Iterator[str]:
     """The address of a `massline app` that runs meanwhile."""
-    entry = [sys.executable, "-P", "-c", "from validation.cli import main; main()", "app", *arguments, "--no-browser", "--stay"]
+    entry = [
+        sys.executable,
+        "-P",
+        "-c",
+        "from validation.cli.main import main; main()",
+        "app",
+        *arguments,
+        "--no-browser",
+        "--stay",
+    ]
     with subprocess.Popen(entry, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         try:

@@ -15,11 +15,10 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
-from fem.base_excitation.small_motion import LIMIT
-from fem.flexible_body.large_motion import cost
-from fem.flexible_body.large_motion.article import plan_of
-from fem.flexible_body.large_motion.cost import Cost
-from validation.progress import counted
+from fem.base_excitation.response import LIMIT
+from fem.exudyn import large_motion
+from fem.exudyn.large_motion import Cost, plan_of
+from validation.output import counted
 
 ARTICLES = ("cuboid:rigid", "clumod-1:rigid", "clumod-1")
 DRIVEN = (("alpha",), ("beta",), ("gamma",), ("x", "gamma"), ("alpha", "beta", "gamma"))
@@ -32,7 +31,7 @@ NOTHING = 1e-9
 def studied(name: str, driven: Sequence[str]) -> tuple[Cost, ...]:
     """The costs of one article driven along and about the axes `driven`."""
     article, _, rigid = name.partition(":")
-    return cost.of_a_sine(plan_of(article, elements=None if rigid else COARSE), driven)
+    return large_motion.of_a_sine(plan_of(article, elements=None if rigid else COARSE), driven)
 
 
 def table(names: Sequence[str], driven: Sequence[Sequence[str]]) -> Table:
@@ -51,7 +50,7 @@ def sweeps(name: str) -> str:
     article = plan_of(name.partition(":")[0])
     worst = {}
     for axis in ("alpha", "beta", "gamma"):
-        found = cost.of_a_sweep(article, axis)
+        found = large_motion.of_a_sweep(article, axis)
         line, share = found[found[:, 1].argmax()]
         worst[axis] = f"{axis} {share:.2%} at {line:.1f} Hz"
     return f"In the spectrum of a whole sweep of {name} at nominal level, at most: {', '.join(worst.values())}."
@@ -61,7 +60,7 @@ def _add(shown: Table, name: str, driven: str, costs: Sequence[Cost]) -> None:
     for each in costs:
         shares = [_share(x) for x in (each.peak, each.rms, each.at_line)]
         shown.add_row(name, driven, f"{each.factor:g}", f"{1e3 * each.angle:.1f}", f"{each.rate:.3g}", *shares)
-    grown = cost.exponents(costs)
+    grown = large_motion.exponents(costs)
     powers = ["" if getattr(costs[0], x) < NOTHING else f"^{grown[x]:.1f}" for x in ("peak", "rms", "at_line")]
     shown.add_row("", "grows with level", "", "", "", *powers, end_section=True)
 

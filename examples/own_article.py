@@ -12,11 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from geometry import atomic
-from geometry.article import Part
-from geometry.cad.export import write_step, write_stl
-from geometry.cad.solids import solid
-from geometry.materials import material
-from geometry.shapes import Box, Cylinder, Shape, upright
+from geometry.article import Box, Cylinder, Part, Shape, material, upright
+from geometry.cad import solid, write_step, write_stl
 
 ARTICLE = """\
 format = 1

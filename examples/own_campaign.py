@@ -14,14 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import LEVELS, MOTIONS
-from geometry.frames import Pose
+from geometry.frames import Array, Pose
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place, motion_rows, resultants
 from identification import campaign_file
-from identification.campaign import Campaign, Excitation, Run
-from identification.recording import Recording
+from identification.campaign import Campaign, Excitation, Recording, Run
 
 ENDINGS = (".h5", ".csv", ".uff", ".mat")
 

@@ -14,15 +14,14 @@ from rich.console import Console
 
 from identification.campaign import Campaign
 from validation.effects import catalogue
-from validation.effects.identifiers import parse
-from validation.effects.stages import Reading
-from validation.engine.fit import fit
-from validation.engine.parameter import EFFECT, IDENTIFIED
-from validation.engine.problem import Problem
-from validation.models.model import Added, Model
+from validation.effects.catalogue import parse
+from validation.effects.stages import ChannelResponse
+from validation.estimation.fit import fit
+from validation.estimation.problem import EFFECT, IDENTIFIED, Problem
+from validation.model.model import Added, Model
 from validation.prediction.series import predictions
-from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.plan import RIGID, Plan, exact
+from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
 
 HERE = Path(__file__).parent / "effects"
@@ -48,7 +47,7 @@ def simulated_beside_the_equation(plain: Campaign, changed: Campaign, out: Conso
     """Print both at a few lines; how far they differ at most."""
     named = parse(PLANTED)
     (f, before), (_, after) = spectra(plain, named.target), spectra(changed, named.target)
-    reading = Reading(frequency=f, channels=(named.target,), rows=np.ones((len(f), 1, 6), dtype=np.complex128))
+    reading = ChannelResponse(frequency=f, channels=(named.target,), rows=np.ones((len(f), 1, 6), dtype=np.complex128))
     predicted = catalogue.FAMILIES[named.family].change(reading, named.targets, named.values).rows[:, 0, 0]
     for k in np.linspace(0, len(f) - 1, 4, dtype=int):
         out.print(f"{f[k]:6.2f} Hz   simulated {after[k] / before[k]:.4f}   by the equation {predicted[k]:.4f}")

@@ -1,7 +1,7 @@
 """Write one model in every format that massline reads: a steel bracket in millimetres, tonnes, newtons and seconds.
 
 Run it as ``python examples/own_model.py [FOLDER]``; ``docs/own-model.md`` works with what it leaves in the folder
-(``out/own-model`` when none is given). The matrices come from `fem.frame` here; yours come from your own program.
+(``out/own-model`` when none is given). The matrices come from `fem.beam.frame` here; yours come from your own program.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from fem import users_model
-from fem.frame import Member, Plan, assemble
+from fem.beam.elements import Section
+from fem.beam.frame import Member, Plan, assemble
 from fem.modes import fixed_base
-from fem.section import Section
 from fem.structure import Structure
+from fem.user_model import reading
 
 E, G, RHO = 210_000.0, 80_800.0, 7.85e-9
 """Young's and shear modulus [N/mm²] and density [t/mm³] of steel."""
@@ -70,9 +70,9 @@ def write(folder: Path) -> None:
     arrays = {"stiffness": K, "mass": M, "dof": dof, "nodes": nodes, "coordinates": coordinates}
     write_numpy(folder, arrays)
     write_nastran(folder, arrays)
-    structure = users_model.read(folder / "bracket.h5")
+    structure = reading.read(folder / "bracket.h5")
     if isinstance(structure, Structure):
-        users_model.write(fixed_base(structure, 12), folder / "bracket-modes.h5", "bracket")
+        reading.write(fixed_base(structure, 12), folder / "bracket-modes.h5", "bracket")
 
 
 def write_numpy(folder: Path, arrays: dict[str, np.ndarray]) -> None:

@@ -14,8 +14,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from identification.spectra.sweep_bias import SweepBias, sweep_bias
-from validation.pictures.sweep_bias import draw_bias
+from identification.spectra.peak_hold import SweepBias, sweep_bias
+from validation.report.charts.identification import draw_bias
 
 LINES = 4 + 0.05 * np.arange(561)
 """[Hz] The paper's grid."""

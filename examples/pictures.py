@@ -17,27 +17,22 @@ from typing import Any
 
 import numpy as np
 
-from geometry import multibody
+from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
-from validation.article_reference import Asked as Unchanged
-from validation.excitation.asked import Question, drive
-from validation.excitation.attached import Attached
-from validation.excitation.plots import sheet as driven_sheet
-from validation.excitation.runs import done, ready
+from validation.classical.swing import Setup, Words, setup, simulated
+from validation.excite.question import Attached, ExciteOptions, drive
+from validation.excite.runs import done, ready
 from validation.flexible.dynamic_mass import BAND, STEP, dynamic_mass, lines, reference_point
-from validation.flexible.model import Asked, flexible
-from validation.flexible.plots import note_on
-from validation.flexible.shapes import draw_sheet
+from validation.flexible.model import FlexibleOptions, flexible
 from validation.output import inertia_json
-from validation.pictures import contact_sheet, drawn_bodies, picture
-from validation.pictures.curves import Curve, side_by_side
-from validation.pictures.excitation import draw_sheet as draw_driven
-from validation.pictures.pendulum_sheet import pendulum_picture
-from validation.swing.asked import Words, setup
-from validation.swing.drawing import drawn
-from validation.swing.setup import Setup
-from validation.swing.shifts import simulated
+from validation.reference.reference import ArticleOptions as Unchanged
+from validation.report.charts.excitation import draw_sheet as draw_driven
+from validation.report.charts.style import DynamicMassCurve, side_by_side
+from validation.report.excite import sheet as driven_sheet
+from validation.report.flexible import draw_sheet, note_on
+from validation.report.scenes.pendulum import drawn, pendulum_picture
+from validation.report.scenes.scene import contact_sheet, drawn_bodies, picture
 
 SIDE_BY_SIDE = {"disc+cuboid": "Cuboid on its disc", "clumod-1": "Clumod, one blade", "clumod-4": "Clumod, four blades"}
 
@@ -51,7 +46,7 @@ def main(folder: Path, sheet: Path, names: Sequence[str] = (*NAMES, *SETUPS)) ->
     """Draw the articles called `names` into `folder`, and those of them that the README shows on one `sheet`."""
     for name in names:
         article = built_in(name)
-        picture(name, drawn_bodies(article), multibody.inertia(article), folder / f"{name}.png", note=article.note)
+        picture(name, drawn_bodies(article), routes.inertia(article), folder / f"{name}.png", note=article.note)
     shown = [name for name in ON_THE_SHEET if name in names]
     about = json.dumps({name: figures(built_in(name)) for name in shown})
     contact_sheet([folder / f"{name}.png" for name in shown], sheet, about)
@@ -59,7 +54,7 @@ def main(folder: Path, sheet: Path, names: Sequence[str] = (*NAMES, *SETUPS)) ->
 
 def flexible_bodies(folder: Path) -> None:
     """Draw the first 11 modes of Clumod with four blades, and dynamic masses as in the paper's Figs. 7 to 9, into `folder`."""
-    four = flexible("clumod-4", "beam", Asked(count=30))
+    four = flexible("clumod-4", "beam", FlexibleOptions(count=30))
     draw_sheet(four, folder, "modes-clumod-4.png", about=json.dumps(frequencies("clumod-4")))
     drawn = [curve(name) for name in SIDE_BY_SIDE]
     title = "Dynamic mass about F: flat for what is rigid, resonances for what is not"
@@ -82,8 +77,8 @@ def base_excitation(folder: Path) -> None:
         duration=None,
         ring_down="auto",
     )
-    question = Question(
-        article="clumod-1", model=None, asked=Asked(count=30), attached=Attached(), drive=sweep, route=None, rate=1024.0
+    question = ExciteOptions(
+        article="clumod-1", model=None, asked=FlexibleOptions(count=30), attached=Attached(), drive=sweep, route=None, rate=1024.0
     )
     made = ready(question)
     (one,) = done(made)
@@ -115,23 +110,23 @@ def swung(test: Setup) -> dict[str, float]:
     return {"mass_kg": test.inertia.mass, "moi_kgm2": test.reference, "period_eq5_s": test.ideal_period}
 
 
-def curve(name: str) -> Curve:
+def curve(name: str) -> DynamicMassCurve:
     """The dynamic mass of the article `name` about F, 4 to 32 Hz, by its beam model."""
-    model = flexible(name, "beam", Asked(count=30))
+    model = flexible(name, "beam", FlexibleOptions(count=30))
     point = reference_point("F", name)[1]
     H, at_rest = (dynamic_mass(model, f, point) for f in (lines(BAND, STEP), np.zeros(1)))
-    return Curve(name=SIDE_BY_SIDE[name], mass=H, rigid=at_rest.matrix[0].real, modes=model.modes)
+    return DynamicMassCurve(name=SIDE_BY_SIDE[name], mass=H, rigid=at_rest.matrix[0].real, modes=model.modes)
 
 
 def frequencies(name: str) -> list[float]:
     """The first 11 eigenfrequencies [Hz] of the article `name` by its beam model."""
-    return [float(f) for f in flexible(name, "beam", Asked(count=11)).modes.frequency]
+    return [float(f) for f in flexible(name, "beam", FlexibleOptions(count=11)).modes.frequency]
 
 
 def figures(article: Article) -> dict[str, Any]:
     """What a picture of `article` shows: its parts with their materials, and its inertia."""
     parts = [[part.name, part.material.name, part.counted] for part in article.parts]
-    return {"parts": parts, "note": article.note, **inertia_json(multibody.inertia(article))}
+    return {"parts": parts, "note": article.note, **inertia_json(routes.inertia(article))}
 
 
 if __name__ == "__main__":

@@ -10,9 +10,8 @@ from rich.console import Console
 from rich.table import Table
 
 from geometry.articles import built_in
-from geometry.consistency import judge
 from geometry.frames import Pose, rotation_about
-from geometry.inertia import Inertia
+from geometry.inertia import Inertia, judge
 from geometry.routes import agreement, by_routes
 
 

@@ -17,7 +17,7 @@ from rich.console import Console
 from table_2_parts import pictures, tables
 from table_2_parts.story import Story, told
 
-from validation.progress import shown
+from validation.output import shown
 
 
 def tell(console: Console, *, records: bool = False) -> Story:

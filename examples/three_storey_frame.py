@@ -22,10 +22,9 @@ from frame_story.readings import by_frequencies, mass_line, ringing
 from frame_story.structure import on_modes
 from rich.console import Console
 
-from fem.element import bending_stiffness
-from fem.section import rectangle
-from geometry.materials import Material
-from validation.models.model import StructureTolerances
+from fem.beam.elements import bending_stiffness, rectangle
+from geometry.article import Material
+from validation.model.model import StructureTolerances
 from validation.prediction.accelerance import AcceleranceTest
 from validation.prediction.nuisances import Nuisances
 

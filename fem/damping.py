@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.structure import Sparse, Structure
-from geometry.arrays import Array
 from geometry.errors import BadInput
-from geometry.keys import nearest
+from geometry.frames import Array
+from geometry.toml_file import nearest
 
 DEFAULT_RATIO = 0.003
 """Damping ratio of every mode of a structure that brings no loss factors: an assumed bolted steel assembly."""

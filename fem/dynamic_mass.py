@@ -12,15 +12,15 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fem import damping as damped
+from fem import damping as fem_damping
 from fem.damping import Damping
 from fem.factorisers import Singular, factorise
 from fem.held_base import HeldBase, hold, restricted
 from fem.modes import Modes
 from fem.structure import Sparse, Structure
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import CheckFailed
+from geometry.frames import Array
 
 LINES = np.linspace(4.0, 32.0, 561)
 """Lines [Hz] of the usual band: 4 to 32 Hz, every 0.05 Hz."""
@@ -69,8 +69,12 @@ def direct(
     ValueError : damping per mode without `modes`.
     CheckFailed : a line lies on an undamped mode.
     """
-    damping = damping or damped.default(structure)
-    held, C, S = hold(structure), damped.viscous_matrix(damping, structure), damped.structural_matrix(damping, structure)
+    damping = damping or fem_damping.default(structure)
+    held, C, S = (
+        hold(structure),
+        fem_damping.viscous_matrix(damping, structure),
+        fem_damping.structural_matrix(damping, structure),
+    )
     C, S = (None if matrix is None else restricted(matrix, structure.free) for matrix in (C, S))
     per_mode = _per_mode(damping, held, modes)
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
@@ -147,7 +151,7 @@ def _per_mode(damping: Damping, held: HeldBase, modes: Modes | None) -> tuple[Ar
         return None
     if modes is None:
         raise ValueError("`modes` are needed where damping is given per mode")
-    return held.mass @ modes.shapes[held.free], damped.per_mode(damping, 2 * np.pi * modes.frequency)
+    return held.mass @ modes.shapes[held.free], fem_damping.per_mode(damping, 2 * np.pi * modes.frequency)
 
 
 def _finite(H: ComplexArray, lines: Array) -> ComplexArray:

@@ -9,19 +9,303 @@ Dynamics).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem import damping as damped
-from fem.condensed import Condensed, alike, condensed
+from fem import damping as fem_damping
 from fem.damping import Damping
-from fem.eigen import Eigenpairs, Progress, lowest
-from fem.factorisers import Factor, factorise
+from fem.factorisers import Factor, Singular, factorise
 from fem.held_base import HeldBase, check_connected, check_stiff, hold, restricted
-from fem.structure import Structure
-from geometry.arrays import Array, frozen
-from geometry.errors import BadInput
+from fem.structure import Sparse, Structure
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, frozen
+
+# `Condensed`: kept modes with the static answer of the truncated ones, where structural damping couples the two.
+#
+# A lossy layer (silicone, loss factor 0.2) pulls at kept and truncated modes alike, and the truncated ones give way. With all
+# modes in hand the modal stiffness is A = Omega² + i S; taking the truncated ones as static leaves the Schur complement of A on
+# the kept ones. It needs none of the truncated modes, because it is the inverse of a block of A^-1, and that is a static
+# solution with the complex stiffness (Guyan's condensation, AIAA Journal 3, 1965, in modal coordinates):
+#
+#     F_kk = (M Phi)^T (K + i S)^-1 M Phi,   F_kb = (M Phi)^T (K + i S)^-1 P,   F_bb = P^T (K + i S)^-1 P
+#     A = F_kk^-1,   L^T = A F_kb,   R = F_bb - F_kb^T A F_kb.
+#
+# Without damping these are Omega², the participation and the residual mass themselves.
+
+
+MODERATE = 0.5
+"""Up to this loss factor the real factors serve: the series in K^-1 S converges like its powers."""
+
+FEW = 2_000
+"""Up to so many degrees of freedom a complex factorisation is the quicker way."""
+
+SETTLED = 1e-10
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Condensed:
+    """Complex counterparts of squared frequencies, participation and residual mass.
+
+    Attributes
+    ----------
+    stiffness : (n, n) [rad²/s²], symmetric
+    participation : (6, n) [kg^0.5, kg^0.5 m]
+    residual : (6, 6) [kg s², kg m s², kg m² s²], symmetric
+    """
+
+    stiffness: ComplexArray
+    participation: ComplexArray
+    residual: ComplexArray
+
+
+def alike(loss_factor: float, squares: Array, participation: Array, residual: Array) -> Condensed:
+    """Where all parts have one loss factor, K (1 + i eta) couples nothing; `squares` (n,) [rad²/s²] are Omega²."""
+    turn = 1 + 1j * loss_factor
+    return Condensed(
+        stiffness=np.diag(turn * squares), participation=participation.astype(np.complex128), residual=np.asarray(residual / turn)
+    )
+
+
+def condensed(
+    held: HeldBase, S: Sparse, greatest: float, shapes: Array, factor: Factor | None = None, factoriser: str | None = None
+) -> Condensed:
+    """The truncated modes of `held` condensed on `shapes` (f, n).
+
+    Parameters
+    ----------
+    S : (f, f) sparse structural damping, sum of eta_p K_p
+    greatest : the greatest loss factor in it
+    factor : of the stiffness, if there is one already
+    factoriser : name as in `fem.factorisers`
+    """
+    n = shapes.shape[1]
+    loads = np.hstack([held.mass @ shapes, held.load])
+    F = loads.T @ _solution(held, S, greatest, factor, factoriser)(loads)
+    A = np.asarray(np.linalg.inv(F[:n, :n]), dtype=np.complex128)
+    L = A @ F[:n, n:]
+    R = F[n:, n:] - F[n:, :n] @ L
+    return Condensed(
+        stiffness=np.asarray((A + A.T) / 2), participation=np.ascontiguousarray(L.T), residual=np.asarray((R + R.T) / 2)
+    )
+
+
+def _solution(
+    held: HeldBase, S: Sparse, greatest: float, factor: Factor | None, factoriser: str | None
+) -> Callable[[Array], ComplexArray]:
+    """Solution with K + i S."""
+    if greatest > MODERATE or held.free.size <= FEW:
+        whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
+        return lambda B: np.asarray(whole.solve(B.astype(np.complex128)))
+    real = factor or factorise(held.stiffness, definite=True, name=factoriser)
+    return lambda B: _series(S, real, B)
+
+
+def _series(S: Sparse, factor: Factor, B: Array) -> ComplexArray:
+    """(1 - i T + (i T)² - ...) K^-1 B with T = K^-1 S: real solutions only, as many as the greatest loss factor asks for."""
+    term = np.asarray(factor.solve(B), dtype=np.float64)
+    total, first, turn = term.astype(np.complex128), np.abs(term).max(), 1.0 + 0.0j
+    while np.abs(term).max() > SETTLED * first:
+        term, turn = np.asarray(factor.solve(S @ term)), -1j * turn
+        total += turn * term
+    return total
+
+
+# The lowest eigenvalues of K x = lambda M x, by inverting about a shift.
+#
+# Both methods look for the largest theta = 1 / (lambda - sigma), where a discretised structure keeps its lowest modes well apart
+# from a crowd that nobody wants (Ericsson & Ruhe, Math. Comp. 35, 1980). Small problems go to LAPACK, large ones to ARPACK's
+# Lanczos iteration with a factorised K - sigma M. A mass matrix may be singular (joints without mass): there theta is zero.
+#
+# Lanczos sees one vector of equal eigenvalues, and the others only as rounding brings them in; symmetric articles have many. So
+# the rest of the space is searched once more from another start. When a mode turns up there below the last one kept, the
+# iteration is repeated in that rest, and the lowest of both are kept.
+
+
+DENSE = 250
+"""Up to so many degrees of freedom LAPACK is the faster way."""
+
+SEEN = 1e-12
+"""Share of the largest theta below which rounding decides: frequencies beyond a million times the lowest are not given."""
+
+CONVERGED = 1e-10
+"""Relative residual at which Lanczos may stop; the eigenvalues are then right to its square."""
+
+SEARCH_STEPS = 20
+ROUNDS = 4
+MISSED = 1.001
+"""How far theta of the searched rest may lie above the last mode's before that mode counts as missed."""
+
+Progress = Callable[[int], None]
+"""Called with the number of solutions with the factors so far; it may raise to end the iteration."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Eigenpairs:
+    """The lowest eigenvalues and their vectors.
+
+    Attributes
+    ----------
+    values : (n,) [rad²/s²], ascending
+    vectors : (f, n) mass-normalised; the entry largest in size of each is positive
+    factor : what was factorised for them, K - shift M; None when LAPACK did it
+    """
+
+    values: Array
+    vectors: Array
+    factor: Factor | None = None
+
+
+def lowest(
+    stiffness: Sparse,
+    mass: Sparse,
+    count: int,
+    *,
+    shift: float = 0.0,
+    factoriser: str | None = None,
+    progress: Progress | None = None,
+) -> Eigenpairs:
+    """The `count` eigenpairs of (K, M) nearest above `shift`, or all there are when they are fewer.
+
+    Parameters
+    ----------
+    stiffness, mass : (f, f) sparse, symmetric; K positive semi-definite, M too
+    shift : [rad²/s²], not above the lowest eigenvalue; below zero for a body that floats freely (`floating_shift`)
+    factoriser : name as in `fem.factorisers`; chosen by itself when None
+    progress : hook, see `Progress`
+
+    Raises
+    ------
+    CheckFailed : K - shift M is singular, the iteration does not converge, or a mode was missed.
+    """
+    size = stiffness.shape[0]
+    if size == 0:
+        return Eigenpairs(values=np.zeros(0), vectors=np.zeros((0, 0)))
+    if size <= DENSE or count > size // 4:
+        return _by_lapack(stiffness, mass, count, shift)
+    return _by_lanczos(stiffness, mass, count, shift, factoriser, progress or (lambda solved: None))
+
+
+def floating_shift(stiffness: Sparse, mass: Sparse) -> float:
+    """A shift below zero for a body that floats freely, in the scale of its matrices [rad²/s²].
+
+    Small beside the stiffness, so that the elastic modes keep their distance, and large beside its rounding.
+    """
+    K, M = stiffness.diagonal(), mass.diagonal()
+    return -1e-9 * float(np.median(K[M > 0] / M[M > 0]))
+
+
+def _by_lapack(K: Sparse, M: Sparse, count: int, shift: float) -> Eigenpairs:
+    from scipy.linalg import LinAlgError, eigh
+
+    m = M.toarray()
+    try:
+        theta, vectors = eigh(m, K.toarray() - shift * m)
+    except LinAlgError:
+        raise _floats() from None
+    best = np.flatnonzero(theta > SEEN * theta[-1])[::-1][:count]
+    return _sorted(shift + 1 / theta[best], vectors[:, best] / np.sqrt(theta[best]))
+
+
+def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str | None, progress: Progress) -> Eigenpairs:
+
+    try:
+        factor = factorise(K - shift * M if shift else K, definite=True, name=factoriser)
+    except Singular:
+        raise _floats() from None
+    solve = _counting(factor, progress)
+    pairs = _iterated(K, M, count, shift, solve, np.zeros((K.shape[0], 0)))
+    for _ in range(ROUNDS):
+        best = largest_left(M, pairs.vectors, solve)
+        if best <= MISSED / (pairs.values[-1] - shift):
+            return replace(pairs, factor=factor)
+        others = _iterated(K, M, count, shift, solve, pairs.vectors)
+        pairs = _lowest_of(pairs, others, count)
+    frequency = np.sqrt(max(shift + 1 / best, 0.0)) / (2 * np.pi)
+    raise CheckFailed(
+        f"The eigenvalue iteration missed a mode near {frequency:.4g} Hz. Ask for a few more modes.", frequency_hz=frequency
+    )
+
+
+def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[Array], Array], known: Array) -> Eigenpairs:
+    """`count` eigenpairs by ARPACK in the space M-orthogonal to the modes `known` (f, m)."""
+    from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+
+    def inverse(b: Array) -> Array:
+        x = solve(b)
+        return np.asarray(x - known @ (known.T @ (M @ x)))
+
+    size = K.shape[0]
+    start = inverse(M @ np.random.default_rng(0).standard_normal(size))  # M first: a massless direction has no place in it
+    operator = LinearOperator(K.shape, matvec=inverse, dtype=np.float64)
+    ncv = min(size, max(2 * count + 1, 20))
+    try:
+        return _sorted(*eigsh(K, count, M=M, sigma=shift, OPinv=operator, v0=start, ncv=ncv, tol=CONVERGED))
+    except ArpackNoConvergence as error:
+        raise CheckFailed(
+            f"The eigenvalue iteration found {len(error.eigenvalues)} of {count} modes and stopped. Ask for fewer modes, or "
+            "check that stiffness and mass are symmetric and in the same units.",
+            found=len(error.eigenvalues),
+        ) from None
+
+
+def _lowest_of(some: Eigenpairs, others: Eigenpairs, count: int) -> Eigenpairs:
+    together = _sorted(np.append(some.values, others.values), np.hstack([some.vectors, others.vectors]))
+    return Eigenpairs(values=together.values[:count], vectors=together.vectors[:, :count])
+
+
+def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array]) -> float:
+    """A lower bound of theta in the space M-orthogonal to `vectors` (f, n): some Lanczos steps from a start of their own."""
+    from scipy.linalg import eigh_tridiagonal
+
+    basis = np.zeros((len(vectors), 0))
+    diagonal: list[float] = []
+    beside: list[float] = []
+    vector = solve(M @ np.random.default_rng(1).standard_normal(len(vectors)))
+    for _ in range(min(SEARCH_STEPS, vectors.shape[0] - vectors.shape[1])):
+        for known in (vectors, basis, vectors, basis):  # twice is enough (Parlett, The Symmetric Eigenvalue Problem, 6.9)
+            vector = vector - known @ (known.T @ (M @ vector))
+        norm = float(np.sqrt(max(vector @ (M @ vector), 0.0)))
+        if diagonal:
+            if norm <= SEEN * max(diagonal):
+                break
+            beside.append(norm)
+        elif norm == 0.0:
+            return 0.0
+        vector = vector / norm
+        basis = np.column_stack([basis, vector])
+        weighed = M @ vector
+        vector = solve(weighed)
+        diagonal.append(float(weighed @ vector))
+    return float(eigh_tridiagonal(diagonal, beside, eigvals_only=True)[-1])
+
+
+def _counting(factor: Factor, progress: Progress) -> Callable[[Array], Array]:
+    solved = 0
+
+    def solve(b: Array) -> Array:
+        nonlocal solved
+        solved += 1
+        progress(solved)
+        return np.asarray(factor.solve(b), dtype=np.float64)
+
+    return solve
+
+
+def _sorted(values: Array, vectors: Array) -> Eigenpairs:
+    order = np.argsort(values)
+    vectors = vectors[:, order]
+    signs = np.sign(vectors[np.argmax(np.abs(vectors), axis=0), np.arange(len(order))])
+    return Eigenpairs(values=values[order], vectors=vectors * signs)
+
+
+def _floats() -> CheckFailed:
+    return CheckFailed(
+        "The stiffness resists no motion of at least one part of the structure: it floats freely or a joint of it swings. "
+        "Hold it, connect it, or ask for a floating body."
+    )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,7 +381,7 @@ def fixed_base(
     ----------
     damping : by default the loss factors that the structure's parts bring, else one ratio for all (`fem.damping.default`)
     factoriser : name as in `fem.factorisers`; chosen by itself when None
-    progress : hook of the eigenvalue iteration, see `fem.eigen.Progress`
+    progress : hook of the eigenvalue iteration, see `fem.modes.Progress`
 
     Raises
     ------
@@ -139,11 +423,11 @@ def with_damping(modes: Modes, structure: Structure, damping: Damping | None = N
 def _with_damping(
     modes: Modes, structure: Structure, damping: Damping | None, held: HeldBase, factor: Factor | None, factoriser: str | None
 ) -> Modes:
-    damping, omega = damping or damped.default(structure), 2 * np.pi * modes.frequency
-    C, S = damped.modal_matrices(damping, structure, omega, modes.shapes)
+    damping, omega = damping or fem_damping.default(structure), 2 * np.pi * modes.frequency
+    C, S = fem_damping.modal_matrices(damping, structure, omega, modes.shapes)
     return replace(
         modes,
-        damping_ratio=damped.equivalent_ratio(C, S, omega),
+        damping_ratio=fem_damping.equivalent_ratio(C, S, omega),
         viscous=C,
         structural=S,
         condensed=_condensed(modes, structure, damping, held, factor, factoriser),
@@ -153,10 +437,10 @@ def _with_damping(
 def _condensed(
     modes: Modes, structure: Structure, damping: Damping, held: HeldBase, factor: Factor | None, factoriser: str | None
 ) -> Condensed | None:
-    S = damped.structural_matrix(damping, structure)
+    S = fem_damping.structural_matrix(damping, structure)
     if S is None or not held.free.size:
         return None
-    uniform = damped.uniform_loss_factor(damping, structure)
+    uniform = fem_damping.uniform_loss_factor(damping, structure)
     if uniform is not None:
         squares = (2 * np.pi * modes.frequency) ** 2
         return alike(uniform, squares, modes.participation, modes.residual)
@@ -171,3 +455,47 @@ def _residual(held: HeldBase, pairs: Eigenpairs, L: Array, factoriser: str | Non
     factor: Factor = pairs.factor or factorise(held.stiffness, definite=True, name=factoriser)
     R = held.load.T @ factor.solve(held.load) - (L / pairs.values) @ L.T
     return np.asarray((R + R.T) / 2)
+
+
+# `EffectiveMass`: what each mode moves along each axis, and how much of the structure the kept modes account for.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EffectiveMass:
+    """Effective mass and moment of inertia about the modes' reference point; axes x, y, z [kg], alpha, beta, gamma [kg m²].
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    each : (n, 6) of every mode
+    rigid : (6,) of the whole structure moving rigidly: the diagonal of its 6x6 mass matrix
+    """
+
+    frequency: Array
+    each: Array
+    rigid: Array
+
+    def __post_init__(self) -> None:
+        n = np.size(self.frequency)
+        for name, shape in {"frequency": (n,), "each": (n, 6), "rigid": (6,)}.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+    @property
+    def total(self) -> Array:
+        """Sum over the modes (6,)."""
+        return np.asarray(self.each.sum(axis=0))
+
+    @property
+    def share(self) -> Array:
+        """Share of the rigid structure in each mode (n, 6) [1]; zero along an axis about which there is no inertia."""
+        return np.asarray(np.divide(self.each, self.rigid, out=np.zeros_like(self.each), where=self.rigid > 0))
+
+    @property
+    def total_share(self) -> Array:
+        """Share of the rigid structure in all modes (6,) [1]; it stays below 1 by what the base itself carries."""
+        return np.asarray(self.share.sum(axis=0))
+
+
+def table(modes: Modes) -> EffectiveMass:
+    """Effective masses of `modes` beside the rigid structure."""
+    return EffectiveMass(frequency=modes.frequency, each=modes.effective_mass, rigid=np.diag(modes.rigid_mass))

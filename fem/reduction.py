@@ -17,14 +17,13 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.damping import Damping
-from fem.eigen import lowest
 from fem.factorisers import factorise
 from fem.held_base import restricted
-from fem.modes import Modes, fixed_base
+from fem.modes import Modes, fixed_base, lowest
 from fem.structure import Sparse, Structure
-from geometry.arrays import Array, Integers, frozen
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
+from geometry.frames import Array, Integers, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, Integers, frozen
-from geometry.frames import rigid_transformation_6
+from geometry.frames import Array, Integers, frozen, rigid_transformation_6
 
 Sparse = Any
 """A `scipy.sparse.csr_array`; SciPy ships no types."""

@@ -14,8 +14,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
-from geometry.frames import rigid_transformation_6
+from geometry.frames import Array, frozen, rigid_transformation_6
 
 ComplexArray = npt.NDArray[np.complex128]
 

@@ -15,15 +15,96 @@ operation fails, and when either is fed a wrong place: a disagreement is a faile
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import reduce
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 
-from geometry.agreement import Agreement, held_together, missing_mass, rounding
-from geometry.arrays import Array
-from geometry.article import Article
-from geometry.frames import Pose
-from geometry.inertia import Inertia
-from geometry.shapes import Cylinder
+from geometry.article import Article, Box, Cylinder, Part, Placed
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose, frozen
+from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, require_physical
+
+# Do inertias that were found by different routes agree, and what were they allowed to differ by?
+
+
+ROUNDING = 1e-9
+"""What exact routes may differ by, relative to the size of the body."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Agreement:
+    """Whether the routes agree.
+
+    Attributes
+    ----------
+    agree : every difference lies within its tolerance
+    text : the verdict in a sentence
+    difference : (10,) between the two routes that differ most, order and units of `PARAMETERS`, about the article's origin
+    tolerance : (10,) what was allowed between these two
+    excess : largest ratio of a difference to its tolerance; at most 1 when they agree
+    """
+
+    agree: bool
+    text: str
+    difference: Array
+    tolerance: Array
+    excess: float
+
+
+def held_together(inertias: Mapping[str, Inertia], allowed: Mapping[str, Array]) -> Agreement:
+    """The verdict on two or more routes: that of the pair which differs most, relative to what it may.
+
+    Parameters
+    ----------
+    inertias : by route, all about the same origin
+    allowed : by route, (10,) what it may be off by; a pair may differ by the larger of the two
+    """
+    verdicts = (
+        _judged(f"{a} and {b}", np.abs(inertias[a].parameters - inertias[b].parameters), np.maximum(allowed[a], allowed[b]))
+        for a, b in combinations(inertias, 2)
+    )
+    return max(verdicts, key=lambda verdict: verdict.excess)
+
+
+def single(text: str) -> Agreement:
+    """The verdict on one route, which nothing can contradict; `text` says why there is no other."""
+    nothing = frozen(np.zeros(10), (10,), "nothing")
+    return Agreement(agree=True, text=text, difference=nothing, tolerance=nothing, excess=0.0)
+
+
+def rounding(inertia: Inertia) -> Array:
+    """What exact routes may differ by: `ROUNDING` of each of the ten parameters about the origin (10,).
+
+    The size of a parameter is that for a body of this mass and this radius of gyration about the origin.
+    """
+    radius = np.sqrt(np.trace(inertia.about(np.zeros(3)).tensor) / (2 * inertia.mass))
+    return np.asarray(ROUNDING * inertia.mass * radius ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2]))
+
+
+def missing_mass(mass: float, reach: Array) -> Array:
+    """What `mass` [kg], missing anywhere up to `reach` (3,) [m] from the origin takes off each parameter at most; (10,)."""
+    x, y, z = reach
+    return mass * np.array([1, x, y, z, y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z])
+
+
+def _judged(pair: str, difference: Array, tolerance: Array) -> Agreement:
+    ratio = difference / tolerance
+    k = int(np.argmax(ratio))
+    agree = bool(ratio[k] <= 1)
+    relation = "agree" if agree else "disagree"
+    what = f"{PARAMETERS[k]} about the origin"
+    text = f"{pair} {relation}: {what} differs by {difference[k]:.2e} {UNITS[k]}, {tolerance[k]:.2e} {UNITS[k]} allowed"
+    return Agreement(
+        agree=agree,
+        text=text,
+        difference=frozen(difference, (10,), "difference"),
+        tolerance=frozen(tolerance, (10,), "tolerance"),
+        excess=float(ratio[k]),
+    )
+
 
 ROUTES = ("occ", "trimesh", "pinocchio")
 
@@ -33,16 +114,15 @@ DEFAULT_CHORD = 2e-6
 
 def by_routes(article: Article, chord: float = DEFAULT_CHORD) -> Mapping[str, Inertia]:
     """Inertia of `article` by every route, about the article's origin, in its frame; `chord` [m] is the mesh's chord error."""
-    from geometry import multibody
-    from geometry.cad import brep
+    from geometry import cad
 
-    return {"occ": brep.inertia(article), "trimesh": by_mesh(article, chord), "pinocchio": multibody.inertia(article)}
+    return {"occ": cad.inertia(article), "trimesh": by_mesh(article, chord), "pinocchio": inertia(article)}
 
 
 def by_mesh(article: Article, chord: float = DEFAULT_CHORD) -> Inertia:
     """Inertia of `article` from closed meshes of its parts with chord error `chord` [m], about the article's origin."""
     from geometry import mesh
-    from geometry.cad.tessellation import tessellate
+    from geometry.cad import tessellate
 
     total = Inertia(parameters=np.zeros(10))
     for part in article.counted_parts:
@@ -90,3 +170,102 @@ def _segments(density: float, pose: Pose, cylinder: Cylinder, chord: float) -> A
 
 
 _POSITIVE = np.array([True, False, False, False, True, True, True, False, False, False])
+
+
+# The door to Pinocchio: inertia by spatial algebra, from closed-form primitives, voids as bodies of negative mass.
+#
+# Nothing here comes from OCC or from a mesh: Pinocchio knows the box and the cylinder in closed form, acts on them with its own
+# SE(3) and adds them with its own parallel-axis rule. Its parameter vector orders the tensor Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
+# the frame's origin, matrix entries as ours, so the conversion is an index and no sign.
+
+
+FROM_PINOCCHIO = [0, 1, 2, 3, 4, 6, 9, 5, 7, 8]
+"""Where the ten parameters of Eq. 4 stand in Pinocchio's dynamic parameters."""
+
+PinocchioInertia = Any
+"""A `pinocchio.Inertia`; the library has no types of its own."""
+
+
+def inertia(article: Article) -> Inertia:
+    """Inertia of the article's counted parts from their drawings, about the article's origin, in its frame."""
+    return from_pinocchio(_sum([_part(part) for part in article.counted_parts]))
+
+
+def to_pinocchio(inertia: Inertia, source: str = "inertia") -> PinocchioInertia:
+    """`inertia` as a `pinocchio.Inertia` about the body frame's origin.
+
+    Raises
+    ------
+    BadInput : no body has these parameters. Pinocchio itself would take them silently.
+    """
+    import pinocchio
+
+    body = require_physical(inertia, source)
+    return pinocchio.Inertia(body.mass, body.cog.copy(), body.tensor_cog)
+
+
+def from_pinocchio(body: PinocchioInertia) -> Inertia:
+    """A `pinocchio.Inertia` as `Inertia` about the frame's origin."""
+    return Inertia(parameters=np.asarray(body.toDynamicParameters())[FROM_PINOCCHIO])
+
+
+def log_cholesky(inertia: Inertia, source: str = "inertia") -> Array:
+    """Ten coordinates without constraint, alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3, about the frame's origin.
+
+    The pseudo-inertia is U U^T with the upper triangle U = exp(alpha) [[exp(d1), s12, s13, t1], [0, exp(d2), s23, t2],
+    [0, 0, exp(d3), t3], [0, 0, 0, 1]] (Rucker and Wensing, Smooth Parameterization of Rigid-Body Inertia, IEEE RA-L 2022).
+    Pinocchio itself only goes back.
+
+    Raises
+    ------
+    BadInput : the inertia is not that of a body with volume; ideal bodies have no finite coordinates.
+    """
+    verdict = judge(inertia)
+    if verdict.kind is not Kind.BODY:
+        raise BadInput(
+            source=source,
+            field="inertia",
+            problem=f"log-Cholesky coordinates need a body with volume: {verdict.text}",
+            remedy="Give the ideal body a finite size",
+        )
+    J = inertia.about(np.zeros(3)).pseudo_inertia
+    U = np.linalg.cholesky(J[::-1, ::-1])[::-1, ::-1]
+    V = U / U[3, 3]
+    d = np.log(np.diag(V)[:3])
+    return np.array([np.log(U[3, 3]), *d, V[0, 1], V[1, 2], V[0, 2], *V[:3, 3]])
+
+
+def from_log_cholesky(coordinates: Array) -> Inertia:
+    """The body with these log-Cholesky coordinates (10,), about the frame's origin; physical whatever they are."""
+    import pinocchio
+
+    return from_pinocchio(pinocchio.Inertia.FromLogCholeskyParameters(pinocchio.LogCholeskyParameters(coordinates)))
+
+
+def _part(part: Part) -> PinocchioInertia:
+    """One part in the article's frame: material first, so that the running mass never passes through zero."""
+    density = part.material.density
+    bodies = [_body(solid, density) for solid in part.shape.solids] + [_body(void, -density) for void in part.shape.voids]
+    return _se3(part.pose).act(_sum(bodies))
+
+
+def _body(placed: Placed, density: float) -> PinocchioInertia:
+    """A primitive of `density` [kg/m³], negative for a void, in the part's frame."""
+    import pinocchio
+
+    primitive, mass = placed.primitive, density * placed.primitive.volume
+    if isinstance(primitive, Box):
+        body = pinocchio.Inertia.FromBox(mass, *primitive.size.tolist())
+    else:
+        body = pinocchio.Inertia.FromCylinder(mass, primitive.diameter / 2, primitive.height)
+    return _se3(placed.pose).act(body)
+
+
+def _sum(bodies: list[PinocchioInertia]) -> PinocchioInertia:
+    return reduce(lambda a, b: a + b, bodies)
+
+
+def _se3(pose: Pose) -> Any:
+    import pinocchio
+
+    return pinocchio.SE3(pose.rotation, pose.position)

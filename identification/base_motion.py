@@ -13,19 +13,59 @@ Pick-ups of the table and of the cover plate are never used together unless aske
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
-from geometry.observability import of_motions
+from geometry.frames import Array, frozen
+from geometry.inertia import combination, of_motions
 from geometry.sensors import ChannelTable, motion_rows
-from identification.gravity import tilt
 from identification.spectra.line_spectra import Spectra
+
+# Gravity has two halves: the weight of a tilted body, and the tilt that accelerometers feel. Here is the one that is missing.
+#
+# What an accelerometer reads is a - g in its own axes, the *apparent* acceleration, and a body that tilts with the base answers
+# to just that: f = H u with apparent u has no term of gravity. A *kinematic* motion - optical, or the table's control - lacks
+# it:
+#
+#     u_apparent = (1 + g/omega² E) u_kinematic,    E[x, beta] = 1, E[y, alpha] = -1
+#
+# A dynamic mass against kinematic motions is H (1 + g/omega² E), not symmetric any more; E² = 0, so its inverse is 1 - g/omega²
+# E.
+
+
+TILT = np.zeros((6, 6))
+"""E, the one place where its signs stand."""
+TILT[MOTIONS.index("x"), MOTIONS.index("beta")] = 1.0
+TILT[MOTIONS.index("y"), MOTIONS.index("alpha")] = -1.0
+TILT.setflags(write=False)
+
+
+def tilt(frequency: npt.ArrayLike, gravity: float) -> Array:
+    """(n, 6, 6) apparent from kinematic accelerations at `frequency` (n,) [Hz], `gravity` [m/s²].
+
+    Raises
+    ------
+    BadInput : a line at 0 Hz, where an acceleration tells no tilt.
+    """
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    if gravity and not np.all(lines > 0):
+        problem = f"a tilt follows from an acceleration above 0 Hz only, found {lines.min():g} Hz"
+        raise BadInput(source="gravity", field="frequency", problem=problem, remedy="Leave the line out")
+    share = np.divide(gravity, (2 * np.pi * lines) ** 2, out=np.zeros_like(lines), where=lines > 0)
+    return np.asarray(np.eye(6) + share[:, None, None] * TILT)
+
+
+def against_apparent(dynamic_mass: DynamicMass, gravity: float) -> DynamicMass:
+    """A dynamic mass measured against kinematic motions, as it is against apparent ones."""
+    H = dynamic_mass.matrix @ np.linalg.inv(tilt(dynamic_mass.frequency, gravity))
+    return DynamicMass(frequency=dynamic_mass.frequency, matrix=H, reference_point=dynamic_mass.reference_point)
+
 
 STANDARD_GRAVITY = 9.81
 """[m/s²] where a campaign does not state its own: that of the campaign format."""
@@ -33,7 +73,7 @@ STANDARD_GRAVITY = 9.81
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BaseMotion:
-    """Six base motions of the reference point, run by run and line by line: the *apparent* ones (`identification.gravity`).
+    """Six base motions of the reference point, run by run and line by line: the *apparent* ones (`identification.base_motion`).
 
     Attributes
     ----------
@@ -197,3 +237,244 @@ def _warnings(table: ChannelTable, groups: Sequence[str]) -> tuple[str, ...]:
         lacking = of_motions(table, ("cover",)).text
         return (f"base motion from {' and '.join(groups)}: cells are taken for rigid (the cover plate: {lacking})",)
     return ()
+
+
+# How well the runs tell six base motions apart, line by line, and in words where they do not.
+#
+# Columns of S_u are runs. Every row is divided by the nominal level of its axis, so that metres stand beside radians; the
+# condition number of what is left does not know units. The left singular vector of the smallest singular value is the
+# combination of base motions that the runs drive least: where it holds one motion alone, that one is hardly driven; where it
+# holds several, they move together in every run and cannot be told apart.
+
+
+SINGULAR = 1e9
+"""Condition number of the scaled base motions from which runs do not tell six motions apart: what is left is rounding."""
+
+SHARE = 0.1
+"""Share of the largest from which a base motion counts as part of the combination that is driven least."""
+
+IN_PHASE = 0.1
+"""Imaginary share of a combination from which its motions do not move in phase."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Excitation:
+    """What the runs drive.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    singular : (n, 6) singular values of the base motions, every axis divided by its nominal level; descending
+    directions : (n, 6, 6) complex: column k is the combination of scaled base motions that belongs to the k-th of them
+    """
+
+    frequency: Array
+    singular: Array
+    directions: ComplexArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frequency", frozen(self.frequency, self.frequency.shape, "frequency"))
+        object.__setattr__(self, "singular", frozen(self.singular, (*self.frequency.shape, 6), "singular"))
+
+    @property
+    def condition(self) -> Array:
+        """(n,) condition number [1] of the scaled base motions; up to 1e16, where rounding is all that is left."""
+        largest = np.maximum(self.singular[:, 0], np.finfo(np.float64).tiny)
+        return np.asarray(1 / np.maximum(self.singular[:, -1] / largest, 1e-16))
+
+    def weak(self, line: int, limit: float) -> ComplexArray:
+        """(6, k) combinations of the scaled base motions at `line` that are driven less than 1 / `limit` of the strongest."""
+        open_ = self.singular[line] * limit <= self.singular[line, 0]
+        return np.asarray(self.directions[line][:, open_ if open_.any() else [-1]])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Exclusions:
+    """Which lines are left out, and why.
+
+    Attributes
+    ----------
+    kept : (n,) bool
+    reasons : sentences, one for each stretch of neighbouring lines that are left out for the same reason
+    """
+
+    kept: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    reasons: tuple[str, ...]
+
+
+def of_runs(motion: ComplexArray, frequency: Array, levels: Mapping[str, float]) -> Excitation:
+    """The excitation by base motions (r, n, 6) at `frequency` (n,) [Hz], every axis scaled by its level."""
+    scaled = (motion / np.array([levels[axis] for axis in MOTIONS])).transpose(1, 2, 0)
+    directions, found, _ = np.linalg.svd(scaled)
+    singular = np.zeros((len(frequency), 6))
+    singular[:, : found.shape[1]] = found
+    return Excitation(frequency=frequency, singular=singular, directions=directions)
+
+
+def exclusions(excitation: Excitation, limit: float) -> Exclusions:
+    """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together there."""
+    kept = excitation.condition <= limit
+    out = [(k, names(excitation.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
+    # Neighbours with the same motions share a sentence: index minus rank is constant in a run of neighbours.
+    stretches = groupby(enumerate(out), key=lambda item: (item[1][0] - item[0], item[1][1]))
+    chosen = [[k for _, (k, _) in stretch] for _, stretch in stretches]
+    return Exclusions(kept=kept, reasons=tuple(_reason(excitation, lines, limit) for lines in chosen))
+
+
+def require_driven(excitation: Excitation) -> None:
+    """Six base motions must be told apart at every line.
+
+    Raises
+    ------
+    BadInput : the runs leave a combination of base motions undriven; it is named.
+    """
+    worst = int(np.argmax(excitation.condition))
+    if excitation.condition[worst] < SINGULAR:
+        return
+    where = f"at {excitation.frequency[worst]:g} Hz (condition number {excitation.condition[worst]:.1e})"
+    raise BadInput(
+        source="dynamic mass from runs",
+        field="runs",
+        problem=f"the base motions are linearly dependent {where}: {said(excitation.weak(worst, SINGULAR))}",
+        remedy="Drive every one of the six axes in a run of its own",
+    )
+
+
+def names(weak: ComplexArray) -> tuple[str, ...]:
+    """The base motions that take part in the combinations `weak` (6, k)."""
+    size = np.linalg.norm(weak, axis=1)
+    return tuple(name for name, part in zip(MOTIONS, size, strict=True) if part >= SHARE * size.max())
+
+
+def said(weak: ComplexArray) -> str:
+    """What it means that the combinations `weak` (6, k) of scaled base motions are not driven."""
+    involved = names(weak)
+    listed = " and ".join(part for part in (", ".join(involved[:-1]), involved[-1]) if part)
+    if len(involved) == weak.shape[1]:  # the axes themselves span what is not driven
+        return f"hardly any run drives {listed}"
+    if weak.shape[1] > 1:
+        return f"{listed} move together so that {weak.shape[1]} combinations of them hardly move in any run"
+    return f"{listed} move together: {_combined(weak[:, 0])} hardly moves in any run (every motion as a share of its level)"
+
+
+def _combined(weak: ComplexArray) -> str:
+    """The combination that stands still. It is v^H u, so shares are conjugate; the largest is real."""
+    size = np.abs(weak)
+    largest = weak[int(np.argmax(size))]
+    share = np.where(size >= SHARE * size.max(), np.conj(weak) * largest / np.abs(largest), 0)
+    lag = ", partly out of phase," if np.abs(share.imag).max() > IN_PHASE * size.max() else ""
+    return combination(share.real, MOTIONS) + lag
+
+
+def _reason(excitation: Excitation, lines: list[int], limit: float) -> str:
+    f, condition = excitation.frequency[lines], excitation.condition[lines]
+    where = f"{f[0]:g} Hz is" if len(f) == 1 else f"{f[0]:g} to {f[-1]:g} Hz ({len(f)} lines) are"
+    worst = excitation.weak(lines[int(np.argmax(condition))], limit)
+    return f"{where} left out, condition number up to {condition.max():.3g} where {limit:g} is allowed: {said(worst)}"
+
+
+# What the base motion would be without each of its accelerometers: how far it moves, how much noise grows, what is lost.
+#
+# An accelerometer whose absence moves a motion by much contradicts the others; one whose absence leaves a motion untold is the
+# only one that sees it, and its errors go into the result unseen.
+
+
+NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Loss:
+    """The effect of losing one accelerometer.
+
+    Attributes
+    ----------
+    channel : its name
+    lost : of `MOTIONS`, what the others cannot tell; none where they tell all six
+    text : the same in words
+    moved : (r, 6) rms over the lines of the change of each motion, as a share of the largest motion of the run, every axis
+        divided by its nominal level; 0 where motions are lost
+    amplification : (6,) standard deviation of the noise of each motion without the channel over that with it (median of runs and
+        lines; of equal noise where it is not known); infinite where a motion is lost
+    """
+
+    channel: str
+    lost: tuple[str, ...]
+    text: str
+    moved: Array
+    amplification: Array
+
+
+def without_each(spectra: Spectra, *, groups: Sequence[str] | None = None, gravity: float = STANDARD_GRAVITY) -> tuple[Loss, ...]:
+    """The effect of losing each accelerometer that `base_motion` uses, in the order of the table.
+
+    Raises
+    ------
+    BadInput : as of `base_motion`.
+    """
+    used = groups_used(spectra.table) if groups is None else tuple(groups)
+    known = _with_noise(_only(spectra, spectra.table.select(group=used, quantity="acceleration")))
+    whole = base_motion(known, groups=used, gravity=gravity)
+    return tuple(_lost(known, k, whole, used, gravity) for k in range(len(known.table)))
+
+
+def _lost(spectra: Spectra, gone: int, whole: BaseMotion, groups: Sequence[str], gravity: float) -> Loss:
+    left = _only(spectra, [k for k in range(len(spectra.table)) if k != gone])
+    verdict, name = of_motions(left.table, groups), spectra.table.names[gone]
+    if not verdict.complete:
+        text = f"without {name} {verdict.text}"
+        untold = np.zeros((len(spectra.runs), 6))
+        return Loss(channel=name, lost=verdict.missing, text=text, moved=untold, amplification=np.full(6, np.inf))
+    rest = base_motion(left, groups=groups, gravity=gravity)
+    amplification = np.sqrt(np.median(_variance(rest) / _variance(whole), axis=(0, 1)))
+    moved = _moved(rest, whole)
+    k = int(np.argmax(moved.max(axis=0)))
+    most = f"moves {MOTIONS[k]} most, by {100 * moved[:, k].max():.2g} % of the driven motion"
+    text = f"without {name} {most}; noise grows up to {amplification.max():.2g} times"
+    return Loss(channel=name, lost=(), text=text, moved=moved, amplification=amplification)
+
+
+def _moved(rest: BaseMotion, whole: BaseMotion) -> Array:
+    size = np.sqrt(np.mean(np.abs(whole.values / NOMINAL) ** 2, axis=1)).max(axis=1)
+    change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
+    return np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
+
+
+def _variance(motion: BaseMotion) -> Array:
+    return np.asarray(np.diagonal(motion.covariance, axis1=2, axis2=3))
+
+
+def _only(spectra: Spectra, chosen: Sequence[int]) -> Spectra:
+    taken = list(chosen)
+    values, noise = spectra.values[:, :, taken], spectra.noise[:, :, taken]
+    return replace(spectra, table=spectra.table.subset(taken), values=values, noise=noise)
+
+
+def _with_noise(spectra: Spectra) -> Spectra:
+    """Equal noise where that of a channel is not known: what matters here is how it spreads."""
+    return spectra if np.all(spectra.noise > 0) else replace(spectra, noise=np.ones_like(spectra.noise))
+
+
+# `RunNoise`: the noise of loads and base motions, run by run and line by line.
+#
+# `identification.base_motion` and `identification.resultants` tell it from the noise of the channels: their `covariance`.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RunNoise:
+    """Covariances of complex noise, E n n^H, the same for all phases; motions and loads are independent of each other.
+
+    Attributes
+    ----------
+    load : (r, n, 6, 6) of forces and moments about the reference point, in their units squared
+    motion : (r, n, 6, 6) of the base motions about the same point
+    """
+
+    load: Array
+    motion: Array
+
+    def __post_init__(self) -> None:
+        shape = np.asarray(self.load).shape
+        if len(shape) != 4 or shape[2:] != (6, 6):
+            raise ValueError(f"`load` must have shape (r, n, 6, 6), found {shape}")
+        object.__setattr__(self, "load", frozen(self.load, shape, "load"))
+        object.__setattr__(self, "motion", frozen(self.motion, shape, "motion"))

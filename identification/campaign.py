@@ -6,14 +6,98 @@ The nouns behind ``campaign.toml`` (`identification.campaign_file` reads and wri
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from geometry.errors import BadInput
-from geometry.frames import Pose
+from geometry.frames import Array, Pose
 from geometry.sensors import ChannelTable
-from identification.recording import Recording
+from geometry.toml_file import nearest
+
+# `Recording`: the samples of one run, every channel on one common axis, in SI.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Recording:
+    """Time histories, equally sampled, or complex spectra: exactly one of `sampling_rate` and `frequency` is given.
+
+    Attributes
+    ----------
+    names : of the channels, in the order of the columns
+    values : (n, c) float64 time histories or complex128 spectra, in the SI unit of each channel (spectra may be per Hz)
+    sampling_rate : [Hz], of time histories
+    frequency : (n,) [Hz], of spectra, ascending
+    source : the file, for messages
+    warnings : what is odd about it, in words
+    """
+
+    names: tuple[str, ...]
+    values: npt.NDArray[Any]
+    sampling_rate: float | None = None
+    frequency: Array | None = None
+    source: str = "recording"
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", tuple(self.names))
+        values = np.array(self.values, dtype=np.float64 if self.frequency is None else np.complex128)
+        if values.ndim != 2 or values.shape[1] != len(self.names):
+            raise ValueError(f"`values` must have shape (n, {len(self.names)}), found {values.shape}")
+        values.setflags(write=False)
+        object.__setattr__(self, "values", values)
+        if (self.sampling_rate is None) == (self.frequency is None):
+            raise ValueError("give either `sampling_rate` or `frequency`")
+        if self.sampling_rate is not None and not 0 < self.sampling_rate < np.inf:
+            raise ValueError(f"`sampling_rate` must be positive, found {self.sampling_rate}")
+        if self.frequency is not None:
+            object.__setattr__(self, "frequency", _lines(self.frequency, len(values)))
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def is_spectrum(self) -> bool:
+        """Whether these are complex spectra."""
+        return self.frequency is not None
+
+    @property
+    def duration(self) -> float:
+        """[s] from the first sample to one after the last; 0 of spectra."""
+        return 0.0 if self.sampling_rate is None else len(self) / self.sampling_rate
+
+    @property
+    def time(self) -> Array:
+        """(n,) [s], from 0; of time histories."""
+        if self.sampling_rate is None:
+            raise ValueError("spectra have no time")
+        return np.arange(len(self)) / self.sampling_rate
+
+    def channel(self, name: str) -> npt.NDArray[Any]:
+        """The samples (n,) of the channel `name`.
+
+        Raises
+        ------
+        BadInput : there is none of this name.
+        """
+        if name not in self.names:
+            raise BadInput(source=self.source, field=name, problem="there is no such channel", remedy="Check the name")
+        column: npt.NDArray[Any] = self.values[:, self.names.index(name)]
+        return column
+
+
+def _lines(frequency: npt.ArrayLike, count: int) -> Array:
+    lines = np.array(frequency, dtype=np.float64)
+    if lines.shape != (count,) or not np.all(np.isfinite(lines)) or np.any(np.diff(lines) <= 0) or np.any(lines < 0):
+        raise ValueError(f"`frequency` must be {count} ascending frequencies, not negative")
+    lines.setflags(write=False)
+    return lines
+
 
 METHODS = ("full-record", "peak-reference-hold")
 """How spectra are made of records."""
@@ -142,3 +226,58 @@ class Campaign:
                 return one
         known = ", ".join(one.name for one in self.runs)
         raise BadInput(source=self.source, field="run", problem=f"there is no run {name!r}", remedy=f"There are {known}")
+
+
+# Units of signal files. A channel states its own; its samples are multiplied once, where they are read.
+
+
+STANDARD_GRAVITY = 9.80665
+POUND_FORCE = 4.4482216152605
+FOOT, INCH = 0.3048, 0.0254
+
+UNITS: dict[str, dict[str, float]] = {
+    "acceleration": {"m/s^2": 1.0, "g": STANDARD_GRAVITY, "mm/s^2": 1e-3, "in/s^2": INCH, "ft/s^2": FOOT},
+    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND_FORCE},
+    "moment": {"N m": 1.0, "kN m": 1e3, "N mm": 1e-3, "lbf in": POUND_FORCE * INCH, "lbf ft": POUND_FORCE * FOOT},
+}
+"""Units of each quantity, and what a number in one is multiplied with to be SI."""
+
+SAME = 1e-6
+"""Relative difference up to which two factors are the same unit: universal files write them with seven digits and more."""
+
+_SPELT = {"m/s²": "m/s^2", "m/s2": "m/s^2", "m/s**2": "m/s^2", "mm/s²": "mm/s^2", "mm/s2": "mm/s^2", "Nm": "N m", "N*m": "N m"}
+
+
+def factor(unit: object, quantity: str, *, source: str, field: str) -> float:
+    """What a number in `unit` is multiplied with to be in the SI unit of `quantity`.
+
+    Raises
+    ------
+    BadInput : no unit of this quantity; those on offer are named.
+    """
+    known = UNITS[quantity]
+    name = _SPELT.get(unit, unit) if isinstance(unit, str) else ""
+    if name in known:
+        return known[name]
+    other = next((what for what, units in UNITS.items() if name in units), None)
+    a = "an" if quantity[0] in "aeiou" else "a"
+    problem = f"must be a unit of {a} {quantity}, found {unit!r}" + (f", a unit of {other}" if other else "")
+    raise BadInput(source=source, field=field, problem=problem, remedy=f"{nearest(name, known)}Known are {', '.join(known)}")
+
+
+def is_unit(text: str) -> bool:
+    """Whether `text` is one of the units known here."""
+    return any(_SPELT.get(text, text) in units for units in UNITS.values())
+
+
+def is_same(unit: str, other: str, quantity: str) -> bool:
+    """Whether both are the same unit of `quantity`."""
+    known = UNITS[quantity]
+    sizes = [known.get(_SPELT.get(one, one)) for one in (unit, other)]
+    return sizes[0] is not None and sizes[0] == sizes[1]
+
+
+def named(size: float, quantity: str) -> str:
+    """The unit of `quantity` with the factor `size`, or the factor in SI when it has no name."""
+    names = [name for name, value in UNITS[quantity].items() if math.isclose(value, size, rel_tol=SAME)]
+    return names[0] if names else f"{size:.7g} {next(iter(UNITS[quantity]))}"

@@ -9,25 +9,729 @@ The contract is the page "campaign format" of the project's shared documents; `d
 
 from __future__ import annotations
 
+import json
 import os
 import stat
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
 
 from geometry import toml_file
 from geometry.atomic import write_text
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from identification import files
-from identification.campaign import Campaign, Run
-from identification.campaign_checks import problems_of_table, warnings_of_recordings
-from identification.campaign_text import parse
-from identification.campaign_values import Problems
-from identification.campaign_words import text
-from identification.files.contents import Signals, StatedUnits, require_file
-from identification.matching import recording
-from identification.recording import Recording
-from identification.units import factor
+from geometry.frames import Array, Pose, frozen, rotation_about
+from geometry.inertia import Observability, of_motions, of_resultants
+from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place, motion_rows
+from geometry.toml_file import doubts, length_unit, nearest
+from identification.campaign import METHODS, Campaign, Excitation, Processing, Recording, Run, factor, is_same, is_unit, named
+from identification.campaign import SAME as UNITS_SAME
+from identification.files import files
+from identification.files.files import Samples, Signals, StatedUnits, require_file, variable
+
+# What a campaign as a whole must satisfy: six motions and six resultants that can be told, runs that fit each other.
+
+
+RIGID_GROUPS = ("table", "cover")
+"""Groups whose accelerometers may tell the base motion: they move with the table as long as the FMD is stiff."""
+
+WEAK = 100.0
+"""Condition number from which a transformation multiplies errors of the sensors so much that it is said aloud."""
+
+
+def observed(table: ChannelTable) -> dict[str, Observability]:
+    """Every verdict on `table`: the base motion by cover plate, by table and by both, and the resultants."""
+    return {
+        "base motion by cover": of_motions(table, ("cover",)),
+        "base motion by table": of_motions(table, ("table",)),
+        "base motion by table and cover": of_motions(table, RIGID_GROUPS),
+        "resultants by fmd": of_resultants(table),
+    }
+
+
+def problems_of_table(table: ChannelTable, source: str) -> list[BadInput]:
+    """What cannot be told from the channels at all: a base motion by table and cover plate together, or a resultant."""
+    verdicts = observed(table)
+    found = []
+    for key, what, remedy in (
+        ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
+        ("resultants by fmd", "resultant", "Add a load cell that senses it to [[channel]], or give the cells of a sum singly"),
+    ):
+        verdict = verdicts[key]
+        if not verdict.complete:
+            what = what if len(verdict.missing) == 1 else f"{what}s"
+            problem = f"the {what} {', '.join(verdict.missing)} cannot be told from its channels: {verdict.text}"
+            found.append(BadInput(source=source, field="channel", problem=problem, remedy=remedy))
+    return found
+
+
+def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recording]) -> tuple[str, ...]:
+    """What is odd but leaves the data usable: weak geometry, runs of different rates, records shorter than their sweep."""
+    return (
+        *_of_table(campaign.table, campaign.source),
+        *(text for recorded in recordings.values() for text in recorded.warnings),
+        *_of_rates(recordings, campaign.source),
+        *(text for run in campaign.runs if run.name in recordings for text in _of_run(campaign, run.name, recordings[run.name])),
+    )
+
+
+def _of_table(table: ChannelTable, source: str) -> list[str]:
+    verdicts = observed(table)
+    cover = verdicts["base motion by cover"]
+    found = []
+    if not cover.complete and verdicts["base motion by table and cover"].complete:
+        found.append(
+            f"{source}: the cover plate alone does not tell the base motion ({', '.join(cover.missing)}); the table must help"
+        )
+    for key, verdict in verdicts.items():
+        if verdict.complete and verdict.condition > WEAK:
+            found.append(f"{source}: {key} has the condition number {verdict.condition:.3g}; move the pick-ups farther apart")
+    return found
+
+
+def _of_rates(recordings: Mapping[str, Recording], source: str) -> list[str]:
+    axes = {"spectra" if one.is_spectrum else f"{one.sampling_rate:g} Hz" for one in recordings.values()}
+    if len(axes) < 2:
+        return []
+    return [
+        f"{source}: its runs are not recorded alike, found {', '.join(sorted(axes))}; one run may have been exported otherwise"
+    ]
+
+
+def _of_run(campaign: Campaign, name: str, recorded: Recording) -> list[str]:
+    excitation = campaign.run(name).excitation
+    if excitation is None or recorded.sampling_rate is None:
+        return []
+    found = []
+    stop, needed = excitation.figure("stop_hz"), excitation.sweep_duration
+    if stop is not None and stop > recorded.sampling_rate / 2:
+        rate = recorded.sampling_rate
+        found.append(
+            f"{recorded.source}: drives up to {stop:g} Hz, sampled at {rate:g} Hz it ends at {rate / 2:g} Hz; check the rate"
+        )
+    if needed is not None and recorded.duration < needed * (1 - 1e-3):
+        lasts = f"lasts {recorded.duration:.1f} s where its sweep takes {needed:.1f} s and must ring down"
+        found.append(f"{recorded.source}: {lasts}; is it cut short?")
+    return found
+
+
+# Values out of a parsed TOML file, checked one by one; what is wrong is collected, so that all of it can be said at once.
+
+
+LARGEST = 1e9
+"""No figure of a test lies beyond, in whatever unit."""
+
+T = TypeVar("T")
+
+
+class Problems:
+    """What is wrong, collected: the work goes on behind every problem that leaves something to be looked at."""
+
+    def __init__(self) -> None:
+        self.found: list[BadInput] = []
+
+    def attempt(self, make: Callable[..., T], *given: Any, **named: Any) -> T | None:
+        """What `make` makes of what it is given; None where it is refused, which is kept."""
+        try:
+            return make(*given, **named)
+        except BadInput as error:
+            self.found.append(error)
+            return None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reader:
+    """Values of one file; a method returns None, or leaves the value out, where it added a problem.
+
+    Attributes
+    ----------
+    source : the file, for messages
+    problems : where what is wrong goes
+    """
+
+    source: str
+    problems: Problems
+
+    def refuse(self, field: str, problem: str, remedy: str) -> None:
+        """Add what is wrong with `field`."""
+        self.problems.found.append(BadInput(source=self.source, field=field, problem=problem, remedy=remedy))
+
+    def table(self, table: Mapping[str, Any], key: str, known: tuple[str, ...]) -> dict[str, Any]:
+        """The table `key`, empty where it is missing, without the keys that are not `known`."""
+        found = self.problems.attempt(toml_file.require_table, table.get(key, {}), source=self.source, where=key) or {}
+        return self.known(found, key, known)
+
+    def known(self, table: dict[str, Any], where: str, known: tuple[str, ...]) -> dict[str, Any]:
+        """`table` without the keys that are not `known`, each of them a problem."""
+        for key in table:
+            self.problems.attempt(toml_file.require_known, {key: 0}, known, source=self.source, where=where)
+        return {key: value for key, value in table.items() if key in known}
+
+    def strings(
+        self, table: dict[str, Any], where: str, needed: tuple[str, ...], optional: tuple[str, ...] = ()
+    ) -> dict[str, str]:
+        """The texts under the `needed` keys, which may not be empty, and the `optional` ones."""
+        self.problems.attempt(toml_file.require_present, table, needed, source=self.source, where=where)
+        found = {key: table[key] for key in (*needed, *optional) if key in table}
+        for key, value in found.items():
+            if not isinstance(value, str) or (key in needed and not value.strip()):
+                self.refuse(f"{where}.{key}", f"must be text, found {value!r}", "Write it between quotation marks")
+        return {key: value for key, value in found.items() if isinstance(value, str)}
+
+    def number(
+        self, table: dict[str, Any], where: str, key: str, *, low: float = -LARGEST, high: float = LARGEST
+    ) -> float | None:
+        """The number under `key`, from `low` to `high`."""
+        if key not in table:
+            self.refuse(f"{where}.{key}", "is missing", "Add it")
+            return None
+        value = table[key]
+        if is_number(value) and low <= value <= high:
+            return float(value)
+        span = f" from {low:g} to {high:g}" if (low, high) != (-LARGEST, LARGEST) else ""
+        self.refuse(f"{where}.{key}", f"must be a finite number{span}, found {value!r}", "Correct it")
+        return None
+
+    def flag(self, table: dict[str, Any], where: str, key: str, default: bool) -> bool:
+        """True or false under `key`, `default` where it is missing."""
+        value = table.get(key, default)
+        if not isinstance(value, bool):
+            self.refuse(f"{where}.{key}", f"must be true or false, found {value!r}", "Correct it")
+        return bool(value)
+
+    def vector(self, value: Any, where: str, scale: float = 1.0) -> Array | None:
+        """Three numbers times `scale`."""
+        if not isinstance(value, list) or len(value) != 3 or not all(map(is_number, value)):
+            self.refuse(where, f"must be three finite numbers, found {value!r}", "Write it like [0.1, 0.0, 0.03]")
+            return None
+        return np.array(value, dtype=np.float64) * scale
+
+    def named(self, table: Mapping[str, Any], key: str, make: Callable[[dict[str, Any], str], T | None]) -> list[T]:
+        """What `make` makes of every table of the array `key`, no two of one name."""
+        entries = table.get(key, [])
+        if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+            self.refuse(key, "must be tables", f"Write each as [[{key}]]")
+            return []
+        if not entries:
+            self.refuse(key, "there is none", f"Write each as [[{key}]]")
+        names = [entry.get("name") for entry in entries]
+        for name in dict.fromkeys(n for n in names if isinstance(n, str) and names.count(n) > 1):
+            self.refuse(f"{key}.{name}", f"{names.count(name)} have this name", "Give each its own")
+        places = [name if isinstance(name, str) and name else str(k + 1) for k, name in enumerate(names)]
+        made = [make(entry, f"{key}.{place}") for entry, place in zip(entries, places, strict=True)]
+        return [one for one in made if one is not None]
+
+
+def is_number(value: Any) -> bool:
+    """Whether `value` is a number, no truth value, and of a size that a test has."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
+
+
+# The tables [[channel]] of ``campaign.toml``: one channel each, in metres and SI.
+
+
+CHANNEL = (
+    "name",
+    "quantity",
+    "unit",
+    "group",
+    "position",
+    "direction",
+    "cells",
+    "reference",
+    "senses_gravity",
+    "noise_rms",
+)
+
+LONGEST_NAME = 80
+"""Characters of a channel's name: the id line of a universal file has no more."""
+
+
+def channel(reader: Reader, entry: dict[str, Any], where: str, *, metres: float) -> Channel | None:
+    """The channel in `entry`, the table at `where`, with lengths in units of so many `metres`; None where it has a problem."""
+    before = len(reader.problems.found)
+    known = reader.known(entry, where, CHANNEL)
+    words = reader.strings(known, where, ("name", "quantity", "unit", "group"))
+    _require_name(reader, words.get("name"), f"{where}.name")
+    for key, choices in (("quantity", SI), ("group", GROUPS)):
+        if key in words:
+            reader.problems.attempt(toml_file.one_of, words[key], tuple(choices), source=reader.source, where=f"{where}.{key}")
+    size = None
+    if words.get("quantity") in SI and "unit" in words:
+        unit, quantity = words["unit"], words["quantity"]
+        size = reader.problems.attempt(factor, unit, quantity, source=reader.source, field=f"{where}.unit")
+    places = _places(reader, known, where, metres)
+    reference = reader.flag(known, where, "reference", False)
+    senses = reader.flag(known, where, "senses_gravity", words.get("quantity") == "acceleration")
+    if senses and words.get("quantity") in ("force", "moment"):
+        reader.refuse(f"{where}.senses_gravity", "is for accelerometers", "Leave it out")
+    noise = reader.number(known, where, "noise_rms", low=0.0) if "noise_rms" in known else None
+    if len(reader.problems.found) > before or size is None:
+        return None
+    return Channel(
+        **words,
+        places=places,
+        reference=reference,
+        senses_gravity=senses,
+        noise_rms=None if noise is None else noise * size,
+    )
+
+
+def _require_name(reader: Reader, name: str | None, where: str) -> None:
+    if name is None:
+        return
+    if name != name.strip() or not name.isprintable() or "/" in name or name in (".", "..") or len(name) > LONGEST_NAME:
+        problem = f"must be up to {LONGEST_NAME} printable characters without / and spaces at the ends, found {name!r}"
+        reader.refuse(where, problem, "Rename it here and in the signal files")
+
+
+def _places(reader: Reader, entry: dict[str, Any], where: str, metres: float) -> tuple[Place, ...]:
+    if "cells" not in entry:
+        one = _place(reader, entry, where, metres)
+        return () if one is None else (one,)
+    both = [key for key in ("position", "direction") if key in entry]
+    if both:
+        reader.refuse(f"{where}.cells", f"stands beside {' and '.join(both)}", "Give either, cells for a sum of several")
+    cells = entry["cells"]
+    if not isinstance(cells, list) or not cells or not all(isinstance(cell, dict) for cell in cells):
+        reader.refuse(
+            f"{where}.cells", f"must be tables, found {cells!r}", "Write { position = [...], direction = [...] } for each"
+        )
+        return ()
+    made = []
+    for k, cell in enumerate(cells):
+        at = f"{where}.cells[{k + 1}]"
+        made.append(_place(reader, reader.known(cell, at, ("position", "direction")), at, metres))
+    return tuple(one for one in made if one is not None)
+
+
+def _place(reader: Reader, entry: dict[str, Any], where: str, metres: float) -> Place | None:
+    before = len(reader.problems.found)
+    for key in ("position", "direction"):
+        if key not in entry:
+            reader.refuse(f"{where}.{key}", "is missing", "Add it")
+    position, direction = (
+        reader.vector(entry[key], f"{where}.{key}", scale) if key in entry else None
+        for key, scale in (("position", metres), ("direction", 1.0))
+    )
+    if position is None or direction is None or len(reader.problems.found) > before:
+        return None
+    try:
+        return Place(position=position, direction=direction)
+    except ValueError as error:
+        reader.refuse(f"{where}.direction", str(error).removeprefix("`direction` "), "Divide it by its length")
+        return None
+
+
+# ``campaign.toml``: from its tables to a `Campaign` without samples. `campaign_words` writes it.
+#
+# Everything that is wrong with it is collected, so that it can be corrected in one go. Lengths leave here in metres and noise
+# floors in SI, whatever the file is written in. Positions and the origin of [mounting] are in the `length_unit` of [frame].
+
+
+TOP = ("format", "campaign", "mounting", "environment", "frame", "processing", "channel", "run")
+CAMPAIGN = ("title", "article", "hardware", "notes")
+RUN = ("name", "file", "axis", "excitation")
+PROCESSING = ("method", "block_size", "overlap", "frequency")
+
+SWEEP = ("start_hz", "stop_hz", "octaves_per_minute", "level")
+EXCITATIONS = {
+    "sine-sweep": (*SWEEP, "duration_s"),
+    "random": ("start_hz", "stop_hz", "level", "duration_s"),
+    "burst": ("start_hz", "stop_hz", "level", "duration_s"),
+    "multi-axis": (*SWEEP, "levels", "duration_s"),
+}
+"""Kinds of excitation, and the figures that each may state."""
+
+
+def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign | None:
+    """The campaign that `table`, a parsed ``campaign.toml``, describes; None where `problems` has got one more.
+
+    `source` names the file in messages.
+    """
+    before = len(problems.found)
+    problems.attempt(toml_file.require_format, table, source)
+    problems.attempt(toml_file.require_known, table, TOP, source=source)
+    problems.attempt(toml_file.require_present, table, ("campaign", "environment", "channel", "run"), source=source)
+    reader = Reader(source=source, problems=problems)
+    about = reader.strings(reader.table(table, "campaign", CAMPAIGN), "campaign", ("title", "article"), ("hardware", "notes"))
+    frame = reader.table(table, "frame", ("origin", "length_unit"))
+    unit = problems.attempt(length_unit, str(frame.get("length_unit", "m")), source, "frame.length_unit")
+    metres = unit.metres if unit else 1.0
+    origin = reader.vector(frame.get("origin", [0, 0, 0]), "frame.origin", metres)
+    around = reader.table(table, "environment", ("gravity",))
+    gravity = reader.number(around, "environment", "gravity", low=0.0) if "environment" in table else None
+    mounting = _mounting(reader, table, metres)
+    processing = _processing(reader, table)
+    channels = reader.named(table, "channel", partial(channel, reader, metres=metres))
+    runs = reader.named(table, "run", partial(_run, reader))
+    if len(problems.found) > before or origin is None or gravity is None:
+        return None
+    extent = np.ptp([place.position for one in channels for place in one.places], axis=0).max()
+    return Campaign(
+        title=about.get("title", ""),
+        article=about.get("article", ""),
+        hardware=about.get("hardware", ""),
+        notes=about.get("notes", ""),
+        table=ChannelTable(channels=tuple(channels), origin=origin),
+        runs=tuple(runs),
+        mounting=mounting,
+        gravity=gravity,
+        processing=processing,
+        warnings=doubts(float(extent), f"{source}: channels", unit),
+        source=source,
+    )
+
+
+def _mounting(reader: Reader, table: Mapping[str, Any], metres: float) -> Pose | None:
+    if "mounting" not in table:
+        return None
+    found = reader.table(table, "mounting", ("origin", "rotation_deg"))
+    reader.problems.attempt(toml_file.require_present, found, ("origin",), source=reader.source, where="mounting")
+    origin = reader.vector(found.get("origin", [0, 0, 0]), "mounting.origin", metres)
+    turn = reader.number({"rotation_deg": 0.0, **found}, "mounting", "rotation_deg", low=-360.0, high=360.0)
+    if origin is None or turn is None:
+        return None
+    return Pose(position=origin, rotation=rotation_about("z", float(np.radians(turn))))
+
+
+def _processing(reader: Reader, table: Mapping[str, Any]) -> Processing | None:
+    if "processing" not in table:
+        return None
+    where, plain = "processing", Processing()
+    found = reader.table(table, where, PROCESSING)
+    method = found.get("method", plain.method)
+    reader.problems.attempt(toml_file.one_of, method, METHODS, source=reader.source, where=f"{where}.method")
+    size = found.get("block_size", plain.block_size)
+    if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST:
+        reader.refuse(f"{where}.block_size", f"must be a whole number of samples, found {size!r}", "Write for example 8192")
+    overlap = reader.number({"overlap": plain.overlap, **found}, where, "overlap", low=0.0, high=1 - 1e-6)
+    grid = reader.table({"frequency": found.get("frequency", {})}, "frequency", ("start", "stop", "step"))
+    start, stop, step = (
+        reader.number({key: getattr(plain, key), **grid}, f"{where}.frequency", key, low=0.0) for key in ("start", "stop", "step")
+    )
+    if start is None or stop is None or step is None or overlap is None or method not in METHODS or not isinstance(size, int):
+        return None
+    if not (stop > start and 0 < step <= stop - start and (stop - start) / step < 1e7):
+        reader.refuse(f"{where}.frequency", f"is no grid of lines: {start:g} to {stop:g} in steps of {step:g} Hz", "Correct it")
+    return Processing(method=method, block_size=size, overlap=overlap, start=start, stop=stop, step=step)
+
+
+def _run(reader: Reader, entry: dict[str, Any], where: str) -> Run | None:
+    before = len(reader.problems.found)
+    known = reader.known(entry, where, RUN)
+    words = reader.strings(known, where, ("name", "file"), ("axis",))
+    if "axis" in words:
+        reader.problems.attempt(toml_file.one_of, words["axis"], MOTIONS, source=reader.source, where=f"{where}.axis")
+    if "file" in words:
+        reader.problems.attempt(files.require_known, words["file"], reader.source, f"{where}.file")
+    excitation = _excitation(reader, known["excitation"], f"{where}.excitation") if "excitation" in known else None
+    return None if len(reader.problems.found) > before else Run(**words, excitation=excitation)
+
+
+def _excitation(reader: Reader, value: Any, where: str) -> Excitation | None:
+    kind = value.get("kind") if isinstance(value, dict) else value
+    if not isinstance(value, dict) or not isinstance(kind, str) or kind not in EXCITATIONS:
+        reader.refuse(f"{where}.kind", f"must be one of {', '.join(EXCITATIONS)}, found {kind!r}", "Correct it")
+        return None
+    figures: dict[str, float | tuple[float, ...]] = {}
+    for key, one in reader.known(value, where, ("kind", *EXCITATIONS[kind])).items():
+        if key == "levels":
+            if not isinstance(one, list) or len(one) != 6 or not all(map(is_number, one)):
+                reader.refuse(f"{where}.{key}", f"must be six finite numbers, found {one!r}", "Correct it")
+                continue
+            figures[key] = tuple(map(float, one))
+        elif key != "kind":
+            number = reader.number(value, where, key, low=0.0)
+            figures |= {} if number is None else {key: number}
+    return Excitation(kind=kind, figures=figures)
+
+
+# A `Campaign` as the text of its ``campaign.toml``, in the order and the layout of the contract.
+
+
+ROUNDING = 1e-12
+"""How far a mounting may be turned about another axis than z [1]: rounding of a rotation matrix."""
+
+
+def text(campaign: Campaign) -> str:
+    """The text of ``campaign.toml``; lengths in metres, noise floors in the unit of their channel.
+
+    Raises
+    ------
+    BadInput : a mounting that is turned about another axis than z, which the format cannot say.
+    """
+    blocks = [
+        f"format = {toml_file.FORMAT}",
+        _block("[campaign]", _about(campaign)),
+        *(
+            []
+            if campaign.mounting is None
+            else [_block("[mounting]", _campaign_words_mounting(campaign.mounting, campaign.source))]
+        ),
+        _block("[environment]", [("gravity", _number(campaign.gravity))]),
+        _block("[frame]", [("origin", _numbers(campaign.table.origin)), ("length_unit", '"m"')]),
+        *([] if campaign.processing is None else [_block("[processing]", _campaign_words_processing(campaign.processing))]),
+        *(_block("[[channel]]", _channel(channel)) for channel in campaign.table.channels),
+        *(_block("[[run]]", _campaign_words_run(run)) for run in campaign.runs),
+    ]
+    return "\n\n".join(blocks) + "\n"
+
+
+Lines = list[tuple[str, str]]
+
+
+def _block(head: str, lines: Lines) -> str:
+    return "\n".join([head, *(f"{key} = {value}" for key, value in lines)])
+
+
+def _about(campaign: Campaign) -> Lines:
+    words = (("title", campaign.title), ("article", campaign.article), ("hardware", campaign.hardware), ("notes", campaign.notes))
+    return [(key, _string(value)) for key, value in words if value]
+
+
+def _campaign_words_mounting(pose: Pose, source: str) -> Lines:
+    R = pose.rotation
+    if abs(R[2, 2] - 1) > ROUNDING:
+        problem = "is turned about another axis than z"
+        raise BadInput(source=source, field="mounting", problem=problem, remedy="The format knows rotation_deg about z only")
+    turn = float(np.degrees(np.arctan2(R[1, 0], R[0, 0])))
+    return [("origin", _numbers(pose.position)), ("rotation_deg", _number(turn))]
+
+
+def _campaign_words_processing(of: Processing) -> Lines:
+    lines = [("method", _string(of.method))]
+    if of.method == "peak-reference-hold":
+        lines += [("block_size", str(of.block_size)), ("overlap", _number(of.overlap))]
+    grid = f"{{ start = {_number(of.start)}, stop = {_number(of.stop)}, step = {_number(of.step)} }}"
+    return [*lines, ("frequency", grid)]
+
+
+def _channel(channel: Channel) -> Lines:
+    lines = [(key, _string(getattr(channel, key))) for key in ("name", "quantity", "unit", "group")]
+    if channel.is_sum:
+        cells = "".join(
+            f"  {{ position = {position}, direction = {direction} }},\n"
+            for position, direction in map(_campaign_words_place, channel.places)
+        )
+        lines.append(("cells", f"[\n{cells}]"))
+    else:
+        position, direction = _campaign_words_place(channel.places[0])
+        lines += [("position", position), ("direction", direction)]
+    if channel.reference:
+        lines.append(("reference", "true"))
+    if channel.quantity == "acceleration":
+        lines.append(("senses_gravity", "true" if channel.senses_gravity else "false"))
+    if channel.noise_rms is not None:
+        size = factor(channel.unit, channel.quantity, source="channel", field=channel.name)
+        lines.append(("noise_rms", _number(channel.noise_rms / size)))
+    return lines
+
+
+def _campaign_words_place(place: Place) -> tuple[str, str]:
+    return _numbers(place.position), _numbers(place.direction)
+
+
+def _campaign_words_run(run: Run) -> Lines:
+    lines = [("name", _string(run.name)), ("file", _string(run.file))]
+    lines += [("axis", _string(run.axis))] if run.axis else []
+    return lines if run.excitation is None else [*lines, ("excitation", _campaign_words_excitation(run.excitation))]
+
+
+def _campaign_words_excitation(of: Excitation) -> str:
+    figures = [f"{key} = {_numbers(value) if isinstance(value, tuple) else _number(value)}" for key, value in of.figures.items()]
+    return "{ " + ", ".join([f"kind = {_string(of.kind)}", *figures]) + " }"
+
+
+def _string(value: str) -> str:
+    """A basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _number(value: float) -> str:
+    """The fewest digits that give `value` back exactly."""
+    return repr(float(value) + 0.0)
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return "[" + ", ".join(map(_number, values)) + "]"
+
+
+# Signals that cannot be true: NaN, infinite, dead, clipped. One channel at a time, named, with what to do.
+
+
+FLAT = 3
+"""Samples in a row at the largest value from which a record may be clipped; rounding alone does that near a slow peak, too."""
+
+OVERSHOOT = 4.0
+"""Steps of resolution by which the signal, continued as it arrived, would have passed the flat top: beyond, it was cut off."""
+
+
+SOUNDNESS_LARGEST = 1e15
+"""In the unit of the file: numbers whose bytes came in another order are of any size at all."""
+
+
+def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
+    """Refuse NaN, infinity, and what no sensor reads in the samples (n,) of a channel.
+
+    Raises
+    ------
+    BadInput : how many there are, and where the first stands.
+    """
+    bad = ~((np.abs(values.real) < SOUNDNESS_LARGEST) & (np.abs(values.imag) < SOUNDNESS_LARGEST))
+    if np.any(bad):
+        what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {SOUNDNESS_LARGEST:g}, which no sensor reads"
+        problem = (
+            f"holds {int(bad.sum())} samples that are {what}, the first is number {int(np.argmax(bad)) + 1} of {len(values)}"
+        )
+        raise BadInput(source=source, field=name, problem=problem, remedy="Export it again, or repeat the run")
+
+
+def require_alive(values: npt.NDArray[Any], name: str, source: str) -> None:
+    """Refuse a channel whose samples (n,) are all the same.
+
+    Raises
+    ------
+    BadInput : it is constant.
+    """
+    if len(values) and np.all(values == values[0]):
+        problem = f"is dead: all {len(values)} samples are {values[0]:g}"
+        remedy = "Check cable and amplifier, or take the channel out of campaign.toml and of every file"
+        raise BadInput(source=source, field=name, problem=problem, remedy=remedy)
+
+
+def clipped(values: Array) -> int:
+    """How many samples (n,) of a time history lie on a flat top where the signal was cut off; 0 when it was not.
+
+    Rounding to the steps of a converter leaves short flat tops, too, but the signal arrives there slowly. What was cut off
+    arrives at full speed: continued, it would have passed the top by more than `OVERSHOOT` steps.
+    """
+    return max(_cut_off(values), _cut_off(-values))
+
+
+def _cut_off(values: Array) -> int:
+    at_top = values == values.max()
+    if at_top.sum() < FLAT:
+        return 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], at_top, [False]]).astype(np.int8)))
+    starts, ends = edges[::2], edges[1::2]
+    long = (ends - starts >= FLAT) & (starts >= 2)
+    starts, ends = starts[long], ends[long]
+    if not len(starts):
+        return 0
+    speed = values[starts - 1] - values[starts - 2]
+    passed = speed * (ends - starts) / 4  # a parabola through the arrival, over the flat stretch
+    cut = passed > OVERSHOOT * _resolution(values)
+    return int(np.sum((ends - starts)[cut]))
+
+
+def _resolution(values: Array) -> float:
+    """The smallest difference between two different samples: the converter's step, or rounding."""
+    steps = np.diff(np.unique(values))
+    return float(steps.min()) if len(steps) else 0.0
+
+
+# From the contents of a signal file to a `Recording`: the channels of the table, each once, in SI.
+
+
+def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recording | None, list[BadInput]]:
+    """The recording in `signals` and what is wrong with it; None where a channel cannot be used.
+
+    `toml` is what the channel table is called in messages.
+    """
+    samples, problems = _matched(signals, table)
+    for channel in table.channels:
+        if channel.name in samples:
+            problems += _problems(samples[channel.name], channel, signals, toml)
+    if problems:
+        return None, problems
+    columns = [samples[channel.name] * _factor(channel) for channel in table.channels]
+    warnings = (*signals.warnings, *_clipped(samples, table, signals.source))
+    made = Recording(
+        names=table.names,
+        values=np.column_stack(columns),
+        sampling_rate=signals.sampling_rate,
+        frequency=signals.frequency,
+        source=signals.source,
+        warnings=warnings if signals.frequency is None else signals.warnings,
+    )
+    return made, []
+
+
+def _factor(channel: Channel) -> float:
+    return factor(channel.unit, channel.quantity, source="channel", field=channel.name)
+
+
+def _matched(signals: Signals, table: ChannelTable) -> tuple[dict[str, Samples], list[BadInput]]:
+    """Samples by the name of the channel table, and the channels that are missing or too many."""
+    is_mat = signals.source.lower().endswith(".mat")
+    called: dict[str, str] = {}
+    problems = []
+    for name in table.names:
+        key = variable(name) if is_mat else name
+        if key in called:
+            problem = f"stands for {called[key]!r} and {name!r}: a MAT file cannot tell them apart"
+            problems.append(BadInput(source=signals.source, field=key, problem=problem, remedy="Rename one, or export .h5"))
+        called[key] = name
+    for name in called:
+        if name not in signals.samples:
+            problem = f"the channel {called[name]!r} is missing"
+            like = nearest(name, [other for other in signals.samples if other not in called])
+            remedy = f"{like}Export it, or take it out of campaign.toml"
+            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+    for name in signals.samples:
+        if name not in called:
+            remedy = "Add it to campaign.toml as a [[channel]], or leave it out of the file"
+            problem = "this channel is not in campaign.toml"
+            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+    return {called[name]: values for name, values in signals.samples.items() if name in called}, problems
+
+
+def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
+    found = []
+    if np.iscomplexobj(values) != (signals.frequency is not None):
+        what = "complex" if np.iscomplexobj(values) else "real"
+        problem = f"is {what}, where {'time histories are real' if signals.frequency is None else 'spectra are complex'}"
+        found.append(BadInput(source=signals.source, field=channel.name, problem=problem, remedy="Export it again"))
+    for check in (require_finite, require_alive):
+        try:
+            check(values, channel.name, signals.source)
+        except BadInput as error:
+            found.append(error)
+            break
+    return found + _contradictions(channel, signals, toml)
+
+
+def _contradictions(channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
+    """What the signal file says about a unit beside what ``campaign.toml`` says: dataset 164, and the label of the ordinate."""
+    ours, said = _factor(channel), []
+    units, label = signals.units.get(channel.name), signals.labels.get(channel.name, "")
+    if units is not None and abs(units.size(channel.quantity) - ours) > UNITS_SAME * ours:
+        theirs = units.size(channel.quantity)
+        size = f"1 {channel.unit} is {ours:.7g} {SI[channel.quantity]}, the file's unit {theirs:.7g}"
+        said.append(
+            f"dataset 164 ({units.words}) gives it in {named(theirs, channel.quantity)}, {toml} in {channel.unit}: {size}"
+        )
+    if is_unit(label) and not is_same(label, channel.unit, channel.quantity):
+        said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
+    remedy = "Correct the one that is wrong"
+    return [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
+
+
+def _clipped(samples: Mapping[str, Samples], table: ChannelTable, source: str) -> list[str]:
+    cut = {name: clipped(samples[name].real) for name in table.names}
+    return [
+        f"{source}: {name} is clipped: {count} samples lie on a flat top; raise its range and repeat the run, or leave it out"
+        for name, count in cut.items()
+        if count
+    ]
+
 
 NAME = "campaign.toml"
 
@@ -228,3 +932,197 @@ def _stated(quantity: str, size: float) -> StatedUnits:
     """A system of units in which `quantity` has the unit of `size` in SI."""
     length, force = (size, 1.0) if quantity == "acceleration" else (1.0, size)
     return StatedUnits(length=length, force=force, words="massline")
+
+
+# A first look at recorded runs: what the table did, and what the channels read when nothing moved.
+#
+# Both come from short blocks of the time histories. Spectra have no quiet part and no level; they are left out.
+
+
+NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
+
+BLOCK = 0.5
+"""[s] of a block: two periods of the lowest line that the paper uses."""
+
+DRIVEN = 0.5
+"""Share of the strongest block from which a block counts as driven."""
+
+STILL = 2.0
+"""How far above those of the quietest block of its run the accelerometers of table and cover plate may read in a quiet block."""
+
+QUIET = 0.05
+"""Share of the driven level above which no block of a run is quiet."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Levels:
+    """What the table did in one run, about the reference point.
+
+    Attributes
+    ----------
+    amplitude : (6,) of each base motion while it was driven, sqrt(2) times its rms: the amplitude of a sine [m/s², rad/s²]
+    share : (6,) the same as a share of the largest, every axis divided by its nominal level [1]
+    driven : [s] how long the table was driven
+    """
+
+    amplitude: Array
+    share: Array
+    driven: float
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "share"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+
+
+def levels(recorded: Recording, table: ChannelTable) -> Levels | None:
+    """The levels of one run by Eqs. 6 and 7; None for spectra, records below two blocks, and tables that tell no base motion.
+
+    The cover plate's accelerometers are used where they tell all six motions, else the table's, too.
+    """
+    motion = base_motion(recorded, table)
+    if motion is None or recorded.sampling_rate is None:
+        return None
+    rms = block_rms(motion, recorded.sampling_rate)
+    if len(rms) < 2:
+        return None
+    size = np.linalg.norm(rms / NOMINAL, axis=1)
+    driven = size > DRIVEN * size.max()
+    amplitude = np.sqrt(2 * np.mean(np.square(rms[driven]), axis=0))
+    scaled = amplitude / NOMINAL
+    return Levels(
+        amplitude=amplitude, share=scaled / max(scaled.max(), np.finfo(np.float64).tiny), driven=float(driven.sum() * BLOCK)
+    )
+
+
+def base_motion(recorded: Recording, table: ChannelTable) -> Array | None:
+    """The six accelerations (n, 6) of the reference point by Eqs. 6 and 7; None for spectra and where no base motion is told."""
+    for groups in (("cover",), RIGID_GROUPS):
+        if of_motions(table, groups).complete and not recorded.is_spectrum:
+            chosen = table.select(group=groups, quantity="acceleration")
+            rows = motion_rows([table.channels[k] for k in chosen], table.origin)
+            return np.asarray(recorded.values[:, chosen] @ np.linalg.pinv(rows).T)
+    return None
+
+
+def noise_floors(campaign: Campaign) -> Array | None:
+    """Broadband rms (c,) of every channel while nothing moved, in SI; None where no run has a quiet part.
+
+    A block is quiet when the accelerometers of table and cover plate are. What still rings on the structure is louder than noise,
+    so of the quiet blocks of all runs the quieter half of each channel counts.
+    """
+    blocks = [block for recorded in campaign.recordings.values() if (block := _quiet(recorded, campaign.table)) is not None]
+    if not blocks:
+        return None
+    rms = np.sort(np.vstack(blocks), axis=0)
+    return np.asarray(np.sqrt(np.mean(np.square(rms[: max(len(rms) // 2, 1)]), axis=0)))
+
+
+def _quiet(recorded: Recording, table: ChannelTable) -> Array | None:
+    """The rms (b, c) of all channels in the quiet blocks of a run; None where there is none."""
+    quiet = quiet_blocks(recorded, table)
+    return None if quiet is None or recorded.sampling_rate is None else block_rms(recorded.values, recorded.sampling_rate)[quiet]
+
+
+def quiet_blocks(recorded: Recording, table: ChannelTable) -> npt.NDArray[np.bool_] | None:
+    """Which of the consecutive blocks of `BLOCK` seconds (b,) are quiet; None for spectra and where no block is."""
+    watched = table.select(group=RIGID_GROUPS, quantity="acceleration")
+    if recorded.sampling_rate is None or not watched:
+        return None
+    rms = block_rms(recorded.values[:, watched], recorded.sampling_rate)
+    if len(rms) < 2:
+        return None
+    size = np.linalg.norm(rms, axis=1)
+    return np.asarray(size <= STILL * size.min()) if size.min() < QUIET * size.max() else None
+
+
+def block_length(rate: float) -> int:
+    """Samples of a block at `rate` [Hz]."""
+    return max(round(BLOCK * rate), 2)
+
+
+def block_rms(values: Array, rate: float) -> Array:
+    """(b, c) rms about the mean of consecutive blocks of (n, c); what does not fill a block at the end is left out."""
+    length = block_length(rate)
+    count = len(values) // length
+    return np.asarray(np.std(values[: count * length].reshape(count, length, -1), axis=1))
+
+
+# What the runs of a campaign drive together: six motions that are told apart, and no run that is another one once more.
+
+
+UNDRIVEN = 0.15
+"""Share of the largest motion of a run, every axis by its nominal level, below which a run does not drive an axis: cross
+motion of real tables stays below."""
+
+SAME = 1e-6
+"""Relative difference below which two recordings are one: a copy, or an export of it with fewer digits. Noise is far above."""
+
+
+def problems_of_runs(campaign: Campaign) -> list[BadInput]:
+    """Why six base motions cannot be told from the runs: too few of them, or an axis that none drives."""
+    driven = {name: share for name, one in campaign.recordings.items() if (share := shares(one, campaign.table)) is not None}
+    words = _undriven(campaign, driven)
+    if len(campaign.runs) < 6:
+        many = "1 run" if len(campaign.runs) == 1 else f"{len(campaign.runs)} runs"
+        words = f"six base motions take at least six runs, found {many}{f'; {words}' if words else ''}"
+    if not words:
+        return []
+    alike = "".join(f"; {text}" for text in _copies(campaign))
+    remedy = "Record a run that drives each axis, or correct which file belongs to which run"
+    return [BadInput(source=campaign.source, field="run", problem=words + alike, remedy=remedy)]
+
+
+def warnings_of_runs(campaign: Campaign) -> tuple[str, ...]:
+    """Runs that are one and the same, and runs that drive another axis than they say."""
+    return tuple(f"{campaign.source}: {text}" for text in (*_copies(campaign), *_misnamed(campaign)))
+
+
+def shares(recorded: Recording, table: ChannelTable) -> Array | None:
+    """(6,) every base motion of a run as a share of its largest, each by its nominal level; None where it cannot be told."""
+    if not recorded.is_spectrum:
+        found = levels(recorded, table)
+        return None if found is None else found.share
+    for groups in (("cover",), RIGID_GROUPS):
+        if of_motions(table, groups).complete:
+            chosen = table.select(group=groups, quantity="acceleration")
+            rows = motion_rows([table.channels[k] for k in chosen], table.origin)
+            size = np.sqrt(np.mean(np.square(np.abs(recorded.values[:, chosen] @ np.linalg.pinv(rows).T)), axis=0)) / NOMINAL
+            return np.asarray(size / max(size.max(), np.finfo(np.float64).tiny))
+    return None
+
+
+def _undriven(campaign: Campaign, driven: dict[str, Array]) -> str:
+    """The axes that no run drives, in words; by what the runs say they drive where their motion cannot be told."""
+    if len(driven) == len(campaign.runs) and driven:
+        most = np.max(list(driven.values()), axis=0)
+        missing = [axis for axis, share in zip(MOTIONS, most, strict=True) if share < UNDRIVEN]
+    else:
+        said = {run.axis for run in campaign.runs}
+        missing = [] if "" in said else [axis for axis in MOTIONS if axis not in said]
+    return f"no run drives {' or '.join(missing)}" if missing else ""
+
+
+def _copies(campaign: Campaign) -> list[str]:
+    return [
+        f"runs {a} and {b} are the same recording"
+        for (a, one), (b, other) in combinations(campaign.recordings.items(), 2)
+        if one.values.shape == other.values.shape and _same(one, other)
+    ]
+
+
+def _same(one: Recording, other: Recording) -> bool:
+    first = slice(None, None, max(len(one) // 100, 1))  # nearly every pair differs in a hundred samples
+    return all(
+        np.linalg.norm(one.values[at] - other.values[at]) <= SAME * np.linalg.norm(one.values[at]) for at in (first, slice(None))
+    )
+
+
+def _misnamed(campaign: Campaign) -> list[str]:
+    found = []
+    for run in campaign.runs:
+        recorded = campaign.recordings.get(run.name)
+        share = None if recorded is None or not run.axis else shares(recorded, campaign.table)
+        if share is not None and share[MOTIONS.index(run.axis)] < UNDRIVEN:
+            most = MOTIONS[int(np.argmax(share))]
+            found.append(f"run {run.name} says that it drives {run.axis}, but it drives {most}")
+    return found

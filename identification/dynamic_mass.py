@@ -5,23 +5,23 @@ Columns of S_f and S_u are runs, rows are loads and base motions about one refer
     S_f = H S_u,   so   H = S_f S_u^-1                                            (Eqs. 10, 11)
 
 With more than six runs the same is solved by least squares, each run with its weight. How well six motions are told apart is the
-condition of S_u (`identification.excitation`); what noise does to H, and what to do about noise of the motions,
-`identification.errors_in_variables`; what the simple quotient of the driven axis costs, `identification.cross_motion`.
+condition of S_u (`identification.base_motion`); what noise does to H, and what to do about noise of the motions,
+`identification.dynamic_mass`; what the simple quotient of the driven axis costs, `identification.dynamic_mass`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
-from geometry.errors import BadInput
-from identification import excitation
-from identification.excitation import Excitation, Exclusions
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, frozen
+from identification import base_motion
+from identification.base_motion import Excitation, Exclusions, RunNoise
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,8 +71,8 @@ def from_runs(
         dependent at a line; the combination is named.
     """
     F, U, lines = _fitting(load, motion, frequency)
-    excited = excitation.of_runs(U, lines, levels)
-    excitation.require_driven(excited)
+    excited = base_motion.of_runs(U, lines, levels)
+    base_motion.require_driven(excited)
     scale = np.array([levels[axis] for axis in MOTIONS])
     w = _weights(weights, F.shape[:2]).T  # (n, r)
     columns = (U / scale).transpose(1, 2, 0) * w[:, None, :]
@@ -85,7 +85,7 @@ def from_runs(
 
 def exclusions(estimate: Estimate, limit: float) -> Exclusions:
     """Lines with a scaled condition number above `limit` are left out; the reasons name what moves together there."""
-    return excitation.exclusions(estimate.excitation, limit)
+    return base_motion.exclusions(estimate.excitation, limit)
 
 
 def quotient(load: npt.ArrayLike, motion: npt.ArrayLike, axis: str) -> ComplexArray:
@@ -122,3 +122,195 @@ def _refused(field: str, problem: str) -> BadInput:
         problem=problem,
         remedy="Give the spectra of every run on the same lines, each of the six axes driven in a run of its own",
     )
+
+
+# What the simple quotient of the driven axis costs beside six runs solved together.
+#
+# The quotient (Eq. 8a) takes every load in the run of axis k for an answer to the motion along k. The table moves along the
+# other five axes, too, and what these do is in the quotient: beside H from all runs (Eqs. 9 to 11) it is off by the sum of H_jl
+# u_l / u_k over these five.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CrossMotion:
+    """The quotient beside H, axis by axis.
+
+    Attributes
+    ----------
+    quotient : (n, 6, 6) complex, its columns by single runs, about the reference point of H
+    cross_motion : (6,) rms of the other five motions over the driven one, every axis divided by its nominal level
+    diagonal : (6,) rms over the lines of what the quotient is off on the diagonal, as a share of the diagonal's rms
+    column : (6,) the same for the largest load of the other five, as a share of the rms of sqrt(|H_jj H_kk|)
+    text : (6,) a sentence for each axis
+    """
+
+    quotient: ComplexArray
+    cross_motion: Array
+    diagonal: Array
+    column: Array
+    text: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("cross_motion", "diagonal", "column"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+
+
+def cost(load: npt.ArrayLike, motion: npt.ArrayLike, axes: Sequence[str], estimate: Estimate) -> CrossMotion:
+    """What cross motion costs the quotient, from the first run of each axis.
+
+    Parameters
+    ----------
+    load, motion : (r, n, 6) spectra about the reference point of `estimate`
+    axes : (r,) driven axis of each run, empty for a pattern of several
+
+    Raises
+    ------
+    BadInput : an axis that no run drives alone; a pattern of several axes has no quotient.
+    """
+    F, U = np.asarray(load, dtype=np.complex128), np.asarray(motion, dtype=np.complex128)
+    lacking = [axis for axis in MOTIONS if axis not in axes]
+    if lacking:
+        problem = f"no run drives {', '.join(lacking)} alone"
+        raise BadInput(source="quotient of the driven axis", field="runs", problem=problem, remedy="Use all runs together")
+    runs = [list(axes).index(axis) for axis in MOTIONS]
+    columns = np.stack([quotient(F[run], U[run], axis) for run, axis in zip(runs, MOTIONS, strict=True)], axis=2)
+    H = estimate.dynamic_mass.matrix
+    off, own = _rms(columns - H), _rms(np.sqrt(np.abs(np.einsum("nj,nk->njk", *2 * [np.diagonal(H, axis1=1, axis2=2)]))))
+    share = off / own
+    others = share - np.diag(np.diag(share))
+    crossed = _crossed(U[runs])
+    text = tuple(_said(*figures) for figures in zip(MOTIONS, crossed, np.diag(share), others.max(axis=0), strict=True))
+    return CrossMotion(quotient=columns, cross_motion=crossed, diagonal=np.diag(share), column=others.max(axis=0), text=text)
+
+
+def _crossed(U: ComplexArray) -> Array:
+    scaled = _rms(U.transpose(1, 0, 2)) / np.array([LEVELS[axis] for axis in MOTIONS])
+    driven = np.diag(scaled)
+    return np.asarray(np.linalg.norm(scaled - np.diag(driven), axis=1) / driven)
+
+
+def _rms(values: npt.NDArray[np.complex128] | Array) -> Array:
+    """Over the first axis."""
+    return np.asarray(np.sqrt(np.mean(np.abs(values) ** 2, axis=0)))
+
+
+def _said(axis: str, crossed: float, diagonal: float, column: float) -> str:
+    return (
+        f"{axis}: the other five axes move {100 * crossed:.2g} % as much; the quotient is {100 * diagonal:.2g} % off on the "
+        f"diagonal and up to {100 * column:.2g} % beside it"
+    )
+
+
+# What noise does to a dynamic mass, and how noise of the motions is kept from making it too small.
+#
+# Runs tell f_r = H u_r, but both sides are measured with noise, of covariances F_r and U_r. The residual e_r = f_r - H u_r then
+# has the covariance R_r = F_r + H U_r H^H. Least squares takes u_r for exact; with more than six runs its answer is too low by
+# the share of noise in the power of the motions. Likelihood takes the true motions for unknowns, too, and eliminates them: they
+# are the corrected
+#
+#     v_r = u_r + U_r H^H R_r^-1 e_r ,      and H solves     sum_r R_r^-1 (f_r - H u_r) v_r^H = 0 ,
+#
+# iterated until it stands still (Fuller, Measurement Error Models, 1987; total least squares of Golub and Van Loan, SIAM J.
+# Numer. Anal. 17, 1980, where all noise is alike). With six runs there is nothing to be corrected: e_r = 0 whatever they read.
+
+
+STEADY, ROUNDS = 1e-10, 100
+"""Relative change of H at which the iteration ends, and after how many rounds at the latest."""
+
+
+def balance(H: ComplexArray, motion: ComplexArray, load: ComplexArray, noise: RunNoise) -> tuple[ComplexArray, ComplexArray]:
+    """Residuals f - H u (r, n, 6) and their covariance F + H U H^H (r, n, 6, 6) for H (n, 6, 6).
+
+    Raises
+    ------
+    BadInput : the noise of some load and line is zero, so that nothing can be weighed by it.
+    """
+    R = noise.load + H @ noise.motion @ H.conj().swapaxes(1, 2)
+    if not np.all(np.linalg.eigvalsh(R)[..., 0] > 0):
+        problem = "loads and motions without any noise cannot be weighed by it"
+        raise BadInput(source="errors in variables", field="noise", problem=problem, remedy="Give the noise of every channel")
+    return np.asarray(load - np.einsum("njk,rnk->rnj", H, motion)), np.asarray(R)
+
+
+def correction(H: ComplexArray, residual: ComplexArray, covariance: ComplexArray, noise: RunNoise) -> ComplexArray:
+    """What the loads say against the motions: U H^H R^-1 e (r, n, 6)."""
+    weighed = np.linalg.solve(covariance, residual[..., None])
+    return np.asarray((noise.motion @ (H.conj().swapaxes(1, 2) @ weighed))[..., 0])
+
+
+def corrected(
+    load: npt.ArrayLike, motion: npt.ArrayLike, noise: RunNoise, estimate: Estimate
+) -> tuple[DynamicMass, ComplexArray]:
+    """H by errors in variables, from the least squares in `estimate`, and its covariance (n, 36, 36), entries row by row.
+
+    Parameters
+    ----------
+    load, motion : (r, n, 6) spectra about the reference point of `estimate`
+    noise : of both
+
+    Raises
+    ------
+    BadInput : noise of zero.
+    CheckFailed : the iteration does not settle, where noise is about as large as the motion.
+    """
+    F, U = np.asarray(load, dtype=np.complex128), np.asarray(motion, dtype=np.complex128)
+    H = estimate.dynamic_mass.matrix
+    for _ in range(ROUNDS):
+        left, right = _normal(H, U, F, noise)
+        new = np.asarray(np.linalg.solve(left, right[..., None]).reshape(H.shape), dtype=np.complex128)
+        change = np.abs(new - H).max() / np.abs(new).max()
+        H = new
+        if change <= STEADY:
+            return replace(estimate.dynamic_mass, matrix=H), _covariance(H, U, F, noise)
+    raise CheckFailed("The correction of the motions' noise does not settle: it is about as large as the motions themselves")
+
+
+def covariance(estimate: Estimate, noise: RunNoise) -> ComplexArray:
+    """(n, 36, 36) covariance E h h^H of the entries of a least-squares H, row by row, by noise on both sides (first order)."""
+    H, P = estimate.dynamic_mass.matrix, estimate.inverse
+    R = noise.load + H @ noise.motion @ H.conj().swapaxes(1, 2)
+    return np.asarray(np.einsum("rnij,nrk,nrl->nikjl", R, P, P.conj(), optimize=True).reshape(len(H), 36, 36))
+
+
+def bias(estimate: Estimate, noise: RunNoise) -> Array:
+    """(n,) by what share least squares of more than six runs takes H for too small: noise in the power of the motions, H N S^-1.
+
+    The motion that has most of it counts. 0 of six runs, which leave nothing to be corrected.
+    """
+    if noise.motion.shape[0] <= 6:
+        return np.zeros(len(estimate.inverse))
+    inverse_power = np.einsum("nrj,nrk->njk", estimate.inverse.conj(), estimate.inverse)  # (S_u S_u^H)^-1, conjugate
+    share = noise.motion.sum(axis=0) @ inverse_power.conj()
+    return np.asarray(np.abs(np.linalg.eigvals(share)).max(axis=1))
+
+
+def deviation(covariance: ComplexArray) -> Array:
+    """(n, 6, 6) standard deviation of each entry of H from their covariance (n, 36, 36)."""
+    return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2).real).reshape(-1, 6, 6))
+
+
+def _normal(H: ComplexArray, U: ComplexArray, F: ComplexArray, noise: RunNoise) -> tuple[ComplexArray, ComplexArray]:
+    """Matrix (n, 36, 36) and right side (n, 36) of the equations for H, with motions corrected by the present H."""
+    residual, R = balance(H, U, F, noise)
+    V = (U + correction(H, residual, R, noise)).conj()
+    weight = np.linalg.inv(R)
+    left = np.einsum("rnaj,rnb,rnk->nabjk", weight, V, U, optimize=True).reshape(len(H), 36, 36)
+    right = np.einsum("rnaj,rnj,rnb->nab", weight, F, V, optimize=True).reshape(len(H), 36)
+    return np.asarray(left), np.asarray(right)
+
+
+def _covariance(H: ComplexArray, U: ComplexArray, F: ComplexArray, noise: RunNoise) -> ComplexArray:
+    """N^-1 N_v N^-1: N_v is told by the corrected motions, N by the true ones, whose power lacks the noise left in those."""
+    residual, R = balance(H, U, F, noise)
+    V, weight = U + correction(H, residual, R, noise), np.asarray(np.linalg.inv(R), dtype=np.complex128)
+    HU = H @ noise.motion
+    left_over = np.asarray((noise.motion - HU.conj().swapaxes(2, 3) @ weight @ HU).conj(), dtype=np.complex128)
+    power = np.asarray(V.conj()[..., :, None] * V[..., None, :], dtype=np.complex128)
+    of_corrected, of_true = _information(weight, power), _information(weight, power - left_over)
+    inverse = np.linalg.inv(of_true)
+    return np.asarray(inverse @ of_corrected @ inverse)
+
+
+def _information(weight: ComplexArray, power: ComplexArray) -> ComplexArray:
+    n = weight.shape[1]
+    return np.asarray(np.einsum("rnaj,rnbk->nabjk", weight, power, optimize=True).reshape(n, 36, 36))

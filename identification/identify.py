@@ -7,27 +7,32 @@ kept with them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import sqrt
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from identification import cross_motion, excitation, rigid_band
-from identification.base_motion import BaseMotion, base_motion
+from geometry.frames import Array
+from geometry.inertia import Inertia
+from identification import base_motion as identification_base_motion
+from identification import dynamic_mass, rigid_band
+from identification.base_motion import BaseMotion, Exclusions, base_motion
 from identification.campaign import Campaign
-from identification.campaign_runs import problems_of_runs
-from identification.cross_motion import CrossMotion
-from identification.dynamic_mass import Estimate, from_runs
-from identification.evidence import Evidence, Settings, evidence_of, settings_of
-from identification.excitation import Exclusions
-from identification.identified import Identified
-from identification.plain import plain
-from identification.request import Request
+from identification.campaign_file import problems_of_runs
+from identification.consistency import Finding
+from identification.dynamic_mass import CrossMotion, Estimate, from_runs
+from identification.plain import covariance_of, of_tares, plain, tolerances_of
+from identification.request import Evidence, Identified, Known, Request, Settings, TareSpectra, evidence_of, settings_of
 from identification.resultants import Resultants, resultants
-from identification.self_calibration.calibrated import calibrated
+from identification.self_calibration.fit import calibrated, fitted, identified
+from identification.self_calibration.likelihood import Rows, normal
+from identification.self_calibration.problem import Assembly, Layout, Part, assembled, of_fmd
+from identification.self_calibration.solve import inverse
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
 
@@ -82,7 +87,7 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     article, *tares = _spectra(request, _between(tell, 0.0, READ))
     motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
     estimate = _estimate(request.campaign, load, motion, article)
-    driven = excitation.exclusions(estimate.excitation, request.condition_limit)
+    driven = identification_base_motion.exclusions(estimate.excitation, request.condition_limit)
     _require_lines(driven, request.campaign)
     resonance = _resonance(request, estimate.dynamic_mass, driven)
     left_out = driven if resonance is None or request.band is not None else _nearly_rigid(driven, article.frequency, resonance)
@@ -192,7 +197,7 @@ def _taken_for_rigid(resonance: float | None, used: Spectra) -> list[str]:
 
 def _crossed(load: Resultants, motion: BaseMotion, article: Spectra, estimate: Estimate) -> CrossMotion | None:
     try:
-        return cross_motion.cost(load.values, motion.values, article.axes, estimate)
+        return dynamic_mass.cost(load.values, motion.values, article.axes, estimate)
     except BadInput:
         return None  # a pattern of several axes has no quotient
 
@@ -206,3 +211,212 @@ def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> t
         asked = processing.method
         said.append(f"campaign.toml asks for {asked}, {request.method} was used; --spectra {asked} follows the file")
     return tuple(dict.fromkeys(said))
+
+
+# What a campaign that has not been run would tell: the covariance of the joint fit at its own solution, before any data.
+#
+# The likelihood of the joint fit needs no measured numbers to say how sharp it is, only what is planned: channels, base motions,
+# noise, tolerances and about what the article will be. The covariance (J^T J + priors)^-1 is linearised at the planned truth;
+# the spectra handed in are those that exact channels would read. A sensor is left out by its weight, zero in every campaign.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Expected:
+    """What a planned campaign would tell about the article's ten parameters about F.
+
+    Attributes
+    ----------
+    best : self-calibrated, with everything that is planned
+    plain : by Eqs. 6 to 11 from the same
+    untared : (10, 10) covariance when there is no tare and the FMD is known as before; None where none is planned anyway
+    without : by channel, (10, 10) covariance when it is lost in all campaigns
+    """
+
+    best: Identified
+    plain: Identified
+    untared: Array | None
+    without: Mapping[str, Array]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "without", MappingProxyType(dict(self.without)))
+
+
+def expected(
+    evidence: Evidence,
+    settings: Settings,
+    fmd: Known,
+    *,
+    lost: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Expected:
+    """What `evidence`, planned and exact, would tell.
+
+    Parameters
+    ----------
+    fmd : what is known of the FMD without any tare
+    lost : whether every channel is left out in turn
+    progress : told the share of the work that is done, 0 to 1
+
+    Raises
+    ------
+    BadInput : channels that do not tell six motions and six loads.
+    """
+    tell = progress or (lambda share: None)
+    plainly = plain(evidence, settings, progress=lambda share: tell(0.3 * share))
+    problem = assembled(evidence, settings)
+    tell(0.4)
+    solution = fitted(problem, settings, progress=lambda share: tell(0.4 + 0.2 * share))
+    planned = [_at(part, problem.layout, solution.x) for part in problem.parts(settings.floor)]
+    names = problem.campaigns[0].chain.names if lost else ()
+    without = {}
+    for k, name in enumerate(names):
+        tell(0.6 + 0.4 * k / len(names))
+        without[name] = covariance(problem, [_information(one, blind=name) for one in planned])
+    untared = covariance(problem, [_information(planned[0]), _known(problem, fmd)]) if evidence.tares else None
+    tell(1.0)
+    return Expected(best=identified(problem, solution, settings), plain=plainly, untared=untared, without=without)
+
+
+def covariance(problem: Assembly, information: Sequence[Array]) -> Array:
+    """(10, 10) of the article's parameters from `information` (k, k) about the joint vector, and the priors."""
+    rows, article = problem.layout.knowledge[0], problem.layout.at("article")
+    return inverse(np.sum(information, axis=0) + rows.T @ rows)[article, article]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _At:
+    """A campaign at the planned truth: how its channels answer to everything, which no weight changes."""
+
+    part: Part
+    rows: Rows
+    selection: Array
+
+
+def _at(part: Part, layout: Layout, x: Array) -> _At:
+    return _At(part=part, rows=part.rows(layout, x), selection=part.selection(layout))
+
+
+def _information(one: _At, blind: str | None = None) -> Array:
+    """J^T J (k, k) of a campaign, to which the channel `blind` says nothing."""
+    observed = one.part.observed
+    if blind is not None:
+        weight = observed.weight.copy()
+        weight[:, :, one.part.chain.names.index(blind)] = 0.0
+        observed = replace(observed, weight=weight)
+    return np.asarray(one.selection.T @ normal(observed, one.rows).matrix @ one.selection)
+
+
+def _known(problem: Assembly, fmd: Known) -> Array:
+    """Information (k, k) about the FMD that was there before."""
+    size = len(problem.layout)
+    at = problem.layout.at(problem.campaigns[0].structure.bodies[0].block)
+    information = np.zeros((size, size))
+    information[at, at] = inverse(fmd.covariance)
+    return information
+
+
+# The FMD from campaigns on known articles, with its covariance, to be carried into later results.
+
+
+_DEFAULT = Settings()
+
+
+def fmd(
+    tares: Sequence[TareSpectra],
+    settings: Settings = _DEFAULT,
+    *,
+    self_calibrated: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Known:
+    """The FMD's ten parameters about F from `tares`, self-calibrated or by Eqs. 6 to 11, with their covariance.
+
+    Raises
+    ------
+    BadInput : no tare, or tares of different hardware.
+    """
+    if not tares:
+        raise BadInput(source="tare", field="tares", problem="the FMD needs a campaign on a known article", remedy="Add one")
+    _require_one_hardware(tares)
+    if not self_calibrated:
+        by_paper = of_tares(list(tares), settings)
+        covariance = covariance_of(by_paper, tolerances_of(tares[0].spectra, settings))
+        return Known(inertia=Inertia(parameters=by_paper.ten), covariance=covariance)
+    problem = of_fmd(tares, settings)
+    found = identified(problem, fitted(problem, settings, progress=progress), settings)
+    return Known(inertia=found.inertia, covariance=found.covariance)
+
+
+def _require_one_hardware(tares: Sequence[TareSpectra]) -> None:
+    stated = sorted({tare.hardware for tare in tares if tare.hardware})
+    if len(stated) > 1:
+        raise BadInput(
+            source="tare",
+            field="campaign.hardware",
+            problem=f"one FMD is asked for, found campaigns of {', '.join(stated)}",
+            remedy="Give those of one hardware",
+        )
+
+
+# Whether the data bear the figures that came out of them: what contradicts itself is said before any interval.
+#
+# An interval holds where the model does. Channels that disagree, a misfit far above what noise and model error leave, tolerances
+# that had to be bent far beyond what a laboratory is off by, a fit that did not settle: each says that the model does not hold,
+# and then no interval is worth its digits. Simulated laboratories with ordinary tolerances leave a misfit of 0.8 to 1.2 and a
+# mean z² of 0.7 to 1.2; a channel in a wrong unit leaves hundreds.
+
+
+MISFIT = 3.0
+"""chi² per degree of freedom up to which noise and model error are what they were taken for."""
+
+BENT = 3.0
+"""Mean z² of the tolerances up to which they were bent no farther than those of an ordinary laboratory."""
+
+BROKEN = 10.0
+"""Tolerances beyond which a closed check without a suspect speaks against the data.
+
+279 sound campaigns reached 3.6; spectra in files, whose noise is not known and counts as 0, a few more.
+"""
+
+TRUSTWORTHY, ELASTIC = "trustworthy", "dominated by elasticity"
+"""How the verdicts begin that a failed model takes back, and those that have named the reason themselves."""
+
+CORRECT = "correct the channel (`unit`, `direction`, or its name in the files) in campaign.toml and identify again"
+
+
+def contradictions(checks: Iterable[Finding]) -> tuple[str, ...]:
+    """Closed checks that fail, in words: a channel that is suspected by name, else everything that does not hold."""
+    failed = [one for one in checks if not one.holds]
+    named = [one.text for one in failed if one.suspects]
+    return tuple(named or (one.text for one in failed if one.value > BROKEN or one.name == "diagonal"))
+
+
+def failures(one: Identified) -> tuple[str, ...]:
+    """What the fit itself says against its model, in words."""
+    said = []
+    if one.misfit > MISFIT:  # false where noise is not known
+        said.append(f"the fit leaves {sqrt(one.misfit):.3g} times what noise and model error explain, a failed model")
+    if one.tolerances and one.surprise > BENT * one.tolerances:
+        rms = sqrt(one.surprise / one.tolerances)
+        said.append(f"the {one.tolerances} tolerances had to be bent by {rms:.3g} standard deviations rms, a failed model")
+    if not one.converged:
+        said.append("the fit did not converge")
+    return tuple(said)
+
+
+def judged(told: Mapping[str, str], against: tuple[str, ...], failed: tuple[str, ...]) -> dict[str, str]:
+    """The verdicts `told`, behind what speaks against all of them.
+
+    Parameters
+    ----------
+    against : contradictions of the data, which come first in every verdict
+    failed : failures of the fit; elasticity is a reason for these, so a verdict that names it stays
+    """
+    return {name: _judged(said, against or (() if said.startswith(ELASTIC) else failed)) for name, said in told.items()}
+
+
+def _judged(said: str, against: tuple[str, ...]) -> str:
+    if not against:
+        return said
+    advice = CORRECT if against[0].startswith("it looks as if") else "see what `massline check` says of the channels"
+    kept = "" if said.startswith(TRUSTWORTHY) else f"; {said}"
+    return f"not trustworthy: {against[0]}; {advice}{kept}"

@@ -12,13 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geometry.arrays import Array, frozen
-from geometry.consistency import judge
-from geometry.frames import Pose
-from geometry.inertia import PARAMETERS, Inertia
-from identification.classical import QUANTITIES, jacobian, quantities
-from identification.evidence import scale
-from identification.identified import Identified
+from geometry.frames import Array, Pose, frozen
+from geometry.inertia import PARAMETERS, Inertia, judge
+from identification.request import QUANTITIES, Identified, jacobian, quantities, scale
 
 NORMAL_90 = 1.6448536269514722
 """Half the width of a 90 % interval, in standard deviations."""

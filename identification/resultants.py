@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry import sensors
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.observability import of_resultants
+from geometry.frames import Array
+from geometry.inertia import of_resultants
 from geometry.sensors import ChannelTable
 from identification.base_motion import in_percent, in_sigmas
 from identification.spectra.line_spectra import Spectra

@@ -8,29 +8,262 @@ Noise of the motions makes plain least squares too low, as every error in a regr
 the motion. Where the noise on both sides is known, motions corrected by what the loads say take part in the equations instead.
 The answer is the stationary point of the likelihood (errors in variables; Fuller, Measurement Error Models, 1987).
 
-Gravity: with apparent accelerations, which is what accelerometers read, none of it is left (`identification.gravity`).
+Gravity: with apparent accelerations, which is what accelerometers read, none of it is left (`identification.base_motion`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
-from geometry.consistency import judge
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from geometry.inertia import Inertia
+from geometry.frames import Array, frozen
+from geometry.inertia import PARAMETERS, Inertia, Kind, combination, judge
+from geometry.routes import from_log_cholesky, log_cholesky
+from identification.base_motion import RunNoise, against_apparent, tilt
+from identification.dynamic_mass import balance, correction
 from identification.elastic import model
-from identification.elastic.terms import ElasticTerms
-from identification.errors_in_variables import balance, correction
-from identification.gravity import against_apparent, tilt
-from identification.physical import nearest_body
-from identification.regression import Equations, Solution, require_known, solve
-from identification.run_noise import RunNoise
-from identification.unidentifiable import Unidentifiable
+from identification.elastic.model import ElasticTerms
+
+# The nearest parameters that a body can have, in units of what the data can tell.
+#
+# Least squares knows nothing of positive density. Where its answer breaks the triangle inequality, the one that a body can have
+# and that the data like best is the minimum of (p - p0)^T C^-1 (p - p0) over all positive pseudo-inertias, for which the
+# log-Cholesky coordinates are free of constraints (`geometry.routes`). Where least squares lies outside, that minimum lies on
+# the boundary - a body without thickness - which logarithms approach and never reach: what is returned is a body, by a hair.
+
+
+INSIDE = 1e-3
+"""How far inside the boundary, relative to the trace of the pseudo-inertia, the search starts."""
+
+
+def nearest_body(inertia: Inertia, covariance: Array) -> Inertia:
+    """`inertia` where a body can have it, else the nearest body in the metric of `covariance` (10, 10), about the same point.
+
+    Raises
+    ------
+    CheckFailed : the mass is not positive, so that there is no body near.
+    """
+    from scipy.optimize import least_squares
+
+    if judge(inertia).kind is Kind.BODY:
+        return inertia
+    if inertia.mass <= 0:
+        raise CheckFailed(f"No body is near parameters of negative mass, found {inertia.mass:.6g} kg", mass=inertia.mass)
+    whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+
+    def misfit(coordinates: Array) -> Array:
+        return np.asarray(whiten @ (_of(coordinates, inertia).parameters - inertia.parameters))
+
+    found = least_squares(misfit, log_cholesky(_inside(inertia)), x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    return _of(found.x, inertia)
+
+
+def _of(coordinates: Array, like: Inertia) -> Inertia:
+    """The body with log-Cholesky coordinates about the reference point of `like`, which stands for the frame's origin there."""
+    return Inertia(parameters=from_log_cholesky(coordinates).parameters, reference_point=like.reference_point)
+
+
+def _inside(inertia: Inertia) -> Inertia:
+    """A body near `inertia`, about the origin: second moments of its density about its CoG lifted to be positive."""
+    about = Inertia(parameters=inertia.parameters)
+    values, axes = np.linalg.eigh(about.tensor_cog)
+    sigma = values.sum() / 2 - values
+    lifted = np.maximum(sigma, INSIDE * np.abs(sigma).max())
+    tensor = axes @ np.diag(lifted.sum() - lifted) @ axes.T
+    return Inertia.from_cog(mass=about.mass, cog=about.cog, tensor=tensor)
+
+
+# Robust weights: equations that do not fit the others lose their say (iteratively reweighted least squares).
+#
+# Equations come in groups of s complex numbers that belong together, whitened: the size of a group is the rms of its residuals,
+# 1 where nothing is wrong but the noise. The scale by which sizes are divided comes from their median, which half of the groups
+# may spoil without moving it far. Huber's weights fall off as 1/size and never to zero, so that there is one minimum; Tukey's
+# biweight takes gross errors out altogether (Huber, Robust Statistics, 1981; Holland and Welsch, Commun. Statist. A6, 1977).
+
+
+def huber(size: Array, corner: float = 1.5) -> Array:
+    """Weights of groups of this `size`: 1 up to the corner, then falling as 1/size."""
+    return np.asarray(corner / np.maximum(size, corner))
+
+
+def tukey(size: Array, corner: float = 4.0) -> Array:
+    """Weights of groups of this `size`: smoothly from 1 to 0 at the corner, 0 beyond."""
+    return np.asarray(np.square(1 - np.square(np.minimum(size / corner, 1))))
+
+
+WEIGHTS: Mapping[str, Callable[[Array], Array]] = MappingProxyType({"": np.ones_like, "huber": huber, "tukey": tukey})
+"""Robust weights by name; the empty name weighs all alike."""
+
+
+def scale(size: Array, together: int) -> float:
+    """The size of a sound group of `together` complex numbers from the median of all.
+
+    The mean square of s complex normal numbers has the median (1 - 1/(9 s))³ (Wilson and Hilferty, PNAS 17, 1931).
+    """
+    return float(np.median(size) / (1 - 1 / (9 * together)) ** 1.5)
+
+
+# `Unidentifiable`: data that leave a combination of the unknowns open, with the evidence.
+
+
+class Unidentifiable(CheckFailed):
+    """Data that leave a combination of the unknowns open.
+
+    Attributes
+    ----------
+    singular_values : of the equations, every unknown scaled to a column of length 1; descending
+    null_direction : the combination of the scaled unknowns that the data say least about, of length 1
+    undetermined : names of the unknowns that take part in what is open
+    """
+
+    def __init__(self, message: str, *, singular_values: Array, null_direction: Array, undetermined: tuple[str, ...]) -> None:
+        self.singular_values = singular_values
+        self.null_direction = null_direction
+        self.undetermined = undetermined
+        super().__init__(message, singular_values=singular_values, null_direction=null_direction, undetermined=undetermined)
+
+
+# Complex linear equations for ten real unknowns: weighted, robust, and refused where they leave a combination open.
+
+
+OPEN = 1e-8
+"""Singular value, relative to the largest, below which equations of scaled unknowns say nothing: what is left is rounding."""
+
+ROUNDING = 1e-9
+"""Residuals, relative to the values, below which none of them is an outlier: exact data have nothing but rounding."""
+
+SHARE = 0.05
+"""Share of the largest from which a parameter counts as part of the combination that is open."""
+
+REGRESSION_STEADY, REGRESSION_ROUNDS = 1e-10, 100
+"""Relative change of the parameters at which reweighting ends, and after how many rounds at the latest."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Equations:
+    """Whitened equations ``rows @ p = values`` in groups of numbers that belong together.
+
+    Attributes
+    ----------
+    rows : (g, s, 10) complex
+    values : (g, s) complex
+    left : (g, s, 10) complex, what the residual is orthogonal to: `rows` in least squares, rows without their noise in errors in
+        variables
+    """
+
+    rows: ComplexArray
+    values: ComplexArray
+    left: ComplexArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Solution:
+    """What the equations say.
+
+    Attributes
+    ----------
+    parameters : (10,)
+    inverse : (10, 10) covariance of the parameters where every whitened number has E|noise|² = 1
+    size : (g,) rms of the residuals of each group
+    weight : (g,) robust weight of each group
+    singular_values : (10,) of the equations, every unknown scaled to a column of length 1; descending
+    """
+
+    parameters: Array
+    inverse: Array
+    size: Array
+    weight: Array
+    singular_values: Array
+
+
+def solve(equations: Equations, robust: str = "") -> Solution:
+    """The ten parameters, robust in the way `robust` of `WEIGHTS`.
+
+    Raises
+    ------
+    BadInput : `robust` is no such way.
+    Unidentifiable : the equations leave a combination of the ten parameters open.
+    """
+    require_known(robust)
+    weight = np.ones(len(equations.values))
+    found = _weighted(equations, weight)
+    least = ROUNDING * float(np.sqrt(np.mean(np.abs(equations.values) ** 2))) or 1.0
+    for _ in range(REGRESSION_ROUNDS if robust else 0):
+        before, size = found.parameters, found.size
+        found = _weighted(equations, WEIGHTS[robust](size / max(scale(size, equations.values.shape[1]), least)))
+        if np.linalg.norm(found.parameters - before) <= REGRESSION_STEADY * np.linalg.norm(before):
+            break
+    return found
+
+
+def require_known(robust: str) -> None:
+    """`robust` is a way of `WEIGHTS`.
+
+    Raises
+    ------
+    BadInput : it is not.
+    """
+    if robust not in WEIGHTS:
+        known = ", ".join(repr(name) for name in WEIGHTS)
+        problem = f"must be one of {known}, found {robust!r}"
+        raise BadInput(source="ten parameters", field="robust", problem=problem, remedy="Take one of these")
+
+
+def _weighted(equations: Equations, weight: Array) -> Solution:
+    root = np.sqrt(weight)[:, None]
+    A, Z = _real(equations.rows * root[:, :, None]), _real(equations.left * root[:, :, None])
+    b = _real(equations.values * root)
+    length = np.maximum(np.linalg.norm(Z, axis=0), np.finfo(np.float64).tiny)
+    left, singular, right = np.linalg.svd(Z / length, full_matrices=False)
+    _require_determined(singular, right)
+    # Z = left s right: the normal equations Z^T A p = Z^T b without squaring the condition number.
+    inner = left.T @ A
+    p = np.linalg.solve(inner, left.T @ b)
+    residual = equations.values - equations.rows @ p
+    half = (right / singular[:, None]) / length
+    return Solution(
+        parameters=np.asarray(p, dtype=np.float64),
+        inverse=half.T @ half / 2,
+        size=np.sqrt(np.mean(np.abs(residual) ** 2, axis=1)),
+        weight=weight,
+        singular_values=singular,
+    )
+
+
+def _real(values: ComplexArray) -> Array:
+    """Real parts above imaginary parts; the groups side by side."""
+    flat = values.reshape(values.shape[0] * values.shape[1], *values.shape[2:])
+    return np.concatenate([flat.real, flat.imag])
+
+
+def _require_determined(singular: Array, right: Array) -> None:
+    if singular[-1] > OPEN * singular[0]:
+        return
+    null = right[singular <= OPEN * singular[0]]
+    share = np.linalg.norm(null, axis=0)
+    open_ = tuple(name for name, part in zip(PARAMETERS, share, strict=True) if part >= SHARE * share.max())
+    told = f"{len(singular) - len(null)} of ten combinations are told"
+    mixed = (
+        "" if len(null) == len(open_) else f"; the data say nothing of {_said(null)}" if len(null) == 1 else "; they are mixed"
+    )
+    raise Unidentifiable(
+        f"The data leave {', '.join(open_)} open: {told}{mixed}. Drive the base motions that these act on, in runs of their own",
+        singular_values=singular,
+        null_direction=right[-1],
+        undetermined=open_,
+    )
+
+
+def _said(null: Array) -> str:
+    kept = np.where(np.abs(null[0]) >= SHARE * np.abs(null[0]).max(), null[0], 0)
+    return f"{combination(kept, PARAMETERS)} (each as a share of what it does in the data)"
+
 
 BASIS = np.array([Inertia(parameters=one).mass_matrix for one in np.eye(10)])
 """(10, 6, 6) the matrices B_k of M(p) = sum_k p_k B_k."""

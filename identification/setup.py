@@ -11,19 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
+from geometry.frames import Array
 from identification import rigid_body
-from identification.base_motion import base_motion
-from identification.dynamic_mass import Estimate, from_runs
-from identification.elastic.fit import Fitted, fit
-from identification.elastic.lines import levels
-from identification.elastic.terms import ElasticTerms
-from identification.errors_in_variables import bias, corrected, covariance, deviation
-from identification.evidence import Settings
+from identification.base_motion import RunNoise, base_motion
+from identification.dynamic_mass import Estimate, bias, corrected, covariance, deviation, from_runs
+from identification.elastic.fit import Fitted, fit, levels
+from identification.elastic.model import ElasticTerms
+from identification.request import Settings
 from identification.resultants import resultants
-from identification.run_noise import RunNoise
 from identification.spectra.line_spectra import Spectra
 
 CHAIN_ERROR = 0.02

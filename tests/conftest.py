@@ -65,7 +65,7 @@ def code(root: Path) -> Path:
 @pytest.fixture(scope="session")
 def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``massline(*arguments, cwd=folder)``: the command line in a process of its own; keywords go to `subprocess.run`."""
-    entry = (sys.executable, "-P", "-c", "from validation.cli import main; main()")
+    entry = (sys.executable, "-P", "-c", "from validation.cli.main import main; main()")
 
     def run(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
         return subprocess.run([*entry, *arguments], capture_output=True, encoding="utf-8", check=False, **options)
@@ -89,10 +89,10 @@ def data(root: Path) -> Path:
 def browser_path() -> str:
     """The path of a browser of the Chromium family; a machine without one says what to install and skips."""
     from geometry.errors import BadInput
-    from validation.report import browser
+    from validation.report import page
 
     try:
-        return browser.path()
+        return page.browser_path()
     except BadInput as error:
         pytest.skip(str(error))
 
@@ -101,7 +101,7 @@ def browser_path() -> str:
 def renderer() -> None:
     """Off-screen rendering; a machine without OpenGL says so and skips."""
     from geometry.errors import CheckFailed
-    from validation.pictures.window import off_screen
+    from validation.report.scenes.scene import off_screen
 
     try:
         with off_screen():

@@ -46,7 +46,7 @@ LIBRARIES = (
 )
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
-"""What a browser may be called; `validation.report.browser` looks for the same."""
+"""What a browser may be called; `validation.report.page` looks for the same."""
 
 INSTALL_BROWSER = "apt-get install --no-install-recommends chromium"
 

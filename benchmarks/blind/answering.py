@@ -15,8 +15,8 @@ from pathlib import Path
 from benchmarks.blind.names import ANSWER, MODEL, SETTINGS, Json
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
-from validation.comparing.gathered import gathered
-from validation.models import reading
+from validation.model import model_file
+from validation.study import read_data
 
 PARAMETERS = "parameters"
 """Of fits: hundreds of figures that no score asks for."""
@@ -33,17 +33,20 @@ def answered(folder: Path) -> Json:
 
 
 def _answered(folder: Path) -> Json:
-    from validation.diagnosing.as_json import as_json
-    from validation.diagnosing.diagnosed import bench, diagnosed
+    from validation.diagnose.diagnose import bench, diagnosed
+    from validation.report.diagnose import diagnosis_json
 
     asked: Json = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
     began = time.process_time()
-    model = reading.read(folder / MODEL)
-    data = gathered([str(folder / name) for name in asked["data"]], model)
+    model = model_file.read(folder / MODEL)
+    data = read_data([str(folder / name) for name in asked["data"]], model)
     ready = bench(model, data, hold_out=tuple(asked["hold_out"]))
     read = time.process_time()
     found = diagnosed(ready, leave_out=tuple(asked["leave_out"]))
-    return {**without(as_json(found), PARAMETERS), "seconds": {"reading": read - began, "diagnosis": time.process_time() - read}}
+    return {
+        **without(diagnosis_json(found), PARAMETERS),
+        "seconds": {"reading": read - began, "diagnosis": time.process_time() - read},
+    }
 
 
 def without(content: Json, key: str) -> Json:

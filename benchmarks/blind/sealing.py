@@ -21,13 +21,11 @@ from benchmarks.cross_check_proof import STIFFNESS, SWEEPS, words
 from geometry.atomic import write_text
 from identification import campaign_file
 from identification.campaign import Processing
-from validation.effects.identifiers import Named, parse
-from validation.models import writing
-from validation.models.model import Model
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.effects.reach import reaching
-from validation.virtual_test.hooks import Effect
-from validation.virtual_test.plan import Plan
+from validation.effects.catalogue import Named, parse
+from validation.model import model_file
+from validation.model.model import Model
+from validation.virtual_test.plan import Plan, PlantedEffect
+from validation.virtual_test.planted import planted, reaching
 from validation.virtual_test.simulate import Progress, simulate
 
 TITLE = "a laboratory"
@@ -60,7 +58,7 @@ def sealed(
         campaign_file.write(folder / article, replace(test.campaign, processing=processing), ending=".h5")
         tolerances: Any = test.truth["tolerances"]
         drawn |= {name: value for name, value in tolerances.items() if isinstance(value, float)}
-    write_text(folder / MODEL, writing.text(known()))
+    write_text(folder / MODEL, model_file.text(known()))
     settings = {"data": list(case.articles), "hold_out": list(case.hold_out), "leave_out": list(case.leave_out)}
     write_text(folder / SETTINGS, json.dumps(settings))
     return truth(case, drawn)
@@ -98,5 +96,5 @@ def _planned(case: Case, plan: Plan) -> Plan:
     """`plan` with the effects of `case` that reach it."""
     texts = [one.text for one in case.planted]
     of_catalogue: list[Named] = [parse(text, words()) for text in texts if not text.startswith(foreign.PREFIX)]
-    nobodys: list[Effect] = [foreign.of_text(text) for text in texts if text.startswith(foreign.PREFIX)]
+    nobodys: list[PlantedEffect] = [foreign.of_text(text) for text in texts if text.startswith(foreign.PREFIX)]
     return replace(plan, effects=(*planted(reaching(of_catalogue, plan)), *nobodys))

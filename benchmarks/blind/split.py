@@ -21,18 +21,16 @@ from benchmarks.blind.drawing.case import NULL, SERIES, SINGLE, Case
 from benchmarks.blind.drawing.draw import draw
 from benchmarks.blind.names import MODEL
 from benchmarks.blind.sealing import sealed
-from validation.comparing.gathered import gathered
-from validation.diagnosing import diagnosed
-from validation.diagnosing.bench import Bench
-from validation.diagnosing.menu import candidates
-from validation.diagnosing.refitting import baseline, refitted
-from validation.diagnosing.screening import screen
-from validation.effects.worth import worth
-from validation.engine.fit import nearby
-from validation.engine.parameter import FITTED
-from validation.engine.problem import Problem
-from validation.models import reading
-from validation.models.model import Added
+from validation.diagnose import diagnose
+from validation.diagnose.candidates import candidates, screen
+from validation.diagnose.diagnosis import FittedData
+from validation.diagnose.search import baseline, refitting_refitted
+from validation.effects.effect import evidence_threshold
+from validation.estimation.fit import nearby
+from validation.estimation.problem import FITTED, Problem
+from validation.model import model_file
+from validation.model.model import Added
+from validation.study import read_data
 
 WEAK = 2.0
 """Multiple of the detection limit at which effects are asked for."""
@@ -42,14 +40,14 @@ SURE = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Half(Bench):
+class Half(FittedData):
     """A bench that sees every second line, the `odd` ones or the others."""
 
     odd: bool = False
 
     def problem(self, effects: Sequence[Added] = ()) -> Problem:
         """As a bench, with half of the lines."""
-        every = Bench.problem(self, effects)
+        every = FittedData.problem(self, effects)
         lines = {one.measured.name: every.lines_of(one)[int(self.odd) :: 2] for one in every.predictions}
         return replace(every, lines=lines)
 
@@ -76,18 +74,20 @@ class Tried:
 def tried(case: Case, folder: Path) -> Tried:
     """Both ways on one `case`, simulated into `folder`."""
     sealed(case, folder)
-    model = reading.read(folder / MODEL)
-    whole = diagnosed.bench(model, gathered([str(folder / name) for name in case.articles], model), hold_out=case.hold_out)
+    model = model_file.read(folder / MODEL)
+    whole = diagnose.bench(model, read_data([str(folder / name) for name in case.articles], model), hold_out=case.hold_out)
     first, other = (Half(**vars(whole), odd=odd) for odd in (False, True))
     base, menu = baseline(first), candidates(first)
-    best = max((refitted(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence)
+    best = max(
+        (refitting_refitted(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence
+    )
     (effect,) = best.effects
     without, held = (
         nearby(other.problem(effects), FITTED, at.fit.by_name)
         for effects, at in (((), base), ((replace(effect, fixed=True),), best))
     )
     planted = case.planted[0].text.partition("=")[0] if case.planted else ""
-    over = best.fit.log_evidence - base.fit.log_evidence - worth(effect.named.family)
+    over = best.fit.log_evidence - base.fit.log_evidence - evidence_threshold(effect.named.family)
     return Tried(case=case.name, planted=planted, found=effect.named.id, over=over, unseen=without.cost - held.cost)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.base_excitation.rig import Strut
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Size
+from validation.effects.effect import STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.plants import at
 
 
@@ -24,7 +24,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="a viscous damper from a place to the ground",
     targets=("place",),
-    sizes=(Size(unit="N s/m", low=0.0, high=1e5, plausible=50.0),),
+    sizes=(SizeSpec(unit="N s/m", low=0.0, high=1e5, plausible=50.0),),
     example="dashpot:mast-top=30",
     stage=STRUCTURE_STAGE,
     change=change,

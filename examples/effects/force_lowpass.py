@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
+from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
 from validation.effects.plants import at
 
 
@@ -31,7 +31,7 @@ FAMILY = Family(
     side=FORCES,
     what="first-order low-pass of a charge amplifier",
     targets=("force channel",),
-    sizes=(Size(unit="s", low=0.0, high=0.1, plausible=1e-3),),
+    sizes=(SizeSpec(unit="s", low=0.0, high=0.1, plausible=1e-3),),
     example="force-lowpass:fmd-z2=1e-3",
     stage=CHANNEL_STAGE,
     change=change,

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Size
-from validation.effects.targets import PLACE
+from validation.effects.effect import PLACE, STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec
 
 LENGTH = 0.1533  # [m] of a leg
 
@@ -33,7 +32,7 @@ FAMILY = Family(
     what="compliance of each clamp of the legs below a floor",
     targets=(PLACE,),
     optional=True,
-    sizes=(Size(unit="rad/(N m)", low=0.0, high=1.0, plausible=2e-3),),
+    sizes=(SizeSpec(unit="rad/(N m)", low=0.0, high=1.0, plausible=2e-3),),
     example="leg-clamp=0.001",
     stage=STRUCTURE_STAGE,
     change=change,

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Size
+from validation.effects.effect import STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec
 
 
 def change(stage, targets, values):
@@ -14,7 +14,7 @@ FAMILY = Family(
     name="storey-mass",
     side=STRUCTURE,
     what="the same mass on every storey",
-    sizes=(Size(unit="kg", low=-5.0, high=50.0, plausible=1.0),),
+    sizes=(SizeSpec(unit="kg", low=-5.0, high=50.0, plausible=1.0),),
     example="storey-mass=0.5",
     stage=STRUCTURE_STAGE,
     change=change,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.section import Section
+from fem.beam.elements import Section
 
 
 def aliases(factor: float, *, modulus: float, thickness: float, length: float) -> dict[str, float]:

@@ -11,16 +11,15 @@ import numpy as np
 
 from frame_story.structure import FLOORS
 from validation.effects import catalogue
-from validation.effects.identifiers import parse
-from validation.effects.targets import Vocabulary
-from validation.engine import errors
-from validation.engine.evaluate import evaluate
-from validation.engine.evaluation import Evaluation
-from validation.engine.prediction import Offsets
-from validation.engine.problem import Problem
-from validation.models.model import Added
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
+from validation.estimation import evaluate as estimation_evaluate
+from validation.estimation.evaluate import evaluate
+from validation.estimation.problem import Offsets, Problem
+from validation.estimation.result import Evaluation
+from validation.model.model import Added
+from validation.output import counted
 from validation.prediction.accelerance import AcceleranceTest
-from validation.progress import counted
 
 NOMINAL = "nominal"
 
@@ -101,7 +100,7 @@ def where(model: AcceleranceTest, offsets: Offsets) -> list[float]:
     """Errors [%] of a model at `offsets` in the bands `BETWEEN`; without any it is as drawn."""
     f = model.measured.frequency
     bands = [np.flatnonzero((f >= low) & (f < high)) for low, high in pairwise(BETWEEN)]
-    return [errors.share(errors.squares(model, offsets, lines)).percent for lines in bands]
+    return [estimation_evaluate.share(estimation_evaluate.squares(model, offsets, lines)).percent for lines in bands]
 
 
 def others(rung: Rung) -> list[float]:

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from frame_story.structure import FLOORS
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
-from validation.prediction import scatter
+from geometry.frames import Array
+from validation.prediction import series
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 from validation.prediction.nuisances import Nuisances
 
@@ -58,4 +58,4 @@ def tested(folder: Path, structure: Nuisances) -> AcceleranceTest:
 def repeated(frequency: Array, accelerances: npt.ArrayLike) -> float:
     """How far readings repeat, as a share of them, from `accelerances` (3, n, 3) of the runs."""
     there = (frequency >= REPEATED[0]) & (frequency <= REPEATED[1])
-    return scatter.repeatability(np.asarray(accelerances)[:, there])
+    return series.repeatability(np.asarray(accelerances)[:, there])

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from frame_story.climbing import NOMINAL, Rung, gain
-from validation.engine.evaluation import Evaluation
-from validation.pictures.accelerances import DrawnModel, draw_accelerances
-from validation.pictures.ladder import FITTED, PERCENT, DrawnRung, draw_fall
+from validation.estimation.result import Evaluation
+from validation.report.charts.history import FITTED, PERCENT, DrawnRung, draw_fall
+from validation.report.charts.maps import DrawnModel, draw_accelerances
 
 NOTE = "Measured: Digital-Twin-Operational-Platform/Cristallo, BSD-3. Errors are smoothed over 0.4 Hz"
 

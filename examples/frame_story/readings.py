@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Array
-from identification.spectra.cut_record import kept, lone_mode
+from geometry.frames import Array
+from identification.spectra.peak_hold import kept, lone_mode
 from validation.prediction.accelerance import AcceleranceTest
 
 RESONANCES = ((4.0, 12.0), (12.0, 22.0), (22.0, 40.0))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from validation.effects.stages import Matrices
-from validation.models.model import StructureTolerances
+from validation.model.model import StructureTolerances
 from validation.prediction import nuisances
 from validation.prediction.nuisances import Nuisances
 

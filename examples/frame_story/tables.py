@@ -11,10 +11,9 @@ from rich.console import Console
 from frame_story.climbing import BETWEEN, IN_WORDS, NOMINAL, Rung, gain, where
 from frame_story.readings import mass_line, resonances
 from frame_story.structure import FLOORS
-from validation.engine.errors import share, squares
+from validation.estimation.evaluate import share, squares
 from validation.prediction.accelerance import AcceleranceTest
-from validation.tables.grid import Grid
-from validation.tables.text import page
+from validation.report.document import Grid, page
 
 WIDEST = 100
 """Columns beyond which no line of text is read with ease."""

@@ -13,10 +13,8 @@ from itertools import product
 from math import exp, pi
 
 from geometry.articles.locations import locations
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import ACCELERATIONS, FORCES, STRUCTURE, Family
-from validation.effects.identifiers import Named
-from validation.effects.targets import Vocabulary
+from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.effect import ACCELERATIONS, FORCES, STRUCTURE, Family, Vocabulary
 
 PARTS = ("mast", "lower-1")
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from table_2_parts import forward, reading, ways
 from table_2_parts.candidates import Candidate
 from table_2_parts.forward import Test
 from table_2_parts.inference import Explanation, covariance
 from table_2_parts.published import DEVIATIONS, deviation_of_reading, seven
 from table_2_parts.ways import answer
-from validation.effects.identifiers import Named
+from validation.effects.catalogue import Named
 
 ROUNDS = 4
 """Of Newton's way with the derivatives of the start: the map is so nearly linear that the third changes no printed digit."""
@@ -96,9 +96,8 @@ def recorded(of: Refined) -> Array:
 def of_records(test: Test, effects: Sequence[Named]) -> Array:
     """(10,) about F of `test` with these `effects`, from records."""
     from identification.spectra.of_campaign import spectra
-    from validation.virtual_test.effects.planting import planted
-    from validation.virtual_test.effects.reach import reaching
     from validation.virtual_test.plan import BEAM, RIGID, Plan, exact
+    from validation.virtual_test.planted import planted, reaching
     from validation.virtual_test.simulate import simulate
 
     plan = Plan(

@@ -12,24 +12,22 @@ from functools import lru_cache
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
-from geometry.frames import Pose
+from geometry.frames import Array, Pose
 from geometry.sensors import ChannelTable
-from identification.campaign import Campaign, Run
-from identification.recording import Recording
+from identification.campaign import Campaign, Recording, Run
 from identification.spectra.line_spectra import Spectra
 from table_2_parts import reading
 from table_2_parts.candidates import LITTLE, SWINGING, Candidate, candidates
 from table_2_parts.reading import ALL
-from validation.effects.identifiers import Named
-from validation.engine.prediction import Predicted
-from validation.identifying.known import mounted
-from validation.models.model import BEAM, RIGID, Added, Model
+from validation.effects.catalogue import Named
+from validation.estimation.problem import Predicted
+from validation.model.model import BEAM, RIGID, Added, Model
+from validation.model.setups import mounted
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import Plan
-from validation.virtual_test.set_up import middles_of_cells
+from validation.virtual_test.shaker import middles_of_cells
 
 TARE, CLUMOD = "fmd+disc+cuboid", "fmd+clumod-1"
 

@@ -16,7 +16,7 @@ from math import factorial, log
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from table_2_parts.candidates import AXES, Candidate
 from table_2_parts.published import DEVIATIONS, deviation_of_reading
 from table_2_parts.reading import ROWS

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from geometry.inertia import Inertia
-from identification.evidence import scale
+from identification.request import scale
 from table_2_parts import forward
 from table_2_parts.candidates import QUARTER
 from table_2_parts.forward import TABLE, Read, Test

@@ -6,10 +6,10 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from table_2_parts.published import DEVIATIONS, NAMES, UNITS, deviation_of_reading
 from table_2_parts.story import Story, title
-from validation.pictures.explanations import DrawnNumbers, DrawnShares, draw_numbers, draw_shares
+from validation.report.charts.crosscheck import DrawnNumbers, ShareBars, draw_numbers, draw_shares
 
 FAMILIES = 9
 """That are drawn."""
@@ -47,8 +47,8 @@ def draw(story: Story, folder: Path) -> tuple[Path, Path]:
     families = dict(list(story.found.of_families().items())[:FAMILIES])
     menu = dict(sorted(story.menu.items(), key=lambda pair: -pair[1]))
     panels = (
-        DrawnShares(title="posterior that such a fault was there", unit="probability", shares=families),
-        DrawnShares(
+        ShareBars(title="posterior that such a fault was there", unit="probability", shares=families),
+        ShareBars(
             title="what would have decided", unit="information [nats]", shares=menu, limit=(story.doubt, "all doubt gone ")
         ),
     )

@@ -11,9 +11,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from geometry import multibody
-from geometry.arrays import Array
+from geometry import routes
 from geometry.articles import built_in
+from geometry.frames import Array
 from geometry.inertia import Inertia
 
 NAMES = ("mass", "CoG x", "CoG y", "CoG z", "Θxx", "Θyy", "Θzz")
@@ -38,7 +38,7 @@ def deviation_of_reading(reference: float = REFERENCE) -> Array:
 @lru_cache(maxsize=1)
 def clumod() -> Inertia:
     """Clumod with one blade as it was reconstructed, about its own origin: the reference of Table 2 to the printed digit."""
-    return multibody.inertia(built_in("clumod-1"))
+    return routes.inertia(built_in("clumod-1"))
 
 
 def seven(found: Inertia) -> Array:

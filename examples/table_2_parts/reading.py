@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
+from geometry.frames import Array
 from geometry.sensors import ChannelTable, motion_rows
 from geometry.sensors import resultants as resultant_rows
 from identification import rigid_body

@@ -9,15 +9,15 @@ from itertools import combinations
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.errors import BadInput
+from geometry.frames import Array
 from table_2_parts.exact import Refined, recorded, refined
 from table_2_parts.inference import Explanation, Found, covariance, everything, misfit
 from table_2_parts.menu import MENU, entropy, information
 from table_2_parts.published import DEVIATIONS
 from table_2_parts.ways import STOPS, Way, answer, exact, ways
-from validation.effects.identifiers import Named
-from validation.effects.targets import COVER, FMD
+from validation.effects.catalogue import Named
+from validation.effects.effect import COVER, FMD
 
 SCALES = (1.0, 2.0, 3.0)
 """Factors on all tolerances: how careless the laboratory may have been."""

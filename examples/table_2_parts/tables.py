@@ -10,8 +10,7 @@ from table_2_parts.exact import Refined
 from table_2_parts.inference import Explanation
 from table_2_parts.published import DEVIATIONS, NAMES, UNITS, deviation_of_reading
 from table_2_parts.story import Story, title
-from validation.tables.grid import Grid
-from validation.tables.text import page
+from validation.report.document import Grid, page
 
 WIDEST = 150
 """Columns."""

@@ -8,16 +8,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from geometry.inertia import Inertia
-from identification.evidence import Known
+from identification.request import Known
 from table_2_parts import forward
 from table_2_parts.candidates import QUARTER, Candidate, candidates
 from table_2_parts.forward import CLUMOD, START, TARE, Test
 from table_2_parts.published import seven
 from table_2_parts.reading import ALL, ROWS
-from validation.effects.identifiers import Named
-from validation.identifying.known import known
+from validation.effects.catalogue import Named
+from validation.model.setups import known
 
 STOPS = (0.0, 4.5, 5.0, 6.0)
 """[Hz] at which the band of the reading may have ended, none of them printed; 0: elasticity taken off exactly."""

@@ -5,5 +5,4 @@ exact recursion in modal coordinates; `fem.flexible_body.driven_base` lets exudy
 Neither knows the other's equations.
 
 `patterns` says what the table is driven with, `small_motion` whether linear equations may answer it, and `decimation` brings a
-simulated run down to the rate of a record, all channels through one filter.
-"""
+simulated run down to the rate of a record, all channels through one filter."""

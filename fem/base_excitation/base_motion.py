@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geometry.arrays import Array, frozen
+from geometry.frames import Array, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

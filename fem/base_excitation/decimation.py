@@ -22,8 +22,8 @@ import numpy.typing as npt
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from geometry.arrays import Array
 from geometry.errors import BadInput
+from geometry.frames import Array
 
 LEAST = 8000.0
 """[Hz] at which a run is simulated at least."""

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
-from geometry.arrays import Array, frozen
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.first_order_hold import Progress, States, answer, poles, solver, states, straightened
+from fem.base_excitation.patterns import Clock, CrossMotion, Pattern, at, require_below_nyquist
+from fem.base_excitation.rig import TABLE, Body, Rig, RigStructure, matrices
+from geometry.dynamic_mass import MOTIONS
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,7 +32,7 @@ class Response:
     cells : (n, c, 3) force [N] of every load cell along x, y, z of the laboratory; c is 0 when there are none
     places : (n, 3) acceleration [m/s²] of places of the article by name, in the laboratory's axes
     coordinates : (n, k) when they were asked for, (n, 0) otherwise; by the recursion all of the rig relative to the table, as
-        `fem.base_excitation.rig_structure` orders them, by exudyn those of the article in the laboratory
+        `fem.base_excitation.rig` orders them, by exudyn those of the article in the laboratory
     slipping : [1] share of the record in which each of the rig's loose parts slipped; none by a route that knows no friction
     reference_point : (3,) [m]
     settings : how it was found: route, program and version, step, what it kept; JSON values
@@ -68,3 +74,520 @@ class Response:
     def time(self) -> Array:
         """(n,) [s], from 0."""
         return np.arange(len(self.table)) / self.sampling_rate
+
+
+# A rig on a driven table in first-order form: what drives it, and what is seen of it.
+#
+# The inputs are the accelerations of the table, joined by its velocities and displacements where something is tied to the
+# ground.
+
+
+BEYOND = 1e100
+"""What no channel reaches in any unit; the square of it is still a number."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Channels:
+    """Channels as weighted sums of accelerations, velocities and displacements of a rig's coordinates: (o, 6 + n) each.
+
+    `names` (o) say which is which.
+    """
+
+    names: tuple[str, ...]
+    acceleration: Array
+    velocity: Array
+    displacement: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Outputs:
+    """The same channels from the states (o, 2 n) and the inputs (o, p)."""
+
+    of_states: Array
+    of_inputs: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Run:
+    """Channels over time, `samples` (N, o), and the `state` (2 n,) of the system when the drive has ended."""
+
+    samples: Array
+    state: Array
+
+
+def driven(structure: RigStructure) -> States:
+    """States of what moves on the table, driven by accelerations (and more) of the table.
+
+    Raises
+    ------
+    CheckFailed : something swings freely.
+    """
+    y, t = slice(TABLE, None), slice(None, TABLE)
+    M, C, K = structure.mass, structure.viscous, structure.stiffness
+    loads = [M[y, t], C[y, t], K[y, t]] if structure.grounded else [M[y, t]]
+    return states(M[y, y], C[y, y], K[y, y], -np.hstack(loads))
+
+
+def run(structure: RigStructure, system: States, channels: Channels, motion: BaseMotion, progress: Progress | None = None) -> Run:
+    """What `channels` show of `system`, at rest at the first sample, while the table makes `motion`.
+
+    Raises
+    ------
+    CheckFailed : the answer grows beyond all numbers; with the first channel and time at which it does.
+    """
+    wanted, samples, last = seen(channels, system), _inputs(structure, motion), drive_end(motion)
+    found, state = np.empty((len(wanted.of_states), len(samples))).T, np.zeros(len(system.A))  # a channel lies in one piece
+    straight = straightened(samples) if len(system.A) else samples
+    with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
+        for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
+            np.add(block.outputs.T, wanted.of_inputs @ samples[block.samples].T, out=found[block.samples].T)
+            require_bounded(found[block.samples], channels.names, block.samples.start, motion.sampling_rate)
+            if block.samples.stop == last + 1:
+                state = block.state
+    return Run(samples=found, state=state)
+
+
+def require_bounded(samples: Array, names: tuple[str, ...], start: int, sampling_rate: float) -> None:
+    """Refuse `samples` (k, o) of channels `names` that have grown beyond all numbers; the first is the sample `start` of the run.
+
+    Raises
+    ------
+    CheckFailed : with channel and time.
+    """
+    bounded = np.abs(samples) < BEYOND
+    if bounded.all():
+        return
+    sample, channel = (int(i) for i in np.argwhere(~bounded)[0])
+    time, name = (start + sample) / sampling_rate, names[channel]
+    raise CheckFailed(
+        f"The exact recursion lost the rig at {time:.6g} s: its {name} has grown beyond {BEYOND:g}. "
+        "Look for a damping or stiffness that feeds energy in.",
+        route="recursion",
+        time=time,
+        channel=name,
+    )
+
+
+def drive_end(motion: BaseMotion) -> int:
+    """The sample at which the drive has ended, or the last one of the record."""
+    return min(int(np.ceil(motion.driven * motion.sampling_rate - 1e-6)), len(motion.acceleration) - 1)
+
+
+def _inputs(structure: RigStructure, motion: BaseMotion) -> Array:
+    """(N, p) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements."""
+    if not structure.grounded:
+        return motion.acceleration
+    return np.hstack([motion.acceleration, motion.velocity, motion.displacement])
+
+
+def load(structure: RigStructure) -> Channels:
+    """Force and moment of the table on all that stands on it, about F: the base row of the equations of motion."""
+    t = slice(None, TABLE)
+    return Channels(
+        names=tuple(f"load {axis}" for axis in MOTIONS),
+        acceleration=structure.mass[t],
+        velocity=structure.viscous[t],
+        displacement=structure.stiffness[t],
+    )
+
+
+def accelerations(rows: Array, name: str) -> Channels:
+    """Acceleration of what moves as `rows` (o, 6 + n) say; `name` says whose it is."""
+    names = tuple(f"acceleration {axis} of {name}" for axis in MOTIONS[: len(rows)])
+    return Channels(names=names, acceleration=rows, velocity=np.zeros_like(rows), displacement=np.zeros_like(rows))
+
+
+def cell_forces(structure: RigStructure) -> Channels:
+    """(3 c) forces of the table on the cover plate through one cell after the other, along x, y, z."""
+    c, size = len(structure.cells), structure.mass.shape[0]
+    k, d = (values[:, :, None] * structure.cells for values in (structure.cell_stiffness, structure.cell_damping))
+    nothing = np.zeros((3 * c, size))
+    names = tuple(f"force of cell {cell} along {axis}" for cell in range(1, c + 1) for axis in "xyz")
+    return Channels(names=names, acceleration=nothing, velocity=-d.reshape(3 * c, size), displacement=-k.reshape(3 * c, size))
+
+
+def relative(structure: RigStructure) -> Channels:
+    """The coordinates themselves, those of the table left out."""
+    rows = np.eye(structure.mass.shape[0])[TABLE:]
+    names = tuple(f"coordinate {row + 1}" for row in range(len(rows)))
+    return Channels(names=names, acceleration=np.zeros_like(rows), velocity=np.zeros_like(rows), displacement=rows)
+
+
+def stacked(parts: list[Channels]) -> Channels:
+    """All of them, one under the other."""
+    return Channels(
+        names=tuple(name for part in parts for name in part.names),
+        acceleration=np.vstack([part.acceleration for part in parts]),
+        velocity=np.vstack([part.velocity for part in parts]),
+        displacement=np.vstack([part.displacement for part in parts]),
+    )
+
+
+def seen(channels: Channels, system: States) -> Outputs:
+    """`channels` from states and inputs of `system`."""
+    y, t = slice(TABLE, None), slice(None, TABLE)
+    second, first, none = channels.acceleration, channels.velocity, channels.displacement
+    of_states = second[:, y] @ system.acceleration + first[:, y] @ system.velocity + none[:, y] @ system.displacement
+    table = np.hstack([second[:, t], first[:, t], none[:, t]])[:, : system.B.shape[1]]
+    return Outputs(of_states=of_states, of_inputs=second[:, y] @ system.direct + table)
+
+
+# How long a record must go on after the drive ends, so that what still rings is nothing that a spectrum would miss.
+#
+# At the end of the drive every mode has a state, from which it decays with its own pole. The record is long enough when each of
+# them loads the table by less than a share of the greatest load of the run, a moment counting as the force that makes it at the
+# radius of gyration.
+
+
+SHARE = 1e-4
+"""Share of the greatest load below which what is left of a mode does no harm."""
+
+HAIR = 0.01
+"""Share of a ring-down by which a record may be short without a word: its length may come from another sampling rate."""
+
+UNDAMPED = 1e-14
+"""Decay as a share of the highest frequency that is nothing but rounding."""
+
+
+def needed(rig: Rig, motion: BaseMotion, share: float = SHARE) -> float:
+    """Length [s] that the record of `motion` must have, from its first sample; infinite when a driven mode has no damping.
+
+    A rig with friction or cells that can lift off is taken as it is while nothing slips or lifts, loose parts left out.
+
+    Raises
+    ------
+    BadInput : a rig that cannot be built.
+    CheckFailed : something on the table swings freely, or the answer grows beyond all numbers.
+    """
+    structure = matrices(_linear(rig))
+    system = driven(structure)
+    return motion.driven + lasting(structure, system, run(structure, system, load(structure), motion), share)
+
+
+def warning(rig: Rig, motion: BaseMotion) -> str:
+    """A sentence when the record of `motion` is cut while `rig` still rings, with the length that it needs; else empty.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `needed`.
+    """
+    return judged(needed(rig, motion), motion)
+
+
+def judged(length: float, motion: BaseMotion) -> str:
+    """The sentence of `warning`, from the `length` [s] that is needed."""
+    if motion.duration + 1 / motion.sampling_rate >= length - HAIR * (length - motion.driven):
+        return ""
+    cut = f"The record ends at {motion.duration:.4g} s"
+    if not np.isfinite(length):
+        return f"{cut}, but a driven mode has no damping and never stops ringing. Give it damping"
+    rest = "before the drive has" if motion.duration < motion.driven else "while the article still rings"
+    after = max(motion.duration - motion.driven, 0.0)
+    return (
+        f"{cut}, {rest}: after the drive {length - motion.driven:.4g} s are needed until no mode loads the table by more than "
+        f"{SHARE:g} of the greatest load, found {after:.4g} s"
+    )
+
+
+def lasting(structure: RigStructure, system: States, done: Run, share: float = SHARE) -> float:
+    """[s] after the drive until every mode's load has fallen below `share` of the greatest; `done` begins with the load."""
+    greatest = size(structure, done.samples[:, :TABLE].T).max()
+    return lasting_from(structure, system, done.state, float(greatest), share)
+
+
+def lasting_from(structure: RigStructure, system: States, state: Array, greatest: float, share: float = SHARE) -> float:
+    """[s] of rest from `state` (2 n,) on until every mode's load has fallen below `share` of the `greatest`, a `size` [N]."""
+    uncoupled, wanted = poles(system), seen(load(structure), system).of_states
+    if uncoupled is None:  # modes that cannot be told apart: all together, with the slowest decay
+        decay = -np.array([np.linalg.eigvals(system.A).real.max()])
+        loads = np.linalg.norm(wanted, axis=1)[:, None] * np.linalg.norm(state)
+    else:
+        decay, loads = -uncoupled.pole.real, np.abs((wanted @ uncoupled.shape) * (uncoupled.project @ state))
+    left = size(structure, loads)
+    rings = left > share * greatest
+    if np.any(decay[rings] <= UNDAMPED * np.linalg.norm(system.A, 2)):
+        return float("inf")
+    return float(np.max(np.log(left[rings] / (share * greatest)) / decay[rings], initial=0.0))
+
+
+def size(structure: RigStructure, loads: Array) -> Array:
+    """(k,) [N] size of `loads` (6, k), moments over the radius of gyration about F."""
+    M = np.diag(structure.mass)[:TABLE]
+    return np.asarray(np.sqrt((loads[:3] ** 2).sum(axis=0) + (loads[3:] ** 2).sum(axis=0) * M[:3].sum() / M[3:].sum()))
+
+
+def _linear(rig: Rig) -> Rig:
+    return rig if rig.linear else replace(rig, frictions=(), cells=tuple(replace(cell, preload=None) for cell in rig.cells))
+
+
+# A linear rig on a driven base in time, by the exact recursion in its own modes: seconds for a sweep of a minute and a half.
+#
+# Table, cover plate, load cells, places and the load on the table are sums of the states and of the motion of the table:
+#
+#     y'' = -M_yy^-1 (K_yy y + C_yy y' + M_yt u'' + C_yt u' + K_yt u),    load = M_t x'' + C_t x' + K_t x.
+#
+# The load is all that the table feels: through the load cells, and through what is tied to the table beside them.
+
+
+COARSEST = 8
+"""Samples a period of the highest kept mode that straight lines between samples need; driven there, its answer lacks 5 %."""
+
+
+def respond(rig: Rig, motion: BaseMotion, *, keep_coordinates: bool = False, progress: Progress | None = None) -> Response:
+    """What `rig` does on a table that makes `motion`, at the sampling rate of the motion.
+
+    Parameters
+    ----------
+    keep_coordinates : with those of `fem.base_excitation.rig`, the table's left out
+    progress : called with the share done
+
+    Raises
+    ------
+    BadInput : a rig that is not linear or cannot be built, a sampling rate too coarse for a kept mode.
+    CheckFailed : something on the table swings freely, or the answer grows beyond all numbers; with channel and time.
+    """
+    require_fine(rig.article, motion.sampling_rate)
+    structure = matrices(rig)
+    system = driven(structure)
+    done = run(structure, system, _channels(structure, keep_coordinates), motion, progress)
+    n, cells, names = len(done.samples), len(structure.cells), list(structure.places)
+    widths = [TABLE, TABLE, 3 * cells, 3 * len(names)]
+    loads, cover, forces, places, coordinates = np.split(done.samples, np.cumsum(widths), axis=1)
+    warning = judged(motion.driven + lasting(structure, system, done), motion)
+    return Response(
+        sampling_rate=motion.sampling_rate,
+        table=motion.acceleration,
+        cover=cover,
+        load=loads,
+        cells=forces.reshape(n, cells, 3),
+        places={name: places[:, 3 * k : 3 * k + 3] for k, name in enumerate(names)},
+        coordinates=coordinates,
+        reference_point=motion.reference_point,
+        settings=_settings(rig.article, system, motion),
+        warnings=(warning,) if warning else (),
+    )
+
+
+def require_fine(article: Body, sampling_rate: float) -> None:
+    """Refuse a sampling rate too coarse for a kept mode.
+
+    Raises
+    ------
+    BadInput : the rate that is needed is named.
+    """
+    highest = float(article.kept.max(initial=0.0))
+    if sampling_rate < COARSEST * highest:
+        where = "beyond half the sampling rate" if 2 * highest > sampling_rate else "sampled too coarsely"
+        raise BadInput(
+            source=f"simulation of {article.name}",
+            field="sampling_rate",
+            problem=f"the highest kept mode, {highest:.4g} Hz, is {where}, found {sampling_rate:g} Hz",
+            remedy=f"Simulate at {np.ceil(COARSEST * highest):.0f} Hz or more, or keep fewer modes",
+        )
+
+
+def _channels(structure: RigStructure, keep_coordinates: bool) -> Channels:
+    """Load, cover plate, cells, places and coordinates in this order."""
+    places = [accelerations(rows, name) for name, rows in structure.places.items()]
+    parts = [load(structure), accelerations(structure.cover, "the cover plate"), cell_forces(structure), *places]
+    return stacked([*parts, relative(structure)] if keep_coordinates else parts)
+
+
+def _settings(article: Body, system: States, motion: BaseMotion) -> dict[str, object]:
+    import scipy
+
+    return {
+        "route": "recursion",
+        "hold": "first order",
+        "sampling_rate_hz": motion.sampling_rate,
+        "modes": article.kept.size,
+        "highest_mode_hz": float(article.kept.max(initial=0.0)),
+        "coordinates": len(system.A) // 2,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
+
+
+# Whether a run stays where the linear equations hold: "rotational amplitudes and velocities sufficiently small" (paper 2.1).
+#
+# Eqs. 1 take the table's axes for those of the laboratory and velocities for nothing. With the rotation vector phi(t) of the
+# table, R its rotation, omega its angular velocity, r the arm from the reference point A to a particle, the exact acceleration
+# is
+#
+#     a = a_A + omega' x (R r) + omega x (omega x (R r)),
+#
+# and load cells, which ride on the table, sense R^T of it. What the linear equations drop is of second order in the motion:
+#
+# - turned axes: (R^T - 1) a_A and omega' x ((R - 1) r), at most |phi| times what is kept, and nothing where accelerometers and
+#   load cells turn with the table together;
+# - centripetal acceleration and the gyroscopic moment omega x (Theta omega): |omega|² beside |omega'|, which for a harmonic
+#   motion
+#   is |phi| again;
+# - phi'' - omega', which vanishes while one axis turns alone and is of the order |phi| |phi''| and |phi'|² otherwise.
+#
+# One figure says how small all of it is beside what is kept, `left_out`: the larger of the largest angle and of the largest
+# squared rate over the largest angular acceleration. Where it shows depends on how the record is read. Products of two harmonics
+# lie at zero and at twice the driven frequency, so a reading at the driven frequency (a steady sine, a tracking filter) sees
+# only terms of third order, `left_out`². The transform of a whole sweep does not know when a line was driven: at the frequency f
+# it also holds what the sweep left over when it passed f / 2, which in a sweep of one axis is half the angle at f / 2. With the
+# paper's vertical rotation that is 0.5 % of the force just above 8 Hz, falling with 1 / f². A resonance of the article at f
+# magnifies it.
+#
+# Gravity is not among these terms: its tilt m g |phi| is of first order, and belongs to the linear equations that include it.
+
+
+LIMIT = 0.02
+"""Largest share of the load, in the time record of a rigid article, that the linear equations may leave out: 2 %, an angle of 1.1
+degrees, twice what the paper's sweeps reach. At the driven frequency that is 0.04 %, in full-record spectra of a sweep 1 %.
+
+Exudyn's own bodies and beams, on a table that really turns, stay below that share in every case tried, rigid and flexible, from
+the paper's level to thirty times it (`examples/large_motion.py`)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SmallMotion:
+    """How large the rotations of a run are.
+
+    Attributes
+    ----------
+    angle : [rad] largest rotation of the table
+    rate : [rad/s] largest angular velocity
+    turned : [1] share of a load that the turning of the axes moves to another axis: the angle itself
+    centripetal : [1] largest squared rate over largest angular acceleration
+    limit : `LIMIT`
+    """
+
+    angle: float
+    rate: float
+    turned: float
+    centripetal: float
+    limit: float = LIMIT
+
+    @property
+    def left_out(self) -> float:
+        """[1] what the linear equations leave out, as a share of what they keep."""
+        return max(self.turned, self.centripetal)
+
+    @property
+    def within(self) -> bool:
+        """Whether that is small enough."""
+        return self.left_out <= self.limit
+
+    @property
+    def text(self) -> str:
+        """One sentence."""
+        is_within = "within" if self.within else "beyond"
+        return (
+            f"The table turns by {np.degrees(self.angle):.2g}° at most, at up to {np.degrees(self.rate):.2g}°/s: the linear "
+            f"equations leave out {self.left_out:.2%} of the load, {is_within} the limit of {self.limit:.2%}."
+        )
+
+
+def judge(motion: BaseMotion) -> SmallMotion:
+    """What the rotations of `motion` are to the linear equations; see the head of this file for what they leave out."""
+    angle, rate, acceleration = (
+        float(np.linalg.norm(kind[:, 3:], axis=1).max()) for kind in (motion.displacement, motion.velocity, motion.acceleration)
+    )
+    return SmallMotion(angle=angle, rate=rate, turned=angle, centripetal=rate**2 / acceleration if acceleration else 0.0)
+
+
+# A linear rig driven by a pattern, block by block: as `linear.respond`, and nothing of the run is kept but what is asked for.
+#
+# The motion of every block is a closed form, the state of the rig is all that passes from one to the next, and how long the
+# record goes on after the drive is decided when it ends: until what still rings is nothing (`ring_down`), and some quiet after
+# that.
+
+
+BLOCK = 16_384
+"""Samples that are answered at a time."""
+
+LONGEST = 600.0
+"""[s] that a record may go on after the drive."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Piece:
+    """Some samples of a run.
+
+    Attributes
+    ----------
+    motion : (3, 6, k) displacement, velocity and acceleration of the table
+    values : (o, k) the channels that were asked for
+    """
+
+    motion: Array
+    values: Array
+
+
+def streamed(
+    rig: Rig,
+    pattern: Pattern,
+    sampling_rate: float,
+    channels: Callable[[RigStructure], Channels],
+    *,
+    cross: CrossMotion | None = None,
+    quiet: float = 0.0,
+    share: float = SHARE,
+) -> Iterator[Piece]:
+    """What `channels` show while `pattern` drives `rig`, from rest to rest.
+
+    Parameters
+    ----------
+    sampling_rate : [Hz]
+    channels : what is wanted of the equations of the rig
+    cross : what the table does besides
+    quiet : [s] of record after the ringing
+    share : of the greatest load, below which ringing is nothing
+
+    Raises
+    ------
+    BadInput : a rig that is not linear or cannot be built, a sampling rate too coarse for the pattern or for a kept mode.
+    CheckFailed : something swings freely, the answer grows beyond all numbers, or it rings for more than `LONGEST`.
+    """
+    require_below_nyquist(pattern, sampling_rate)
+    require_fine(rig.article, sampling_rate)
+    structure = matrices(rig)
+    system, wanted = driven(structure), stacked([load(structure), channels(structure)])
+    outputs = seen(wanted, system)
+    solve = solver(system, outputs.of_states, sampling_rate)
+    end = pattern.driven + (cross.delay if cross else 0.0)
+    start, stop, greatest = 0, int(np.ceil(end * sampling_rate)) + 1, 0.0
+    rung_down = False
+    while start < stop:
+        count = min(BLOCK, stop - start)
+        around = _motion(pattern, cross, start, count, sampling_rate, end)
+        inputs = _streamed_inputs(structure, around)
+        with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
+            found, state = solve(_straightened(inputs).T)
+            values = found.T + outputs.of_inputs @ inputs[:, 1:-1]
+        require_bounded(values.T, wanted.names, start, sampling_rate)
+        greatest = max(greatest, float(size(structure, values[:TABLE]).max()))
+        yield Piece(motion=around[:, :, 1:-1], values=values[TABLE:])
+        start += count
+        if start >= stop and not rung_down:
+            rest = lasting_from(structure, system, state, greatest, share)
+            stop, rung_down = start + int(np.ceil((_bearable(rest, pattern) + quiet) * sampling_rate)), True
+
+
+def _motion(pattern: Pattern, cross: CrossMotion | None, start: int, count: int, rate: float, end: float) -> Array:
+    """(3, 6, count + 2) motion of the table, from the sample before `start` on."""
+    clock = Clock(sampling_rate=rate, count=count + 2, late=-(start - 1) / rate)
+    return np.zeros((3, 6, count + 2)) if (start - 1) / rate > end else at(pattern, clock, cross)
+
+
+def _streamed_inputs(structure: RigStructure, motion: Array) -> Array:
+    """(p, k) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements."""
+    return np.vstack([motion[2], motion[1], motion[0]]) if structure.grounded else motion[2]
+
+
+def _straightened(inputs: Array) -> Array:
+    """The inner of the samples (p, k + 2) lifted as `recursion.straightened` does: (p, k)."""
+    return np.asarray(inputs[:, 1:-1] * (7 / 6) - (inputs[:, :-2] + inputs[:, 2:]) / 12)
+
+
+def _bearable(rest: float, pattern: Pattern) -> float:
+    if rest <= LONGEST:
+        return rest
+    raise CheckFailed(
+        f"After the {pattern.label} the article rings for {rest:.3g} s, more than {LONGEST:g} s. Give it damping.", seconds=rest
+    )

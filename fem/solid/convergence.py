@@ -16,10 +16,10 @@ from types import MappingProxyType
 import numpy as np
 
 from fem.modes import Modes
-from fem.solid.solved import fixed_base
+from fem.solid.model import fixed_base
 from fem.structure import Structure
-from geometry.arrays import Array
 from geometry.errors import BadInput
+from geometry.frames import Array
 
 BAR = 1e-3
 """Relative distance from the limit that a mode may have, where no other is given for its part."""

@@ -6,11 +6,15 @@ Tetrahedra have 10 nodes and hexahedra 27, both in scikit-fem's local order: ver
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Array, Integers, frozen
+from geometry.frames import Array, Integers, frozen
 
 _VERTICES = ([0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1])
 _EDGES = ([1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1])
@@ -52,3 +56,34 @@ class SolidMesh:
             raise ValueError(f"`cells` must have {' or '.join(map(str, NODES_OF_A_CELL))} nodes, found {self.cells.shape[1]}")
         if len(self.part) != len(self.cells):
             raise ValueError(f"`part` must name the part of every cell, found {len(self.part)} for {len(self.cells)} cells")
+
+
+# One silent gmsh at a time, always put away again.
+#
+# gmsh is a single set of global variables. Its own handling of Ctrl-C ends the whole process and works in the main thread only,
+# so it is switched off: an interruption is raised by Python as soon as gmsh returns.
+
+
+_ALONE = threading.Lock()
+
+
+@contextmanager
+def session() -> Iterator[Any]:
+    """The `gmsh` module, initialised with an empty model and nothing on the terminal; finalised at the end of the block.
+
+    Raises
+    ------
+    RuntimeError : the host program has a gmsh of its own open, which would be overwritten.
+    """
+    import gmsh
+
+    with _ALONE:
+        if gmsh.isInitialized():
+            raise RuntimeError("gmsh is in use by the calling program; call gmsh.finalize() before massline makes a mesh")
+        gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            gmsh.option.setNumber("General.NumThreads", 1)
+            yield gmsh
+        finally:
+            gmsh.finalize()

@@ -2,23 +2,149 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from fem.solid import cache, packed, soundness
-from fem.solid.bodies import AnyArticle, Body, bodies
-from fem.solid.elasticity import Matrices, assemble
-from fem.solid.layers import foot_height, hexahedra
+from fem import modes
+from fem.damping import Damping
+from fem.modes import Modes, Progress
+from fem.solid import assembly
+from fem.solid.assembly import Matrices, assemble
+from fem.solid.hexahedra import foot_height, hexahedra
 from fem.solid.mesh import SolidMesh
-from fem.solid.sizing import LARGEST, Sizing
-from fem.solid.tetrahedra import FINER, tetrahedra
-from fem.structure import Structure
-from geometry.arrays import Integers
-from geometry.article import Article
+from fem.solid.tetrahedra import FINER, AnyArticle, Body, Sizing, bodies, tetrahedra
+from fem.solid.tetrahedra import LARGEST as SIZING_LARGEST
+from fem.structure import Sparse, Structure
+from geometry import atomic
+from geometry.article import Article, Material
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rigid_transformation
-from geometry.materials import Material
+from geometry.frames import Integers, rigid_transformation
+
+# Arrays kept on disk by what they were made from: a mesh, matrices, modes. Nothing here may ever be in the way.
+#
+# An entry is one ``.npz`` file, named after the digest of everything that went into it, versions of the libraries included. It
+# carries that name and a digest of its own arrays inside, so that a file that is half-written, cut short, damaged, renamed or
+# somebody else's is seen and ignored, and made again. No pickle is read or written. A disk that is full or read-only costs the
+# time that the entry would have saved, and nothing else.
+#
+# The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at
+# any time.
+
+
+FORMAT = 2
+"""Of the entries; a change of what is stored or computed counts it up, and older ones are no longer found."""
+
+LARGEST = 4 * 2**30
+"""Bytes that the folder may hold; the entries unused for longest go first."""
+
+ABANDONED = 24 * 3600.0
+"""Seconds after which a temporary file of a process that was killed is removed."""
+
+LIBRARIES = ("gmsh", "scikit-fem", "cadquery-ocp", "numpy", "scipy")
+
+Arrays = Mapping[str, np.ndarray]
+
+_KEY, _DIGEST = "massline-key", "massline-digest"
+
+
+def folder() -> Path | None:
+    """Where entries are kept, there or not yet; None where a home cannot be found."""
+    own = os.environ.get("MASSLINE_CACHE")
+    if own:
+        return Path(own)
+    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if base.is_absolute():
+        return base / "massline"
+    try:
+        return Path.home() / ".cache" / "massline"
+    except RuntimeError:
+        return None
+
+
+def key(kind: str, described: Any) -> str:
+    """Name of the entry that holds the `kind` of thing made from what `described` says (anything that JSON can write)."""
+    whole = {"kind": kind, "format": FORMAT, "versions": {name: _version(name) for name in LIBRARIES}, "described": described}
+    return hashlib.sha256(json.dumps(whole, sort_keys=True, allow_nan=False).encode()).hexdigest()
+
+
+def load(name: str) -> dict[str, np.ndarray] | None:
+    """The arrays of the entry `name`; None when there is none that is whole and its own."""
+    path = _path(name)
+    if path is None:
+        return None
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            arrays = {each: file[each] for each in file.files}
+        genuine = str(arrays.pop(_KEY)) == name and str(arrays.pop(_DIGEST)) == digest(arrays)
+    except Exception:  # whatever damaged or foreign bytes make numpy, zipfile and zlib raise
+        return None
+    if genuine:
+        with suppress(OSError):
+            os.utime(path)  # used now
+    return arrays if genuine else None
+
+
+def store(name: str, arrays: Arrays) -> None:
+    """Keep `arrays` under `name`, as far as the disk allows."""
+    path = _path(name)
+    if path is None or sum(array.nbytes for array in arrays.values()) > LARGEST:
+        return
+    stamped = {**arrays, _KEY: np.array(name), _DIGEST: np.array(digest(arrays))}
+    with suppress(OSError):
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        atomic.write_with(path, lambda temporary: np.savez(temporary, allow_pickle=False, **stamped))
+        _make_room(path.parent)
+
+
+def digest(arrays: Arrays) -> str:
+    """Digest of names, types, shapes and bytes of `arrays`, hexadecimal."""
+    found = hashlib.blake2b(digest_size=32)
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        found.update(f"{name} {array.dtype.str} {array.shape};".encode())
+        found.update(array.reshape(-1).view(np.uint8).data)
+    return found.hexdigest()
+
+
+def _path(name: str) -> Path | None:
+    there = folder()
+    return None if there is None else there / f"{name}.npz"
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return "none"
+
+
+def _make_room(there: Path) -> None:
+    """Remove what killed processes left, then the entries unused for longest until all fit."""
+    now = time.time()
+    for path, stat in _files(there, ".*.npz"):
+        if now - stat.st_mtime > ABANDONED:
+            path.unlink(missing_ok=True)
+    kept = 0
+    for path, stat in sorted(_files(there, "[!.]*.npz"), key=lambda found: -found[1].st_mtime_ns):
+        kept += stat.st_size
+        if kept > LARGEST:
+            path.unlink(missing_ok=True)
+
+
+def _files(there: Path, pattern: str) -> Iterator[tuple[Path, os.stat_result]]:
+    for path in there.glob(pattern):
+        with suppress(OSError):
+            yield path, path.stat()
+
 
 PLATE_SIZE, FOOT_SIZE = 0.035, 0.04
 """Width of a hexahedron [m] in plates and, at the least, in the foot, before it is divided by the fineness."""
@@ -30,17 +156,17 @@ def structure(
     size: float | None = None,
     fineness: float = 1.0,
     refinement: float = 1.0,
-    largest: int = LARGEST,
+    largest: int = SIZING_LARGEST,
     cached: bool = True,
 ) -> Structure:
     """`article` as a solid on its mounting face, the plane z = min of its counted parts, about its origin.
 
-    A tube with plates on a flange is meshed with hexahedra (`fem.solid.layers`), everything else with curved tetrahedra.
+    A tube with plates on a flange is meshed with hexahedra (`fem.solid.hexahedra`), everything else with curved tetrahedra.
 
     Parameters
     ----------
     article : a built-in article or stack, or a user's own from STEP files (`geometry.user_article.load`)
-    size : largest edge of an element [m]; by default what thickness asks for, see `fem.solid.sizing`
+    size : largest edge of an element [m]; by default what thickness asks for, see `fem.solid.tetrahedra`
     fineness : all sizes, given or not, are divided by it
     refinement : size at re-entrant edges relative to what it is beside them, at most 1
     largest : degrees of freedom that are refused when exceeded
@@ -93,12 +219,12 @@ def mesh(found: tuple[Body, ...], sizing: Sizing, *, cached: bool = True) -> Sol
     ------
     BadInput, CheckFailed : as `fem.solid.tetrahedra.tetrahedra`.
     """
-    name = cache.key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
-    if cached and (kept := cache.load(name)) is not None:
-        return packed.unpack_mesh(kept)
+    name = key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
+    if cached and (kept := load(name)) is not None:
+        return assembly.unpack_mesh(kept)
     made = tetrahedra(found, sizing)
     if cached:
-        cache.store(name, packed.pack_mesh(made))
+        store(name, assembly.pack_mesh(made))
     return made
 
 
@@ -110,9 +236,9 @@ def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool 
     BadInput : a material that is not elastic, bodies not joined to the base, no face to be held at.
     CheckFailed : inverted elements.
     """
-    held = soundness.base(mesh)
-    soundness.require_connected(mesh)
-    soundness.require_upright(mesh)
+    held = assembly.base(mesh)
+    assembly.require_connected(mesh)
+    assembly.require_upright(mesh)
     matrices = _matrices(mesh, materials, cached)
     return Structure(
         stiffness=matrices.stiffness,
@@ -129,16 +255,63 @@ def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool 
 def _matrices(mesh: SolidMesh, materials: Mapping[str, Material], cached: bool) -> Matrices:
     """From disk or assembled, exactly symmetric either way."""
     if not cached:
-        return packed.unpack_matrices(packed.pack_matrices(assemble(mesh, materials)), mesh.parts)
+        return assembly.unpack_matrices(assembly.pack_matrices(assemble(mesh, materials)), mesh.parts)
     moduli = [[materials[name].youngs_modulus, materials[name].poisson_ratio, materials[name].density] for name in mesh.parts]
-    name = cache.key("matrices", {"mesh": cache.digest(packed.pack_mesh(mesh)), "materials": moduli})
-    kept = cache.load(name)
+    name = key("matrices", {"mesh": digest(assembly.pack_mesh(mesh)), "materials": moduli})
+    kept = load(name)
     if kept is None:
-        kept = packed.pack_matrices(assemble(mesh, materials))
-        cache.store(name, kept)
-    return packed.unpack_matrices(kept, mesh.parts)
+        kept = assembly.pack_matrices(assemble(mesh, materials))
+        store(name, kept)
+    return assembly.unpack_matrices(kept, mesh.parts)
 
 
 def _dofs(nodes: Integers) -> Integers:
     """Degrees of freedom (n, 3) of `nodes` along x, y, z."""
     return np.asarray(3 * nodes[:, None] + np.arange(3), dtype=np.intp)
+
+
+# Fixed-base modes of a large structure, remembered: what `fem.modes.fixed_base` takes minutes for is there at once next time.
+#
+# Only what the matrices alone decide is kept. Damping is worked out afresh, so that another loss factor finds the same modes.
+
+
+_KEPT = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "reference_point", "shapes", "viscous")
+
+
+def fixed_base(
+    structure: Structure,
+    count: int = 30,
+    *,
+    damping: Damping | None = None,
+    factoriser: str | None = None,
+    progress: Progress | None = None,
+) -> Modes:
+    """`fem.modes.fixed_base` of `structure`, or the same from disk; arguments and errors are the same.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `fem.modes.fixed_base`.
+    """
+    name = key("modes", {"structure": digest(_content(structure)), "count": count})
+    kept = load(name)
+    if kept is None:
+        solved = modes.fixed_base(structure, count, damping=Damping(ratio=0.0), factoriser=factoriser, progress=progress)
+        store(name, {field: getattr(solved, field) for field in _KEPT})
+    else:
+        solved = Modes(**dict[str, Any](kept))
+    return modes.with_damping(solved, structure, damping, factoriser=factoriser)
+
+
+def _content(structure: Structure) -> dict[str, np.ndarray]:
+    """All that the undamped modes depend on."""
+    return {
+        **{f"stiffness-{name}": array for name, array in _arrays(structure.stiffness).items()},
+        **{f"mass-{name}": array for name, array in _arrays(structure.mass).items()},
+        "rigid": structure.rigid,
+        "held": structure.held,
+        "reference_point": structure.reference_point,
+    }
+
+
+def _arrays(matrix: Sparse) -> dict[str, np.ndarray]:
+    return {"data": matrix.data, "indices": matrix.indices, "starts": matrix.indptr}

@@ -8,23 +8,606 @@ before it is refused.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from dataclasses import asdict, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from fem.solid import packed
-from fem.solid.bodies import Body
-from fem.solid.mesh import SolidMesh
-from fem.solid.mesher import FAULT, JOB, MESH, Unmeshable
-from fem.solid.sizing import Sizing
+from fem.solid import assembly
+from fem.solid.assembly import lame
+from fem.solid.mesh import SolidMesh, session
+from geometry.article import Article, Box, Material, Part, Placed
 from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, Integers
+from geometry.user_article import UserArticle, UserPart
+
+# What a solid model is made from: bodies that OCC can draw, each of one material with a stiffness.
+#
+# A drawing of primitives (`geometry.article.Article`) and a user's STEP file (`geometry.user_article.UserArticle`) both end
+# here. The drawing itself is put off until a mesh is wanted; what a body's geometry is known by, its `fingerprint`, needs no
+# OCC.
+
+
+AnyArticle = Article | UserArticle
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Body:
+    """One part of an article on its way to a mesh.
+
+    Attributes
+    ----------
+    name : of the part
+    material : with modulus and Poisson's ratio
+    write : writes its solid(s) as BREP in millimetres, in the article's frame, to a path
+    fingerprint : hexadecimal digest of its geometry
+    """
+
+    name: str
+    material: Material
+    write: Callable[[Path], None]
+    fingerprint: str
+
+
+def bodies(article: AnyArticle) -> tuple[Body, ...]:
+    """The counted parts of `article`.
+
+    Raises
+    ------
+    BadInput : nothing counts; a part is a mesh without a solid; a material is not elastic.
+    """
+    found = (
+        tuple(_drawn(part) for part in article.counted_parts)
+        if isinstance(article, Article)
+        else tuple(_imported(part) for part in article.parts)
+    )
+    if not found:
+        raise BadInput(source=f"article {article.name}", problem="no part of it counts", remedy="Name an article with mass")
+    for body in found:
+        lame(body.material, body.name)
+    return found
+
+
+def _drawn(part: Part) -> Body:
+    def write(path: Path) -> None:
+        from geometry.cad import solid, write_brep
+
+        write_brep(path, solid(part))
+
+    described = {"pose": _numbers(part.pose), "solids": _placed(part.shape.solids), "voids": _placed(part.shape.voids)}
+    digest = hashlib.sha256(json.dumps(described).encode()).hexdigest()
+    return Body(name=part.name, material=part.material, write=write, fingerprint=digest)
+
+
+def _imported(part: UserPart) -> Body:
+    if part.solid is None:
+        raise BadInput(
+            source=part.source,
+            problem=f"part {part.name} is a surface mesh, and the solid model needs the solid itself",
+            remedy="Export it from the CAD as STEP",
+        )
+
+    def write(path: Path) -> None:
+        from geometry.cad import write_brep
+
+        write_brep(path, part.solid)
+
+    from geometry.cad import brep_digest
+
+    return Body(name=part.name, material=part.material, write=write, fingerprint=brep_digest(part.solid))
+
+
+def _placed(placed: tuple[Placed, ...]) -> list[Any]:
+    return [[type(p.primitive).__name__, *_size(p), *_numbers(p.pose)] for p in placed]
+
+
+def _size(placed: Placed) -> list[str]:
+    primitive = placed.primitive
+    sizes = primitive.size.tolist() if isinstance(primitive, Box) else [primitive.diameter, primitive.height]
+    return [float(size).hex() for size in sizes]
+
+
+def _numbers(pose: Any) -> list[str]:
+    return [float(number).hex() for number in np.append(pose.position, pose.rotation)]
+
+
+# Re-entrant edges, found in a mesh: where the material around an edge of the skin fills more than half a turn.
+#
+# The angles of all tetrahedra at an edge add up to the angle of the material there, whatever faces, bodies and seams meet in
+# it. The elastic stress is singular at such an edge, and uniform meshes converge slowly there (Williams, J. Appl. Mech. 19,
+# 1952, 526).
+
+
+HALF_A_TURN = np.deg2rad(200.0)
+"""A flat skin has 180 degrees, and a coarse mesh of a round hole a little more."""
+
+FULL_TURN = np.deg2rad(359.0)
+"""Edges inside the material have it."""
+
+_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))
+
+
+def re_entrant_curves(gmsh: Any) -> list[int]:
+    """Tags of the curves of the current model, meshed with first-order tetrahedra, that are re-entrant."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    place = np.argsort(tags)
+    points = np.reshape(coordinates, (-1, 3))[place]
+    number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
+    number[np.sort(tags)] = np.arange(len(tags))
+    cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
+    edges, angles = edge_angles(points, cells)
+    sharp = {tuple(edge) for edge in edges[(angles > HALF_A_TURN) & (angles < FULL_TURN)].tolist()}
+    return [curve for _, curve in gmsh.model.getEntities(1) if _is_sharp(gmsh, curve, number, sharp)]
+
+
+def edge_angles(points: Array, cells: Any) -> tuple[Any, Array]:
+    """Edges (e, 2) of the tetrahedra `cells` (c, 4), lower node first, and the angle [rad] of the material around each (e,)."""
+    pairs, angles = [], []
+    for a, b in _EDGES:
+        c, d = (other for other in range(4) if other not in (a, b))
+        pairs.append(np.sort(cells[:, [a, b]], axis=1))
+        angles.append(_dihedral(*(points[cells[:, corner]] for corner in (a, b, c, d))))
+    edges, where = np.unique(np.vstack(pairs), axis=0, return_inverse=True)
+    return edges, np.asarray(np.bincount(where.ravel(), weights=np.concatenate(angles)), dtype=np.float64)
+
+
+def _dihedral(a: Array, b: Array, c: Array, d: Array) -> Array:
+    """Angle between the faces abc and abd along ab (n,)."""
+    along = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    sides = [v - np.sum(v * along, axis=1, keepdims=True) * along for v in (c - a, d - a)]
+    cross = np.linalg.norm(np.cross(*sides), axis=1)
+    return np.asarray(np.arctan2(cross, np.sum(sides[0] * sides[1], axis=1)))
+
+
+def _is_sharp(gmsh: Any, curve: int, number: Any, sharp: set[tuple[int, ...]]) -> bool:
+    """Whether half of the curve's edges or more are among `sharp`."""
+    nodes = [np.reshape(group, (-1, 2)) for group in gmsh.model.mesh.getElements(1, curve)[2]]
+    if not nodes:
+        return False
+    edges = np.sort(number[np.vstack(nodes).astype(np.int64)], axis=1).tolist()
+    return 2 * sum(tuple(edge) in sharp for edge in edges) >= len(edges)
+
+
+# How large the elements are: from thickness and curvature, by one number finer, and finer still at re-entrant edges.
+#
+# Three rules, the smallest holds. A body's own size follows its mean thickness 2 V / A (exactly the thickness of a plate, a
+# third of a cube's edge). A curved face has at least `AROUND` elements on a full circle, and on a thin wall so many that a
+# chord does not cut through a quarter of the wall. At a re-entrant edge, where stress is singular, elements are `refinement`
+# times smaller. Away from what is small the size grows by `GROWTH` metres a metre.
+
+
+AROUND = 12
+"""Elements on a full circle, at the least."""
+
+CUT = 0.2
+"""How deep a chord may cut into a thin wall, as a share of its thickness."""
+
+GROWTH = 0.8
+"""How fast the size grows away from a small feature, metre a metre."""
+
+THIN, SLENDER = 6.0, 10.0
+"""Largest size of a body: `THIN` times its thickness, or its longest dimension over `SLENDER`, whichever is smaller ..."""
+
+SOLID = 0.5
+"""... but never less than this share of its thickness."""
+
+
+LARGEST = 500_000
+"""Degrees of freedom; what a factoriser needs for them is estimated where the modes are computed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizing:
+    """What decides about the size of the elements.
+
+    Attributes
+    ----------
+    size : largest edge of an element [m] in any body; None for what thickness asks for
+    fineness : all sizes are divided by it; 2 halves them
+    refinement : size at re-entrant edges over the size beside them, at most 1 (none)
+    largest : degrees of freedom beyond which a mesh is refused
+    """
+
+    size: float | None = None
+    fineness: float = 1.0
+    refinement: float = 1.0
+    largest: int = LARGEST
+
+    @property
+    def described(self) -> list[float | None]:
+        """What the mesh depends on: another limit makes no other mesh."""
+        return [self.size, self.fineness, self.refinement]
+
+    def __post_init__(self) -> None:
+        _require("size", self.size is None or 0 < self.size < np.inf, self.size, "must be a positive length in metres")
+        _require("fineness", 0 < self.fineness < np.inf, self.fineness, "must be positive")
+        _require("refinement", 0 < self.refinement <= 1, self.refinement, "must be positive and at most 1")
+        _require("largest", self.largest > 0, self.largest, "must be a positive number of degrees of freedom")
+
+
+def _require(field: str, holds: bool, found: object, condition: str) -> None:
+    if not holds:
+        raise BadInput(source="mesh", field=field, problem=f"{condition}, found {found!r}", remedy="Correct it, or leave it out")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Volume:
+    """A gmsh volume: its tag, mean thickness 2 V / A, longest dimension of its box, volume and area, in millimetres."""
+
+    tag: int
+    thickness: float
+    longest: float
+    volume: float
+    area: float
+
+
+def measured(gmsh: Any, tag: int) -> Volume:
+    """The volume `tag` of the current model."""
+    volume = gmsh.model.occ.getMass(3, tag)
+    area = sum(gmsh.model.occ.getMass(2, face) for face in _faces(gmsh, tag))
+    box = np.reshape(gmsh.model.getBoundingBox(3, tag), (2, 3))
+    return Volume(tag=tag, thickness=2 * volume / area, longest=float(np.ptp(box, axis=0).max()), volume=volume, area=area)
+
+
+def body_size(volume: Volume, sizing: Sizing) -> float:
+    """Largest edge of an element of `volume` [mm]."""
+    own = max(SOLID * volume.thickness, min(THIN * volume.thickness, volume.longest / SLENDER))
+    given = np.inf if sizing.size is None else 1e3 * sizing.size
+    return float(min(own if sizing.size is None else np.inf, given)) / sizing.fineness
+
+
+def apply(gmsh: Any, volumes: Sequence[Volume], sizing: Sizing, re_entrant: Sequence[int] = ()) -> None:
+    """Give the current model of gmsh its size field; `re_entrant` are the tags of the curves to refine at."""
+    sizes = {volume.tag: body_size(volume, sizing) for volume in volumes}
+    faces = _curved_faces(gmsh, volumes, sizes, sizing)
+    curves: dict[int, float] = {}
+    for face, size in faces.items():
+        for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False):
+            curves[curve] = min(size, curves.get(curve, np.inf))
+    for curve in re_entrant if sizing.refinement < 1 else ():
+        curves[curve] = sizing.refinement * min(curves.get(curve, np.inf), *(sizes[tag] for tag in _volumes_at(gmsh, curve)))
+    fields = [_constant(gmsh, "VolumesList", tag, size) for tag, size in sizes.items()]
+    fields += [_constant(gmsh, "SurfacesList", tag, size) for tag, size in faces.items()]
+    _background(gmsh, fields + _growing(gmsh, curves, max(sizes.values())))
+
+
+def _curved_faces(gmsh: Any, volumes: Sequence[Volume], sizes: Mapping[int, float], sizing: Sizing) -> dict[int, float]:
+    """Faces whose curvature asks for smaller elements than their body has, and that size [mm]."""
+    found: dict[int, float] = {}
+    for volume in volumes:
+        for face in _faces(gmsh, volume.tag):
+            size = _curved_size(_radius(gmsh, face), volume.thickness, sizing)
+            if size < sizes[volume.tag]:
+                found[face] = min(size, found.get(face, np.inf))
+    return found
+
+
+def _curved_size(radius: float, thickness: float, sizing: Sizing) -> float:
+    """Edge [mm] on a face of `radius` on a wall of `thickness` [mm]."""
+    if not np.isfinite(radius):
+        return np.inf
+    around = 2 * np.pi * radius / max(AROUND, AROUND * sizing.fineness)
+    chord = np.sqrt(8 * radius * CUT * thickness) / max(1.0, sizing.fineness)
+    return float(min(around, chord))
+
+
+def _radius(gmsh: Any, face: int) -> float:
+    """Smallest radius of curvature [mm] found on `face`; infinite on a plane."""
+    if gmsh.model.getType(2, face) == "Plane":
+        return float(np.inf)
+    lower, upper = gmsh.model.getParametrizationBounds(2, face)
+    grid = np.array(list(product(*(np.linspace(a, b, 5)[1:-1] for a, b in zip(lower, upper, strict=True)))))
+    largest, smallest, *_ = gmsh.model.getPrincipalCurvatures(face, grid.ravel())
+    curvature = np.abs([largest, smallest]).max()
+    return float(1 / curvature) if curvature > 0 else float(np.inf)
+
+
+def _faces(gmsh: Any, volume: int) -> list[int]:
+    return [tag for _, tag in gmsh.model.getBoundary([(3, volume)], oriented=False)]
+
+
+def _volumes_at(gmsh: Any, curve: int) -> set[int]:
+    faces, _ = gmsh.model.getAdjacencies(1, curve)
+    return {int(volume) for face in faces for volume in gmsh.model.getAdjacencies(2, face)[0]}
+
+
+def _constant(gmsh: Any, kind: str, tag: int, size: float) -> int:
+    field: int = gmsh.model.mesh.field.add("Constant")
+    gmsh.model.mesh.field.setNumbers(field, kind, [tag])
+    gmsh.model.mesh.field.setNumber(field, "VIn", size)
+    gmsh.model.mesh.field.setNumber(field, "IncludeBoundary", 1)
+    return field
+
+
+def _growing(gmsh: Any, small: Mapping[int, float], largest: float) -> list[int]:
+    """One field for the curves of each size: that size on them, `GROWTH` more with the distance."""
+    fields = []
+    for size in sorted(set(np.round(list(small.values()), 6))):
+        curves = [curve for curve, own in small.items() if round(own, 6) == size]
+        distance = gmsh.model.mesh.field.add("Distance")
+        gmsh.model.mesh.field.setNumbers(distance, "CurvesList", curves)
+        gmsh.model.mesh.field.setNumber(distance, "Sampling", 40)
+        threshold = gmsh.model.mesh.field.add("Threshold")
+        for key, value in (
+            ("InField", distance),
+            ("SizeMin", size),
+            ("SizeMax", largest),
+            ("DistMin", size),
+            ("DistMax", size + max(largest - size, size) / GROWTH),
+        ):
+            gmsh.model.mesh.field.setNumber(threshold, key, value)
+        fields.append(threshold)
+    return fields
+
+
+def _background(gmsh: Any, fields: Sequence[int]) -> None:
+    """The smallest of `fields`, and nothing else, rules."""
+    least = gmsh.model.mesh.field.add("Min")
+    gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
+    gmsh.model.mesh.field.setAsBackgroundMesh(least)
+    for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
+        gmsh.option.setNumber(f"Mesh.{option}", 0)
+
+
+# gmsh at work, in a process of its own: ``python -m fem.solid.tetrahedra FOLDER``.
+#
+# gmsh ends its process on some geometries instead of reporting a fault, and cannot be interrupted; `fem.solid.tetrahedra`
+# therefore starts this module for every attempt, with the job in `FOLDER` (``job.json`` and one BREP a body, in millimetres),
+# and finds the answer there: ``mesh.npz``, or ``fault.json``.
+
+
+JOB, MESH, FAULT = "job.json", "mesh.npz", "fault.json"
+"""Files of a job's folder; the bodies are ``0.brep``, ``1.brep`` ..."""
+
+FROM_GMSH = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+"""gmsh's ten nodes in scikit-fem's order: the last two edges change places."""
+
+MANY = 0.005
+"""Share of inverted elements above which smaller ones are a better cure than untangling, which may take minutes."""
+
+MM = 1e-3
+
+
+class Unmeshable(Exception):
+    """An attempt that failed, in words."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Model:
+    """The current model of gmsh: its volumes, and the index of the body that each belongs to by tag."""
+
+    gmsh: Any
+    names: Sequence[str]
+    volumes: tuple[Volume, ...]
+    owner: Mapping[int, int]
+
+    def name(self, volume: int) -> str:
+        return self.names[self.owner[volume]]
+
+
+def work(folder: Path) -> None:
+    """Do the job in `folder`."""
+    job = json.loads((folder / JOB).read_text(encoding="utf-8"))
+    try:
+        mesh = mesher_tetrahedra(folder, job["bodies"], Sizing(**job["sizing"]))
+        np.savez(folder / MESH, allow_pickle=False, **assembly.pack_mesh(mesh))
+    except Unmeshable as fault:
+        _report(folder, {"unmeshable": str(fault)})
+    except BadInput as fault:
+        _report(folder, {key: getattr(fault, key) for key in ("source", "field", "problem", "remedy")})
+
+
+def mesher_tetrahedra(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
+    """Curved tetrahedra of the bodies called `names`, whose BREP files are in `folder`.
+
+    Raises
+    ------
+    BadInput : bodies that share volume, or more degrees of freedom than `sizes` allows.
+    Unmeshable : gmsh fails, elements stay inverted, or they do not fill the drawing.
+    """
+    with session() as gmsh:
+        model = _model(gmsh, names, folder)
+        _require_affordable(model, sizes)
+        return _mesh(model, sizes)
+
+
+def _report(folder: Path, fault: Mapping[str, str]) -> None:
+    (folder / FAULT).write_text(json.dumps(fault), encoding="utf-8")
+
+
+# --- geometry -------------------------------------------------------------------------------------------------------------
+
+
+def _model(gmsh: Any, names: Sequence[str], folder: Path) -> _Model:
+    imported = [_mesher_imported(gmsh, name, folder / f"{index}.brep") for index, name in enumerate(names)]
+    owner = _fragmented(gmsh, names, imported)
+    volumes = tuple(measured(gmsh, tag) for tag in sorted(owner))
+    return _Model(gmsh=gmsh, names=names, volumes=volumes, owner=owner)
+
+
+def _mesher_imported(gmsh: Any, name: str, path: Path) -> list[tuple[int, int]]:
+    volumes = [entity for entity in gmsh.model.occ.importShapes(str(path)) if entity[0] == 3]
+    if not volumes:
+        raise BadInput(source=f"part {name}", problem="gmsh finds no solid in it", remedy="Make it a closed solid in the CAD")
+    return volumes
+
+
+def _fragmented(gmsh: Any, names: Sequence[str], imported: Sequence[list[tuple[int, int]]]) -> dict[int, int]:
+    """All volumes cut at each other's faces; the body that each piece belongs to by tag."""
+    entities = [(entity, index) for index, group in enumerate(imported) for entity in group]
+    if len(entities) > 1:
+        first, *others = [entity for entity, _ in entities]
+        _, pieces = gmsh.model.occ.fragment([first], others)
+    else:
+        pieces = [[entity] for entity, _ in entities]
+    gmsh.model.occ.synchronize()
+    owner: dict[int, int] = {}
+    for (_, index), group in zip(entities, pieces, strict=True):
+        for _, tag in group:
+            if tag in owner:
+                raise _overlap(names[owner[tag]], names[index], gmsh.model.occ.getMass(3, tag))
+            owner[tag] = index
+    return owner
+
+
+def _overlap(first: str, second: str, shared: float) -> BadInput:
+    return BadInput(
+        source=f"parts {first} and {second}",
+        problem=f"they share {shared:.4g} mm³ of volume, which has no material of its own",
+        remedy="Cut one by the other in the CAD, or correct its position",
+    )
+
+
+# --- mesh -----------------------------------------------------------------------------------------------------------------
+
+
+def _mesh(model: _Model, sizes: Sizing) -> SolidMesh:
+    curves: Sequence[int] = ()
+    if sizes.refinement < 1:
+        _generate(model, replace(sizes, refinement=1.0), ())
+        curves = re_entrant_curves(model.gmsh)
+    _generate(model, sizes, curves)
+    _bend(model)
+    made = _read(model)
+    _require_filled(model, made)
+    return made
+
+
+def _require_filled(model: _Model, made: SolidMesh) -> None:
+    """Refuse a mesh that is not as large as OCC says its bodies are."""
+    drawn = np.zeros(len(model.names))
+    for volume in model.volumes:
+        drawn[model.owner[volume.tag]] += MM**3 * volume.volume
+    if words := assembly.unfilled(made, drawn):
+        raise Unmeshable(words)
+
+
+def _generate(model: _Model, sizes: Sizing, curves: Sequence[int]) -> None:
+    """First-order tetrahedra in the current model."""
+    mesh = model.gmsh.model.mesh
+    mesh.clear()
+    apply(model.gmsh, model.volumes, sizes, curves)
+    for dimension in (1, 2, 3):
+        try:
+            mesh.generate(dimension)
+        except Exception as error:  # gmsh raises nothing else
+            raise Unmeshable(_where(model, str(error))) from error
+        _require_size(model, dimension, sizes)
+
+
+def _where(model: _Model, error: str) -> str:
+    """gmsh's own words, with the bodies where it failed."""
+    failed = model.gmsh.model.mesh.getLastEntityError()
+    names = dict.fromkeys(model.name(int(volume)) for entity in failed for volume in _volumes(model, *entity))
+    there = f"in {', '.join(names)}" if names else "between the bodies"
+    return f"gmsh fails {there} ({error.strip().rstrip('.')})"
+
+
+def _volumes(model: _Model, dimension: int, tag: int) -> list[int]:
+    if dimension == 3:
+        return [tag]
+    above = model.gmsh.model.getAdjacencies(dimension, tag)[0]
+    return [volume for entity in above for volume in _volumes(model, dimension + 1, int(entity))]
+
+
+def _require_affordable(model: _Model, sizes: Sizing) -> None:
+    """Refuse before the work what a surface mesh of this size alone would need."""
+    edges = [(volume, body_size(volume, sizes)) for volume in model.volumes]
+    triangles = sum(volume.area / (0.6 * edge**2) for volume, edge in edges)
+    tetrahedra = sum(volume.volume / (0.2 * edge**3) for volume, edge in edges)
+    _refuse_above(sizes, int(max(6 * triangles, 4 * tetrahedra)), "at least ")
+
+
+def _require_size(model: _Model, dimension: int, sizes: Sizing) -> None:
+    """Refuse once the count is known: two mid-side and corner nodes a triangle of the skin, then corners and edges of all."""
+    if dimension == 1:
+        return
+    mesh = model.gmsh.model.mesh
+    if dimension == 2:
+        _refuse_above(sizes, 6 * _count(mesh, 2), "at least ")
+    else:
+        _refuse_above(sizes, 3 * (2 * len(mesh.getNodes()[0]) + _count(mesh, 3)), "about ")
+
+
+def _count(mesh: Any, dimension: int) -> int:
+    return sum(len(tags) for tags in mesh.getElements(dimension)[1])
+
+
+def _refuse_above(sizes: Sizing, found: int, words: str) -> None:
+    if found > sizes.largest:
+        given = "none" if sizes.size is None else f"{1e3 * sizes.size:g} mm"
+        raise BadInput(
+            source="mesh",
+            field="size",
+            problem=f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed "
+            f"(size given: {given}, fineness {sizes.fineness:g})",
+            remedy="Give a larger element size or a smaller fineness, or allow more",
+        )
+
+
+# --- second order ---------------------------------------------------------------------------------------------------------
+
+
+def _bend(model: _Model) -> None:
+    """Second order on the true surfaces; elements that turn inside out by it are untangled, if that can be done."""
+    mesh = model.gmsh.model.mesh
+    mesh.setOrder(2)
+    for method in ("HighOrder", "HighOrderElastic"):
+        if not 0 < len(_inverted(model)) <= MANY * _count(mesh, 3):
+            break
+        mesh.optimize(method)
+    _require_upright(model)
+
+
+def _inverted(model: _Model) -> Integers:
+    """Tags of the elements whose Jacobian is not positive everywhere, worst first."""
+    mesh = model.gmsh.model.mesh
+    tags = np.concatenate(mesh.getElements(3)[1])
+    least = np.asarray(mesh.getElementQualities(tags, "minDetJac"))
+    order = np.argsort(least, kind="stable")
+    return np.asarray(tags[order][least[order] <= 0], dtype=np.intp)
+
+
+def _require_upright(model: _Model) -> None:
+    inverted = _inverted(model)
+    if len(inverted):
+        worst = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]]
+        places = [f"{model.name(volume)} at {_centre(model, nodes)} mm" for _, nodes, _, volume in worst]
+        raise Unmeshable(f"{len(inverted)} elements are inverted, the worst in {'; '.join(places)}")
+
+
+def _centre(model: _Model, nodes: Sequence[int]) -> str:
+    points = [model.gmsh.model.mesh.getNode(node)[0] for node in nodes[:4]]
+    return "(" + ", ".join(f"{value:.1f}" for value in np.mean(points, axis=0)) + ")"
+
+
+def _read(model: _Model) -> SolidMesh:
+    """The mesh in metres, nodes numbered from 0."""
+    mesh = model.gmsh.model.mesh
+    tags, coordinates, _ = mesh.getNodes()
+    cells, part = [], []
+    for volume in sorted(model.owner):
+        _, (elements,), (nodes,) = mesh.getElements(3, volume)
+        cells.append(np.reshape(nodes, (-1, 10))[:, FROM_GMSH])
+        part.append(np.full(len(elements), model.owner[volume]))
+    used, numbered = np.unique(np.concatenate(cells), return_inverse=True)
+    places: Array = np.reshape(coordinates, (-1, 3))[np.argsort(tags)]
+    return SolidMesh(
+        points=MM * places[np.searchsorted(np.sort(tags), used)],
+        cells=numbered.reshape(-1, 10).astype(np.intp),
+        part=np.concatenate(part).astype(np.intp),
+        parts=tuple(model.names),
+    )
+
 
 FINER = (1.0, 1.4, 2.0)
 """Fineness of the attempts, relative to the one asked for; a mesh that fails or is inverted is often only too coarse."""
@@ -64,7 +647,7 @@ def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh
 
 
 def _attempt(folder: Path, bodies: Sequence[Body], sizes: Sizing) -> SolidMesh:
-    """One run of `fem.solid.mesher`; its answer, or its fault raised here."""
+    """One run of `fem.solid.tetrahedra`; its answer, or its fault raised here."""
     job = {"bodies": [body.name for body in bodies], "sizing": asdict(sizes)}
     (folder / JOB).write_text(json.dumps(job), encoding="utf-8")
     for left in (MESH, FAULT):
@@ -75,12 +658,12 @@ def _attempt(folder: Path, bodies: Sequence[Body], sizes: Sizing) -> SolidMesh:
     if words:
         raise Unmeshable(words)
     with np.load(folder / MESH, allow_pickle=False) as arrays:
-        return packed.unpack_mesh(arrays)
+        return assembly.unpack_mesh(arrays)
 
 
 def _run(folder: Path) -> str:
     """How the process ended, in words; nothing when it ended well. An interruption here ends it too."""
-    command = [sys.executable, "-P", "-m", "fem.solid.mesher", str(folder)]
+    command = [sys.executable, "-P", "-m", "fem.solid.tetrahedra", str(folder)]
     path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
     try:
         run = subprocess.run(
@@ -94,3 +677,7 @@ def _run(folder: Path) -> str:
 
 def _fault(said: dict[str, str]) -> Exception:
     return Unmeshable(said["unmeshable"]) if "unmeshable" in said else BadInput(**said)
+
+
+if __name__ == "__main__":
+    work(Path(sys.argv[1]))

@@ -7,18 +7,17 @@ from itertools import pairwise
 from types import MappingProxyType
 
 from geometry.article import Article, stacked
-from geometry.articles import clumod, cuboid, disc, fmd
-from geometry.articles.changes import files
-from geometry.articles.dimensions import Dimensions, load
+from geometry.articles import parts
+from geometry.articles.dimensions import Dimensions, changed_files, load
 from geometry.errors import BadInput
-from geometry.keys import nearest
+from geometry.toml_file import nearest
 
 _BUILDERS: dict[str, tuple[str, Callable[[Dimensions], Article]]] = {
-    "cuboid": ("cuboid", cuboid.build),
-    "disc": ("disc", disc.build),
-    "fmd": ("fmd", fmd.build),
-    "clumod-1": ("clumod", clumod.one_blade),
-    "clumod-4": ("clumod", clumod.four_blades),
+    "cuboid": ("cuboid", parts.cuboid_build),
+    "disc": ("disc", parts.disc_build),
+    "fmd": ("fmd", parts.fmd_build),
+    "clumod-1": ("clumod", parts.one_blade),
+    "clumod-4": ("clumod", parts.four_blades),
 }
 """By name: the dimension file of an article and what builds it."""
 
@@ -32,7 +31,7 @@ SETUPS = ("fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
 def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Article:
     """The built-in article or stack called `name`, parts joined by "+" from bottom to top; frame of the lowest part.
 
-    `changes` are the user's own dimensions, ``{"fmd.load_cell.moving_fraction": 0.6}``; see `geometry.articles.changes`.
+    `changes` are the user's own dimensions, ``{"fmd.load_cell.moving_fraction": 0.6}``; see `geometry.articles.dimensions`.
 
     Raises
     ------
@@ -73,7 +72,7 @@ def changes_of(name: str, changes: Mapping[str, float]) -> dict[str, float]:
     BadInput : a part that does not exist.
     """
     own = dimension_files(name)
-    return {key: value for key, value in changes.items() if files({key: value}) <= set(own)}
+    return {key: value for key, value in changes.items() if changed_files({key: value}) <= set(own)}
 
 
 def _built(part: str, changes: Mapping[str, float]) -> Article:
@@ -103,7 +102,7 @@ def _require_known(parts: list[str], whole: str) -> None:
 
 def _require_used(changes: Mapping[str, float], parts: list[str], whole: str) -> None:
     used = {_BUILDERS[part][0] for part in parts}
-    for file in sorted(files(changes) - used):
+    for file in sorted(changed_files(changes) - used):
         raise BadInput(
             source=f"article {whole}",
             field=file,

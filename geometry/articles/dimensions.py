@@ -8,7 +8,71 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
-from geometry.articles.changes import apply
+from geometry.errors import BadInput
+from geometry.toml_file import nearest
+
+# A user's own dimensions on top of the built-in ones.
+#
+# A key is the dimension file, the tables in it and the entry, joined by dots, in the file's own unit:
+# ``fmd.load_cell.moving_fraction`` or ``clumod.blade.lower-1.length_mm``. An entry of a list of tables is
+# named by its ``name``.
+
+
+def apply(table: dict[str, Any], file: str, changes: Mapping[str, float]) -> dict[str, Any]:
+    """Put `changes` that begin with `file` into `table`, the raw content of its dimension file, and return it.
+
+    Raises
+    ------
+    BadInput : a key that is not in the file, or that is no number there.
+    """
+    for key, value in changes.items():
+        head, *steps = key.split(".")
+        if head == file:
+            _put(table, steps, value, key)
+    return table
+
+
+def changed_files(changes: Mapping[str, float]) -> set[str]:
+    """The dimension files that `changes` speak of."""
+    return {key.split(".")[0] for key in changes}
+
+
+def _put(table: dict[str, Any], steps: list[str], value: float, key: str) -> None:
+    found: Any = table
+    inner: Any = table
+    for step in steps:
+        inner, found = found, _named(found, step, key)
+    if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
+        names = ", ".join(f"{key}.{name}" for name, entry in _entries(found).items() if not isinstance(entry, str))
+        raise _refused(key, "this is a table of dimensions", f"Name one of {names}")
+    if isinstance(found, bool) or not isinstance(found, (int, float)):
+        raise _refused(key, f"only a number can be changed, found {found!r}", "Name a number")
+    inner[steps[-1]] = type(found)(value) if isinstance(found, float) or float(value).is_integer() else _whole(key, value)
+
+
+def _whole(key: str, value: float) -> int:
+    raise _refused(key, f"this is a count, found {value:g}", "Give a whole number")
+
+
+def _named(table: Any, name: str, key: str) -> Any:
+    """The entry `name` of a table, or of a list of tables that have names."""
+    entries = _entries(table)
+    if name in entries:
+        return entries[name]
+    remedy = f"{nearest(name, entries)}Known are {', '.join(entries) or 'no further entries'}"
+    raise _refused(key, f"there is no {name!r} here", remedy)
+
+
+def _entries(table: Any) -> dict[str, Any]:
+    """By name what a table holds, or a list of tables that have names; nothing of anything else."""
+    if isinstance(table, list):
+        return {entry["name"]: entry for entry in table if isinstance(entry, dict)}
+    return table if isinstance(table, dict) else {}
+
+
+def _refused(key: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=f"--set, dimension file {key.split('.')[0]}.toml", field=key, problem=problem, remedy=remedy)
+
 
 Dimensions = dict[str, Any]
 """One dimension file or a table of it: numbers in SI, strings, and nested tables."""
@@ -17,7 +81,7 @@ Dimensions = dict[str, Any]
 def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dimensions:
     """The dimensions of the built-in part `name`, from ``geometry/articles/<name>.toml``; lengths [m], angles [rad].
 
-    `changes` replace entries, in the file's own units; `geometry.articles.changes` says how they are named and what is refused.
+    `changes` replace entries, in the file's own units; `geometry.articles.dimensions` says how they are named and what is refused.
     """
     text = files("geometry.articles").joinpath(f"{name}.toml").read_text(encoding="utf-8")
     return to_si(apply(tomllib.loads(text), name, changes))

@@ -15,15 +15,13 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Array
-from geometry.article import prefixes
+from geometry.article import prefixes, rectangle
 from geometry.articles import built_in, changes_of, dimension_files
-from geometry.articles.clumod import FOUR_BLADES, ONE_BLADE
 from geometry.articles.dimensions import Dimensions, load
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
 from geometry.errors import BadInput
-from geometry.frames import Pose
-from geometry.keys import nearest
-from geometry.shapes import rectangle
+from geometry.frames import Array, Pose
+from geometry.toml_file import nearest
 
 Places = dict[str, Array]
 """By name (3,) [m]."""

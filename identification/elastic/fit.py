@@ -8,20 +8,456 @@ Poles are added one by one where they take most out of what is left (`poles`), a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
-from geometry.dynamic_mass import DynamicMass
+from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
+from geometry.frames import Array, Integers, frozen
 from geometry.inertia import Inertia
-from identification.elastic import model, poles
-from identification.elastic.lines import Lines, full, kept, lines_of
-from identification.elastic.model import Layout
-from identification.elastic.refine import Refined, correlation_time, effective_size, leftover, limits, linearised, refine, unit_of
-from identification.elastic.terms import ElasticTerms
+from identification.elastic import model
+from identification.elastic.model import SCALE, UPPER, ElasticTerms, Layout
+
+# `Lines`: a measured dynamic mass as weighted data: symmetric, with standard deviations, thinned where nothing happens.
+#
+# A gain, an angle or a cross-talk of a sensor that is off makes an error in proportion to what else that row and that column
+# carry, alike at neighbouring lines. So the model-error floor is a share of the level of row and column at the line, and lines
+# away from resonances, which repeat the same error, count once in a quarter of a hertz.
+
+
+APART = 0.25
+"""Distance [Hz] of lines that are kept where the dynamic mass is smooth."""
+
+CHANGE = 0.03
+"""Change of an entry, in its level, from which the next line is kept too."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Lines:
+    """Upper triangles of H, the two measured halves averaged by their weights.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    values : (n, 21) complex, order of `model.UPPER`
+    deviation : (n, 21) standard deviation of the complex error, noise and floor together
+    asymmetry : (2,) chi² of the differences of the two halves, which no symmetric model explains, and their number
+    """
+
+    frequency: Array
+    values: ComplexArray
+    deviation: Array
+    asymmetry: tuple[float, int]
+
+    @property
+    def count(self) -> int:
+        """Real numbers in the data."""
+        return 2 * self.values.size
+
+    def at(self, chosen: npt.ArrayLike) -> Lines:
+        """The lines that `chosen` (mask or indices) picks."""
+        k = np.asarray(chosen)
+        return Lines(frequency=self.frequency[k], values=self.values[k], deviation=self.deviation[k], asymmetry=self.asymmetry)
+
+
+def lines_of(measured: DynamicMass, noise: npt.ArrayLike | None, floor: float, band: tuple[float, float] | None) -> Lines:
+    """All lines of `measured` in `band`.
+
+    Parameters
+    ----------
+    noise : (n, 6, 6) standard deviation of the complex noise of H, in its units; none when None
+    floor : model error as a share of the level of row and column
+
+    Raises
+    ------
+    BadInput : no lines in the band, noise of another shape, a deviation that is not above zero.
+    """
+    low, high = band or (-np.inf, np.inf)
+    inside = (measured.frequency >= low - 1e-9) & (measured.frequency <= high + 1e-9) & (measured.frequency > 0)
+    if np.sum(inside) < 2:
+        raise _refused("band", f"at least two lines are needed, found {np.sum(inside)} in {low:g} to {high:g} Hz", "Widen it")
+    H = measured.matrix[inside]
+    sd = floor * levels(H)
+    if noise is not None:
+        given = np.asarray(noise, dtype=np.float64)
+        if given.shape != measured.matrix.shape or not np.all(given >= 0):
+            problem = f"one standard deviation for each entry {measured.matrix.shape} is needed, found {given.shape}"
+            raise _refused("weights", problem, "Give those of the dynamic mass, at least 0")
+        sd = np.hypot(sd, given[inside])
+    if not np.all(sd > 0):
+        raise _refused("floor", "without noise a floor above zero is needed to weigh entries", "Leave the default, 0.002")
+    return _halves(measured.frequency[inside], H, sd)
+
+
+def levels(H: ComplexArray) -> Array:
+    """(n, 6, 6) in the units of H: root mean square of its row and its column, rotations divided by their nominal length."""
+    scale = np.outer(SCALE, SCALE)
+    power = np.abs(H / scale) ** 2
+    return np.asarray(scale * np.sqrt((power.sum(axis=2)[:, :, None] + power.sum(axis=1)[:, None, :]) / 2))
+
+
+def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
+    """Indices of lines that say something new: `APART`, or where an entry changed by `CHANGE` of its level."""
+    H = full(lines.values) if measured is None else measured
+    values = (H / levels(H))[:, UPPER[0], UPPER[1]]
+    chosen = [0]
+    for k in range(1, len(values)):
+        last = chosen[-1]
+        moved = np.abs(values[k] - values[last]).max() >= CHANGE
+        if moved or lines.frequency[k] - lines.frequency[last] >= APART - 1e-9 or k == len(values) - 1:
+            chosen.append(k)
+    return np.array(chosen)
+
+
+def full(upper: ComplexArray) -> ComplexArray:
+    """(n, 6, 6) symmetric from (n, 21)."""
+    H = np.zeros((len(upper), 6, 6), dtype=np.complex128)
+    H[:, UPPER[0], UPPER[1]] = H[:, UPPER[1], UPPER[0]] = upper
+    return H
+
+
+def _halves(frequency: Array, H: ComplexArray, sd: Array) -> Lines:
+    i, j = UPPER
+    off = i != j
+    a, b, va, vb = H[:, i, j], H[:, j, i], sd[:, i, j] ** 2, sd[:, j, i] ** 2
+    values = np.where(off, (a * vb + b * va) / (va + vb), a)
+    variance = np.where(off, va * vb / (va + vb), va)
+    chi2 = float(np.sum(2 * np.abs(a - b)[:, off] ** 2 / (va + vb)[:, off]))
+    return Lines(
+        frequency=frequency, values=values, deviation=np.sqrt(variance), asymmetry=(chi2, 2 * len(frequency) * int(np.sum(off)))
+    )
+
+
+def _refused(field: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source="elastic fit", field=field, problem=problem, remedy=remedy)
+
+
+# All parameters together by Levenberg and Marquardt: normal equations of weighted lines, analytic derivatives.
+#
+# Priors keep what the data do not say: a structure is lightly damped (a factor of 4.5 either way about 0.4 %), a pole belongs to
+# the band unless the data say otherwise, and coupling of damping does not exceed what its two modes have. Against data they
+# weigh nothing: a resonance tells ln f a thousand times better.
+#
+# Source: Marquardt, J. SIAM 11 (1963) 431; its damping as in Nielsen, IMM-REP-1999-05, Technical University of Denmark.
+
+
+DAMPING = (np.log(0.004), 1.5)
+"""Mean and standard deviation of ln zeta."""
+
+REACH = (0.5, 2.5)
+"""How far out of the band a pole may go, of its lower and of its upper end: beyond, it is an error and no mode."""
+
+RATIOS = (2e-4, 0.1)
+"""Damping ratios of a resonance: above them it is a slope that other poles lack, below them an error of one line."""
+
+COUPLING = 0.3
+"""Standard deviation of rho."""
+
+TIGHTEST = 0.95
+"""Largest rho: at 1 a pair would have a motion without damping."""
+
+ENOUGH = 0.03
+"""Gain of chi² that is no gain: a sixth of a standard deviation."""
+
+HOPELESS = 1e8
+"""Damping at which a step is too short to gain by anything but rounding."""
+
+STEP = 0.3
+"""Largest step of a logarithm or a coupling."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Refined:
+    """Where an iteration ended.
+
+    Attributes
+    ----------
+    vector : (k,) of `layout`
+    chi2 : of the data alone
+    cost : of data and priors
+    jacobian : (k, N) of the weighted data, N = 42 n: line by line, entry by entry, real and imaginary
+    residual : (N,) fitted less measured, weighted
+    prior : (k,) gradient of half the priors' cost
+    certainty : (k,) inverse variance of the priors, 0 where there is none
+    information : (k, k) J^T J with the priors
+    converged : whether it ended by itself
+    """
+
+    layout: Layout
+    vector: Array
+    chi2: float
+    cost: float
+    jacobian: Array
+    residual: Array
+    prior: Array
+    certainty: Array
+    information: Array
+    converged: bool
+
+
+def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, accuracy: float = 3e-5) -> Refined:
+    """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost and `ENOUGH`.
+
+    Not converged when `iterations` steps did not do; none only linearises at `start`.
+    """
+    at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
+    for _ in range(iterations):
+        trial, predicted = _step(at, damping, lines)
+        left = _residual(trial, layout, lines)
+        gained = at.cost - float(left @ left)
+        if gained > 0 and predicted > 0:
+            at, rise = linearised(trial, layout, lines), 2.0
+            damping *= max(0.1, 1 - (2 * gained / predicted - 1) ** 3)
+        else:
+            damping, rise = damping * rise, 2 * rise
+        if damping > HOPELESS or 0 <= max(gained, predicted) < accuracy * at.cost + ENOUGH:
+            return replace(at, converged=True)
+    return at
+
+
+def _step(at: Refined, damping: float, lines: Lines) -> tuple[Array, float]:
+    """The vector of the next trial and what cost it should save; what stands at a limit and pushes against it stays."""
+    x, A, blocks = at.vector, at.information, at.layout.blocks
+    g = at.jacobian @ at.residual + at.prior
+    limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
+    low, high = np.full(len(x), -np.inf), np.full(len(x), np.inf)
+    low[limited], high[limited] = limits(at.layout, lines)
+    free = ~(((x <= low) & (g > 0)) | ((x >= high) & (g < 0)))
+    d = unit_of(A)[free]
+    scaled = A[np.ix_(free, free)] / np.outer(d, d) + damping * np.eye(len(d))
+    dx = np.zeros(len(x))
+    dx[free] = -np.linalg.solve(scaled, g[free] / d) / d
+    dx *= min(1.0, STEP / max(np.abs(dx[limited]).max(initial=0.0), STEP))
+    trial = np.clip(x + dx, low, high)
+    dx = trial - x
+    return trial, float(-2 * g @ dx - dx @ A @ dx)
+
+
+def leftover(x: Array, layout: Layout, lines: Lines) -> ComplexArray:
+    """Fitted less measured (n, 21), in the units of H."""
+    _, terms = model.unpack(x, layout)
+    mass = np.tensordot(x[:10], model.inertia_basis(), axes=1)
+    return np.asarray(model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]] - lines.values)
+
+
+def weighted(values: ComplexArray, lines: Lines) -> Array:
+    """(..., n, 21) complex as (..., 42 n) real of unit variance: that of a complex error is shared by its two parts."""
+    scaled = np.multiply(values, np.sqrt(2) / lines.deviation, order="C")
+    return np.asarray(scaled.reshape(*values.shape[:-2], -1).view(np.float64))
+
+
+def unit_of(information: Array) -> Array:
+    """(k,) by which a normal matrix is divided to have ones on its diagonal; 1 where the data do not see a parameter at all."""
+    diagonal = np.diag(information)
+    return np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+
+
+def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
+    """Lowest and highest ln f, ln zeta and rho, in the order of the vector."""
+    f, m, p = lines.frequency[[0, -1]], layout.modes, len(layout.pairs)
+    low, high = np.log(np.array(REACH) * f)
+    return (
+        np.concatenate([np.full(m, low), np.full(m, np.log(RATIOS[0])), np.full(p, -TIGHTEST)]),
+        np.concatenate([np.full(m, high), np.full(m, np.log(RATIOS[1])), np.full(p, TIGHTEST)]),
+    )
+
+
+def effective_size(at: Refined) -> float:
+    """Parameters that the data decide and not the priors: k less the share of the priors in what is known of each."""
+    d = unit_of(at.information)
+    variance = np.diag(np.linalg.pinv(at.information / np.outer(d, d), hermitian=True)) / d**2
+    return len(at.vector) - float(at.certainty @ variance)
+
+
+def correlation_time(at: Refined) -> float:
+    """Lines that repeat the same error, 1 and more: the sum of the autocorrelation of what is left over up to its first zero."""
+    r = at.residual.reshape(-1, 42)
+    lags = [float(np.sum(r[k:] * r[: len(r) - k])) for k in range(len(r) // 2)]
+    ends = next((k for k, lag in enumerate(lags) if lag <= 0), len(lags))
+    return 1 + 2 * sum(lags[1:ends]) / lags[0] if lags and lags[0] > 0 else 1.0
+
+
+def _residual(x: Array, layout: Layout, lines: Lines) -> Array:
+    return np.concatenate([weighted(leftover(x, layout, lines), lines), _prior(x, layout, lines)[0]])
+
+
+def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
+    """Cost and derivatives at the vector `x` (k,), which nothing moves."""
+    _, terms = model.unpack(x, layout)
+    J = weighted(model.upper_derivatives(terms, lines.frequency, layout), lines)
+    r = weighted(leftover(x, layout, lines), lines)
+    p, slopes = _prior(x, layout, lines)
+    chi2, information = float(r @ r), J @ J.T
+    information[np.diag_indices(len(x))] += slopes**2
+    return Refined(
+        layout=layout,
+        vector=x,
+        chi2=chi2,
+        cost=chi2 + float(p @ p),
+        jacobian=J,
+        residual=r,
+        prior=slopes * p,
+        certainty=slopes**2,
+        information=information,
+        converged=False,
+    )
+
+
+def _prior(x: Array, layout: Layout, lines: Lines) -> tuple[Array, Array]:
+    """Residuals (k,) and their slopes (k,), zero for parameters without a prior."""
+    blocks, low, high = layout.blocks, np.log(lines.frequency[0]), np.log(lines.frequency[-1])
+    mean, slope = np.zeros(len(x)), np.zeros(len(x))
+    mean[blocks["frequency"]], slope[blocks["frequency"]] = (low + high) / 2, 2 / max(high - low, 1.0)
+    mean[blocks["damping"]], slope[blocks["damping"]] = DAMPING[0], 1 / DAMPING[1]
+    slope[blocks["pairs"]] = 1 / COUPLING
+    return slope * (x - mean), slope
+
+
+# Where the next pole starts: the frequency, damping and participation that take most out of what a fit left over.
+#
+# On a grid of poles, in the band and around it, every entry of the leftover is fitted by a constant, omega² and the pole's curve
+# omega² / (omega_r² - omega² + 2 i zeta omega_r omega), all entries and poles at once; the constants and omega² are what inertia
+# and residual mass could still take. The most promising are looked at closely: all parameters of the fit may give way to first
+# order, so that the slope which a resonance out of tune leaves beside it is not taken for another one, and the matrix of
+# amplitudes is cut down to rank one with a positive sign, for a mode of a symmetric structure answers by L L^T.
+
+
+POLES_DAMPING = (0.0015, 0.004, 0.01, 0.03)
+"""Ratios that are tried."""
+
+BEYOND = (0.6, 1.7)
+"""How far out of the band a pole is looked for: of its lower and of its upper end."""
+
+
+SHORT = 150
+"""Poles of the grid that are looked at closely."""
+
+LEAST = 1.0
+"""Fall of chi² that is worth a try: what one number does by chance."""
+
+ROUNDING = 1e-10
+"""Added to the normal matrix, scaled to 1: parameters that the data do not see leave rounding there."""
+
+POLES_APART = 0.02
+"""Relative distance of two candidates: nearer ones are the same."""
+
+RIDGE = 1e-3
+"""Share of a pole's own curve that counts as explained by what is fitted already, so that no pole is put on another."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PoleCandidate:
+    """A pole to start from.
+
+    Attributes
+    ----------
+    frequency : [Hz]
+    damping_ratio : [1]
+    participation : (6,) [sqrt(kg)], [sqrt(kg) m]
+    gain : what it takes out of chi², as far as a linear fit tells
+    """
+
+    frequency: float
+    damping_ratio: float
+    participation: Array
+    gain: float
+
+
+def next_poles(at: Refined, lines: Lines, count: int = 8) -> tuple[PoleCandidate, ...]:
+    """The poles, apart from each other, that take most out of what the fit `at` leaves over, the best first."""
+    f, zeta = _shortlist(at, lines)
+    rhs, P = _projected(at, lines, f, zeta)
+    L, gain = _rank_one(rhs, P)
+    chosen: list[int] = []
+    for k in np.argsort(-gain).tolist():
+        if len(chosen) < count and gain[k] > LEAST and all(abs(f[k] / f[j] - 1) > POLES_APART for j in chosen):
+            chosen.append(k)
+    return tuple(PoleCandidate(frequency=f[k], damping_ratio=zeta[k], participation=L[k], gain=gain[k]) for k in chosen)
+
+
+def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
+    """The most promising of the grid, each entry fitted on its own by a constant, omega² and the curve of the pole."""
+    f, zeta = _grid(lines.frequency)
+    left = -leftover(at.vector, at.layout, lines)
+    amplitude, power = _amplitudes(left, lines, f, zeta)
+    best = np.argsort(-np.sum(power * amplitude**2, axis=1))[:SHORT]
+    return f[best], zeta[best]
+
+
+def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array, Array]:
+    """Right-hand sides (s, 21) and normal matrices (s, 21, 21) of the amplitudes once all parameters of the fit may give way."""
+    n, k = len(lines.frequency), len(at.vector)
+    curve = _curves(2 * np.pi * lines.frequency, f, zeta)
+    g = curve.view(np.float64).reshape(len(f), n, 2)
+    weight = np.sqrt(2) / lines.deviation
+    J, r = at.jacobian.reshape(k, n, 21, 2), at.residual.reshape(n, 21, 2)
+    rows = np.tensordot(g, weight[:, :, None] * J, axes=((1, 2), (1, 3)))  # (s, k, 21)
+    own = np.abs(curve) ** 2 @ weight**2
+    d = unit_of(at.information)
+    root = np.linalg.cholesky(at.information / np.outer(d, d) + ROUNDING * np.eye(k)) * d[:, None]
+    half = np.linalg.solve(root, rows)
+    slope = np.linalg.solve(root, at.jacobian @ at.residual + at.prior)
+    rhs = np.einsum("ske,k->se", half, slope) - np.tensordot(g, weight[:, :, None] * r, axes=((1, 2), (0, 2)))
+    P = -half.swapaxes(1, 2) @ half
+    P[:, np.arange(21), np.arange(21)] += own * (1 + RIDGE)
+    return rhs, P
+
+
+def _grid(lines: Array) -> tuple[Array, Array]:
+    """Frequencies and ratios (g,): as fine as the half-power width of the lightest in the band, coarse around it."""
+    low, high = lines[0], lines[-1]
+    count = int(np.ceil(np.log(high / low) / (2 * POLES_DAMPING[1])))
+    inside = np.geomspace(low, high, max(count, 2))
+    beyond = np.concatenate([np.geomspace(BEYOND[0] * low, 0.97 * low, 6), np.geomspace(1.03 * high, BEYOND[1] * high, 10)])
+    f = np.concatenate([np.repeat(inside, len(POLES_DAMPING)), beyond])
+    zeta = np.concatenate([np.tile(POLES_DAMPING, len(inside)), np.full(len(beyond), POLES_DAMPING[1])])
+    return f, zeta
+
+
+def _amplitudes(leftover: ComplexArray, lines: Lines, f: Array, zeta: Array) -> tuple[Array, Array]:
+    """Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight."""
+    w = 2 * np.pi * lines.frequency
+    curve = _curves(w, f, zeta)
+    weight = 2 / lines.deviation**2  # (n, 21)
+    basis = _flat_basis(w, weight)  # (2, n, 21), orthonormal with the weight
+    shares = [curve.real @ (weight * one) for one in basis]
+    power = np.abs(curve) ** 2 @ weight - sum(share**2 for share in shares)
+    left = leftover - sum(one * np.sum(weight * one * leftover.real, axis=0) for one in basis)
+    against = curve.real @ (weight * left.real) + curve.imag @ (weight * left.imag)
+    sound = power > 1e-9 * (np.abs(curve) ** 2 @ weight)
+    return np.where(sound, against / np.where(sound, power, 1.0), 0.0), np.where(sound, power, 0.0)
+
+
+def _flat_basis(w: Array, weight: Array) -> Array:
+    """1 and omega², orthonormal over the lines under each entry's own weight (n, 21)."""
+    one = np.broadcast_to(1 / np.sqrt(weight.sum(axis=0)), weight.shape)
+    square = (w**2)[:, None] - one * np.sum(weight * one * (w**2)[:, None], axis=0)
+    return np.stack([one, square / np.sqrt(np.sum(weight * square**2, axis=0))])
+
+
+def _curves(w: Array, f: Array, zeta: Array) -> ComplexArray:
+    """omega² / (omega_r² - omega² + 2 i zeta omega_r omega) of every pole (g, n)."""
+    p = 2 * np.pi * f[:, None]
+    return np.asarray(w**2 / (p**2 - w**2 + 2j * zeta[:, None] * p * w))
+
+
+def _rank_one(rhs: Array, P: Array) -> tuple[Array, Array]:
+    """Of every pole the best of the six eigenvectors of its matrix of amplitudes: participation (s, 6) and fall of chi² (s,)."""
+    i, j = UPPER
+    A = np.zeros((len(rhs), 6, 6))
+    A[:, i, j] = A[:, j, i] = np.linalg.solve(P, rhs[:, :, None])[:, :, 0]
+    _, vectors = np.linalg.eigh(A / np.outer(SCALE, SCALE))
+    u = vectors.swapaxes(1, 2) * SCALE  # (s, 6 vectors, 6)
+    v = u[:, :, i] * u[:, :, j]
+    along = np.einsum("sve,se->sv", v, rhs)
+    size = np.maximum(along, 0.0) / np.einsum("sve,sef,svf->sv", v, P, v)
+    gain = size * along
+    best = np.argmax(gain, axis=1)
+    k = np.arange(len(rhs))
+    return np.sqrt(size[k, best])[:, None] * u[k, best], gain[k, best]
+
 
 FLOOR = 0.002
 """Model error as a share of the level of an entry's row and column."""
@@ -165,14 +601,14 @@ def _searched(lines: Lines, modes: int | None, start: Fitted | None, tell: Progr
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
     """The fit with the best pole of the leftover added and everything refined; None when none is one that helps."""
-    for pole in poles.next_poles(at, lines):
+    for pole in next_poles(at, lines):
         longer = _extended(at, pole, lines)
         if longer.chi2 < at.chi2 and np.all(_room(longer, lines) > 0):
             return longer
     return None
 
 
-def _extended(at: Refined, pole: poles.Candidate, lines: Lines) -> Refined:
+def _extended(at: Refined, pole: PoleCandidate, lines: Lines) -> Refined:
     parameters, terms = model.unpack(at.vector, at.layout)
     C = np.zeros((len(terms.frequency) + 1,) * 2)
     C[:-1, :-1], C[-1, -1] = terms.damping, 4 * np.pi * pole.damping_ratio * pole.frequency

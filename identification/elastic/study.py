@@ -13,15 +13,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
+from geometry.frames import Array
 from geometry.inertia import PARAMETERS, Inertia
 from identification.elastic import model
-from identification.elastic.fit import FLOOR, Fitted, Trial, covariance_of_the_ten, fit, price_of
-from identification.elastic.lines import Lines, kept, lines_of
+from identification.elastic.fit import (
+    FLOOR,
+    REACH,
+    Fitted,
+    Lines,
+    Trial,
+    covariance_of_the_ten,
+    fit,
+    kept,
+    lines_of,
+    price_of,
+    refine,
+)
 from identification.elastic.model import Layout
-from identification.elastic.refine import REACH, refine
 
 LIMIT = 0.01
 """Spread, in the scale of a parameter, up to which it is trusted."""
@@ -43,7 +53,7 @@ QUANTITIES = ("mass_kg", "cog_x_m", "cog_y_m", "cog_z_m", "moi_xx_kgm2", "moi_yy
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Cell:
+class StudiedFit:
     """One fit.
 
     Attributes
@@ -86,7 +96,7 @@ class BandStudy:
     starts: Array
     stops: Array
     counts: tuple[int, ...]
-    cells: tuple[Cell, ...]
+    cells: tuple[StudiedFit, ...]
     fitted: Fitted
 
     def map(self, of: str = "parameters") -> Array:
@@ -138,7 +148,7 @@ class BandStudy:
         shares = self.spread(rigid=rigid, limit=limit) / self.scale
         return {name: _verdict(float(share), limit, rigid) for name, share in zip(PARAMETERS, shares, strict=True)}
 
-    def _place(self, cell: Cell) -> tuple[int, int, int]:
+    def _place(self, cell: StudiedFit) -> tuple[int, int, int]:
         low, high = cell.band
         return int(np.argmin(np.abs(self.starts - low))), int(np.argmin(np.abs(self.stops - high))), self.counts.index(cell.count)
 
@@ -181,7 +191,7 @@ def study(
             problem=f"no band ends above {NARROWEST:g} of its start",
             remedy="Widen the band, or leave the study out",
         )
-    cells: list[Cell] = []
+    cells: list[StudiedFit] = []
     for k, band in enumerate(bands):
         data = lines_of(dynamic_mass, weights, floor, band)
         cells.extend(_judged([_cell(count, trial, data, band) for count, trial in trials.items()], whole))
@@ -218,11 +228,11 @@ def _trials(whole: Fitted, counts: Sequence[int] | None) -> dict[int, Trial]:
     return {0: rigid, **{count: known[count] for count in wanted if count in known and count > 0}}
 
 
-def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> Cell:
+def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> StudiedFit:
     thin = data.at(kept(data))
     layout, start = _within(trial, band) if count else (trial.layout, trial.vector)
     found = refine(start, layout, thin, iterations=15, accuracy=1e-4)
-    return Cell(
+    return StudiedFit(
         band=band,
         count=count,
         modes=layout.modes,
@@ -245,7 +255,7 @@ def _within(trial: Trial, band: tuple[float, float]) -> tuple[Layout, Array]:
     return layout, model.pack(parameters, left, layout)
 
 
-def _judged(cells: list[Cell], whole: Fitted) -> list[Cell]:
+def _judged(cells: list[StudiedFit], whole: Fitted) -> list[StudiedFit]:
     best = min(cell.misfit for cell in cells)
     return [replace(cell, plausible=cell.misfit <= EXPLAINED * max(best, min(whole.misfit, 1.0), 1.0)) for cell in cells]
 

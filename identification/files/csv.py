@@ -12,11 +12,19 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.atomic import write_text
 from geometry.errors import BadInput
-from identification.files.axis import rate_of_times, require_lines
-from identification.files.contents import DAMAGED, Samples, Signals, as_complex, require_file, require_one_length
+from geometry.frames import Array
+from identification.files.files import (
+    DAMAGED,
+    Samples,
+    Signals,
+    as_complex,
+    rate_of_times,
+    require_file,
+    require_lines,
+    require_one_length,
+)
 
 ENDINGS = (".csv",)
 

@@ -1,5 +1,5 @@
 """Self-calibration: tolerances of the measurement chain estimated together with the article, over tares and article."""
 
-from identification.self_calibration.calibrated import calibrated
+from identification.self_calibration.fit import calibrated
 
 __all__ = ["calibrated"]

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
 
 SMOOTHED = 0.2
 """[Hz] to either side over which the level of a channel is averaged."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from identification.self_calibration.elimination import Normal
 
 CLOSE = 0.1

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array, frozen
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen
 from geometry.sensors import ChannelTable
 
 
@@ -63,4 +64,70 @@ class Spectra:
             values=self.values[:, chosen],
             noise=self.noise[:, chosen],
             quality=self.quality[:, chosen],
+        )
+
+
+# From time histories to complex spectra: the Fourier integral of the whole record, at whatever lines are asked for.
+#
+# A sweep is a transient. When its record begins before the drive and ends after the ring-down, the integral over all of it
+#
+#     X(f) = sum_k x_k exp(-2 pi i f k / rate) / rate
+#
+# is free of leakage, and the quotient of two such spectra is the response function at the line - for light damping too, where a
+# block that is shorter than the ring-down is wrong by tens of per cent. It needs no window and no bins: lines lie where they are
+# wanted (Bluestein's chirp transform; Rabiner, Schafer & Rader, IEEE Trans. Audio 17, 1969).
+
+
+EVEN = 1e-9
+"""How far lines may lie from an even grid, relative to their distance, and still be evenly spaced."""
+
+
+def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.ArrayLike, source: str = "record") -> ComplexArray:
+    """Spectra of whole records [unit / Hz].
+
+    Parameters
+    ----------
+    signals : (n, ...) equally sampled, any unit, first sample at time 0
+    sampling_rate : [Hz]
+    frequency : (m,) lines [Hz], ascending, up to half the sampling rate
+    source : what the record is called in messages
+
+    Returns
+    -------
+    (m, ...) complex
+
+    Raises
+    ------
+    BadInput : lines beyond Nyquist, a record with NaN or infinity or of fewer than two samples.
+    """
+    x, lines = np.asarray(signals, dtype=np.float64), np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    _check(x, sampling_rate, lines, source)
+    steps = np.diff(lines)
+    even = len(lines) > 2 and bool(np.all(np.abs(steps - steps.mean()) <= EVEN * steps.mean()))
+    return (_chirp(x, sampling_rate, lines) if even else _summed(x, sampling_rate, lines)) / sampling_rate
+
+
+def _chirp(x: Array, rate: float, lines: Array) -> ComplexArray:
+    from scipy.signal import zoom_fft
+
+    return np.asarray(zoom_fft(x, [lines[0], lines[-1]], len(lines), fs=rate, endpoint=True, axis=0), dtype=np.complex128)
+
+
+def _summed(x: Array, rate: float, lines: Array) -> ComplexArray:
+    k = np.arange(len(x))
+    return np.stack([np.tensordot(np.exp(-2j * np.pi * f / rate * k), x, axes=1) for f in lines])
+
+
+def _check(x: Array, rate: float, lines: Array, source: str) -> None:
+    if x.ndim < 1 or len(x) < 2 or not np.all(np.isfinite(x)):
+        found = f"{len(x)} samples" if x.ndim and len(x) < 2 else "NaN or infinity"
+        raise BadInput(
+            source=source, field="signals", problem=f"a record of finite samples is needed, found {found}", remedy="Check it"
+        )
+    if not np.all((lines >= 0) & (lines <= rate / 2)):
+        raise BadInput(
+            source=source,
+            field="frequency",
+            problem=f"lines end at half the sampling rate, {rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz",
+            remedy="Ask for lines within, or record faster",
         )

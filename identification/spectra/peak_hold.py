@@ -7,20 +7,24 @@ reference is real, and only then interpolated to the grid that is asked for. Spe
 sine of amplitude 1 reads 1.
 
 A block of 15 s holds neither the run-up of a lightly damped resonance nor its ring-down, so the quotient of two such spectra
-is not the response function near it (`identification.spectra.sweep_bias` measures by how much). Data that exist only
+is not the response function near it (`identification.spectra.peak_hold` measures by how much). Data that exist only
 in this form are compared with a model that went through the same operator: `applied`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
+from geometry.frames import Array
+from identification.campaign import Campaign, Recording
+from identification.campaign_file import block_rms, noise_floors
+from identification.spectra.line_spectra import full_record
 
 BLOCK_SIZE, OVERLAP = 8192, 0.9
 """The paper's settings."""
@@ -164,3 +168,235 @@ def _native(samples: int, rate: float, lines: Array, block_size: int, overlap: f
 
 def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
     return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+
+
+# A mode that still rings when its record ends: what the cut makes of its resonance, and how to look at it by itself.
+#
+# The response to a blow holds exp(lambda t), lambda = -zeta omega_1 + i omega_1 to first order in zeta. Its transform over T
+# seconds is that of the whole decay times 1 - exp((lambda - i omega) T), and at the lines k / T that is one number, the same at
+# all of them: the resonance keeps its shape, is too high or too low, and is turned. A fit that knows nothing of it takes it for
+# mass.
+
+
+WIDEST = 0.5
+"""Damping ratio beyond which no resonance is left to fit."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoneMode:
+    """One mode of several accelerances, fitted by itself.
+
+    Attributes
+    ----------
+    frequency : [Hz]
+    damping_ratio : [1]
+    residues : (k,) complex; real for a mode of a lightly damped structure that was recorded to its end
+    """
+
+    frequency: float
+    damping_ratio: float
+    residues: ComplexArray
+
+    @property
+    def turn(self) -> float:
+        """Angle [rad] by which the residues are turned from the real axis, their mean on the unit circle, in -pi/2 ... pi/2."""
+        return float(np.angle(np.sum((self.residues / np.abs(self.residues)) ** 2)) / 2)
+
+
+def kept(frequency: float, damping_ratio: float, duration: float) -> complex:
+    """1 - exp(lambda T): what is kept of a mode's resonance at the lines k / T of a record of `duration` T [s]."""
+    omega = 2 * np.pi * frequency
+    return complex(1 - np.exp((-damping_ratio + 1j) * omega * duration))
+
+
+def lone_mode(frequency: npt.ArrayLike, accelerances: npt.ArrayLike, near: float, damping_ratio: float = 0.002) -> LoneMode:
+    """The mode that `accelerances` (n, k) at the lines `frequency` (n,) [Hz] show around it, beside a constant for all others.
+
+    Every line counts relative to what it reads: the skirts, where leakage is least, as much as the peak.
+
+    Parameters
+    ----------
+    near : [Hz] where to begin, within half its width
+    damping_ratio : to begin with
+    """
+    from scipy.optimize import least_squares
+
+    omega, y = 2 * np.pi * np.asarray(frequency, dtype=np.float64), np.asarray(accelerances, dtype=np.complex128)
+
+    def left(x: Array) -> Array:
+        error = _fitted(omega, y, x)[1].ravel()
+        return np.concatenate([error.real, error.imag])
+
+    limits = ([0.0, np.log(1e-6)], [np.inf, np.log(WIDEST)])
+    found = least_squares(left, [near, np.log(damping_ratio)], x_scale=[1e-3 * near, 0.1], bounds=limits).x
+    return LoneMode(frequency=float(found[0]), damping_ratio=float(np.exp(found[1])), residues=_fitted(omega, y, found)[0])
+
+
+def _fitted(omega: Array, y: ComplexArray, x: Array) -> tuple[ComplexArray, ComplexArray]:
+    """Residues (k,) at frequency x[0] [Hz] and damping exp(x[1]), and relative errors (n, k)."""
+    own, zeta = 2 * np.pi * x[0], np.exp(x[1])
+    basis = np.column_stack([omega**2 / (omega**2 - own**2 - 2j * zeta * own * omega), np.ones_like(omega)])
+    weight = 1 / np.abs(y)
+    found = [np.linalg.lstsq(w[:, None] * basis, w * one, rcond=None)[0] for w, one in zip(weight.T, y.T, strict=True)]
+    return np.array(found)[:, 0], np.asarray((basis @ np.array(found).T - y) * weight)
+
+
+# Records that begin or end in motion: what the Fourier integral of a whole record cannot know.
+#
+# The integral is free of leakage only when the record holds everything from rest to rest. Half a second of missing ring-down is
+# visible as misfit at the sweep's end.
+
+
+IN_MOTION = 2.0
+"""How far above its noise a channel reads when it still moves."""
+
+JERK = 6.0
+"""How far above its noise the very first sample lies when the record begins in motion: a drive that starts from rest does not."""
+
+UNKNOWN = 0.01
+"""Share of its largest block above which a channel still moves, where its noise is not known."""
+
+NEGLIGIBLE = 1e-4
+"""Share of its largest block below which a channel counts as still whatever its noise: records without noise ring for ever."""
+
+NAMED = 3
+"""How many channels a warning names."""
+
+
+def warnings(campaign: Campaign) -> tuple[str, ...]:
+    """Sentences about runs of time histories that do not begin or end at rest."""
+    floors = _floors(campaign)
+    recorded = [(run.name, campaign.recordings[run.name]) for run in campaign.runs]
+    return tuple(text for name, one in recorded for text in _of_run(name, one, floors) if text)
+
+
+def _floors(campaign: Campaign) -> Array:
+    """(c,) broadband noise; 0 where it is not known."""
+    stated = np.array([channel.noise_rms or 0.0 for channel in campaign.table.channels])
+    measured = noise_floors(campaign)
+    return stated if measured is None else np.where(measured > 0, measured, stated)
+
+
+def _of_run(name: str, recorded: Recording, floors: Array) -> tuple[str, str]:
+    if recorded.sampling_rate is None:
+        return "", ""
+    forward, backward = recorded.values, recorded.values[::-1]
+    rms, last = block_rms(forward, recorded.sampling_rate), block_rms(backward, recorded.sampling_rate)
+    if len(rms) < 2:
+        return "", ""
+    level = rms.max(axis=0)
+    still = np.where(floors > 0, np.maximum(IN_MOTION * floors, NEGLIGIBLE * level), UNKNOWN * level)
+    first = np.abs(forward[0] - forward.mean(axis=0))
+    begins = (rms[0] > still) & (first > JERK / IN_MOTION * still)
+    began = (
+        "begins in motion",
+        "what went before is missing from its spectra",
+        "Start recording before the drive",
+    )
+    ended = "ends before the ring-down", "what would have followed is missing from its spectra", "Record longer"
+    words = tuple(recorded.names)
+    return _said(name, words, rms[0], level, begins, began), _said(name, words, last[0], level, last[0] > still, ended)
+
+
+def _said(run: str, names: tuple[str, ...], rms: Array, level: Array, moving: np.ndarray, words: tuple[str, str, str]) -> str:
+    if not moving.any():
+        return ""
+    share = np.where(moving, rms / np.where(level > 0, level, 1.0), 0.0)
+    worst = [int(k) for k in np.argsort(-share, kind="stable")[:NAMED] if moving[k]]
+    which = ", ".join(f"{names[k]} at {100 * share[k]:.2g} %" for k in worst)
+    more = f" and {int(moving.sum()) - len(worst)} more" if moving.sum() > len(worst) else ""
+    what, why, remedy = words
+    return f"run {run} {what} ({which}{more} of its largest half second): {why}. {remedy}"
+
+
+# By how much peak-reference-hold and full-record spectra miss the response function of a lightly damped mode in a sweep.
+#
+# A mass on a spring and a dashpot stands on a table that sweeps. The load on the table per acceleration is
+#
+#     H = m (1 + omega² / (omega_r² - omega² + 2 i zeta omega_r omega))
+#
+# The mode is integrated in time with a step so short that its own error (the drive taken for piecewise linear, relative (omega
+# dt)² / 12) is a millionth, brought to the campaign's rate by leaving samples out, and both kinds of spectra are divided by
+# those of the drive.
+
+
+REST = 1.0
+"""[s] before the drive."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SweepBias:
+    """Measured bias.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    exact : (n,) complex, the response function [1] for m = 1 kg
+    peak_hold, full_record : (n,) complex, what the spectra say
+    """
+
+    frequency: Array
+    exact: ComplexArray
+    peak_hold: ComplexArray
+    full_record: ComplexArray
+
+    def error(self, which: str) -> Array:
+        """(n,) |found - exact| / |exact| of "peak_hold" or "full_record"."""
+        found: ComplexArray = getattr(self, which)
+        return np.asarray(np.abs(found - self.exact) / np.abs(self.exact))
+
+
+def sweep_bias(
+    resonance: float,
+    damping_ratio: float,
+    *,
+    frequency: Array,
+    rate: float = 564.0,
+    finer: int = 32,
+    start: float = 4.0,
+    stop: float = 32.0,
+    octaves_per_minute: float = 2.0,
+    ring_down: float | None = None,
+    block_size: int = BLOCK_SIZE,
+    overlap: float = OVERLAP,
+) -> SweepBias:
+    """The bias at the lines `frequency` (n,) [Hz] of a mode at `resonance` [Hz].
+
+    Parameters
+    ----------
+    resonance, damping_ratio : [Hz], [1], of the mode
+    rate : [Hz] of the campaign; the integration takes `finer` steps a sample
+    start, stop, octaves_per_minute : of the sweep [Hz], [Hz]
+    ring_down : [s] recorded behind the drive; by default until e^-14, a millionth, of the mode is left
+    block_size, overlap : of peak-reference-hold
+    """
+    decay = 2 * np.pi * resonance * damping_ratio
+    fine = rate * finer
+    drive = _sweep(fine, start, stop, octaves_per_minute, 14 / decay if ring_down is None else ring_down)
+    load = drive + _relative(drive, fine, resonance, damping_ratio)
+    pair = np.column_stack([drive, load])[::finer]
+    held = peak_reference_hold(pair, rate, pair[:, 0], frequency, block_size=block_size, overlap=overlap)
+    full = full_record(pair, rate, frequency)
+    omega, omega_r = 2 * np.pi * frequency, 2 * np.pi * resonance
+    exact = np.asarray(1 + omega**2 / (omega_r**2 - omega**2 + 2j * damping_ratio * omega_r * omega), dtype=np.complex128)
+    return SweepBias(frequency=frequency, exact=exact, peak_hold=held[:, 1] / held[:, 0], full_record=full[:, 1] / full[:, 0])
+
+
+def _sweep(rate: float, start: float, stop: float, octaves_per_minute: float, after: float) -> Array:
+    """A logarithmic sweep of amplitude 1 behind a rest, faded in and out over a period, with `after` seconds of silence."""
+    k = octaves_per_minute / 60 * np.log(2)  # f = start exp(k t)
+    duration = np.log(stop / start) / k
+    t = np.arange(round(duration * rate)) / rate
+    fade = np.minimum(1.0, np.minimum(t * start, (duration - t) * stop))
+    wave = np.sin(2 * np.pi * start / k * np.expm1(k * t)) * np.sin(np.pi / 2 * np.clip(fade, 0, 1)) ** 2
+    return np.concatenate([np.zeros(round(REST * rate)), wave, np.zeros(round(after * rate))])
+
+
+def _relative(drive: Array, rate: float, resonance: float, damping_ratio: float) -> Array:
+    """The acceleration (n,) of the mass relative to the table, exact for a piecewise linear drive."""
+    from scipy.signal import cont2discrete, lfilter
+
+    omega = 2 * np.pi * resonance
+    system = ([-1.0, 0.0, 0.0], [1.0, 2 * damping_ratio * omega, omega**2])
+    numerator, denominator, _ = cont2discrete(system, 1 / rate, method="foh")
+    return np.asarray(lfilter(np.squeeze(numerator), denominator, drive), dtype=np.float64)

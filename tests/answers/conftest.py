@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation import cli
+from validation.cli import main
 
 HERE = Path(__file__).parent
 STORED = HERE / "stored"
@@ -104,7 +104,7 @@ class Asking:
                 yield Answer(line=line, text=self._plain(head + err), data=self._clean(json.loads(out)))
             else:
                 yield Answer(line=line, text=self._plain(head + out + err))
-            if words[0] == "report" and "--out" in words and code == cli.DONE:
+            if words[0] == "report" and "--out" in words and code == main.DONE:
                 from_page = report((self.folder / words[words.index("--out") + 1]).read_text(encoding="utf-8"))
                 yield Answer(line=f"figures of {line}", text="", data=self._clean(from_page[1]))
                 yield Answer(line=f"text of {line}", text=self._plain(from_page[0]))
@@ -137,13 +137,13 @@ def here(words: list[str]) -> tuple[int, str, str]:
     out, err = io.StringIO(), io.StringIO()
     with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # as `main` does
-        code = cli.run(words)
+        code = main.run(words)
     return code, out.getvalue(), err.getvalue()
 
 
 def in_process(words: list[str]) -> tuple[int, str, str]:
     """The same in a process of its own."""
-    command = [sys.executable, "-P", "-c", "from validation.cli import main; main()", *words]
+    command = [sys.executable, "-P", "-c", "from validation.cli.main import main; main()", *words]
     done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
     return done.returncode, done.stdout, done.stderr
 

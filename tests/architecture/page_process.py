@@ -55,14 +55,14 @@ def done(step: dict[str, Any], repository: Path, namespace: dict[str, Any]) -> i
 
 
 def massline(arguments: list[str]) -> int:
-    from validation.cli import run
+    from validation.cli.main import run
 
     return workbench(arguments) if arguments[0] == "app" and "--help" not in arguments else run(arguments)
 
 
 def workbench(arguments: list[str]) -> int:
     """Begin to serve, be let in at the address that is printed, end by Ctrl-C: 0 when all of it went well."""
-    entry = [sys.executable, "-P", "-c", "from validation.cli import main; main()", *arguments, "--no-browser"]
+    entry = [sys.executable, "-P", "-c", "from validation.cli.main import main; main()", *arguments, "--no-browser"]
     with subprocess.Popen(entry, stdout=subprocess.PIPE, text=True, process_group=0) as process:
         assert process.stdout is not None
         address = next((urlsplit(line.strip()) for line in process.stdout if "?token=" in line), None)

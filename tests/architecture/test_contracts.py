@@ -35,18 +35,18 @@ TRESPASSES = {
 """For every contract a package that is not its door, and an import that it forbids there, directly or on the way."""
 
 DOORS = {
-    "cadquery": "geometry/cad/solids.py",
+    "cadquery": "geometry/cad.py",
     "pyuff": "identification/files/uff.py",
-    "trimesh": "geometry/mesh/mass.py",
-    "igl": "geometry/mesh/self_intersection.py",
-    "pinocchio": "geometry/multibody.py",
-    "exudyn": "fem/flexible_body/inertia.py",
+    "trimesh": "geometry/mesh.py",
+    "igl": "geometry/mesh.py",
+    "pinocchio": "geometry/routes.py",
+    "exudyn": "fem/exudyn/run.py",
     "gmsh": "fem/solid/tetrahedra.py",
-    "skfem": "fem/solid/elasticity.py",
-    "pyyeti": "fem/users_model/nastran.py",
-    "pyvista": "validation/pictures/scene.py",
-    "matplotlib": "validation/pictures/page.py",
-    "plotly": "validation/plots/theme.py",
+    "skfem": "fem/solid/assembly.py",
+    "pyyeti": "fem/user_model/nastran.py",
+    "pyvista": "validation/report/scenes/scene.py",
+    "matplotlib": "validation/report/scenes/scene.py",
+    "plotly": "validation/report/charts/style.py",
     "trame": "validation/app/server.py",
 }
 """Who may import what: the module that is the door to each library."""

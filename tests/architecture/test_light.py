@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from validation.cli import COMMANDS
+from validation.cli.main import COMMANDS
 
 HEAVY = {
     "cadquery",
@@ -27,7 +27,7 @@ HEAVY = {
 def imported_by(*arguments: str) -> set[str]:
     """Top-level names in `sys.modules` after ``massline`` ran with `arguments` in a fresh process."""
     statement = (
-        "import sys; from validation.cli import run; code = run(sys.argv[1:]);"
+        "import sys; from validation.cli.main import run; code = run(sys.argv[1:]);"
         "sys.stderr.write(' '.join({name.split('.')[0] for name in sys.modules})); sys.exit(code)"
     )
     run = subprocess.run([sys.executable, "-P", "-c", statement, *arguments], capture_output=True, encoding="utf-8", check=False)

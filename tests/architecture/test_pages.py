@@ -34,7 +34,7 @@ import pytest
 
 from tools.doctor import INSTALL_BROWSER, install_line
 from tools.pages import Block, blocks, commands, indented, lines, pages, quoted
-from validation.cli import COMMANDS, cli
+from validation.cli.main import COMMANDS, cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT)

@@ -12,7 +12,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from tools.doctor import BROWSERS, INSTALL_BROWSER, LIBRARIES, install_line, installed, main, missing, report
-from validation.report import browser
+from validation.report import page
 
 TARGETS = ("help", "setup", "demo", "test", "proof", "check", "bench", "blind", "lock", "clean")
 
@@ -48,7 +48,7 @@ def test_the_doctor_ends_with_1_only_when_something_is_missing(
 def test_without_a_browser_the_doctor_notes_it_once_and_ends_as_with_one(
     variable: str | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.delenv(browser.BROWSER, raising=False)
+    monkeypatch.delenv(page.BROWSER, raising=False)
     program = tmp_path / BROWSERS[-1]
     program.write_text("#!/bin/sh\n", encoding="utf-8")
     program.chmod(0o755)
@@ -58,7 +58,7 @@ def test_without_a_browser_the_doctor_notes_it_once_and_ends_as_with_one(
     if variable is None:
         program.unlink()
     else:
-        monkeypatch.setenv(browser.BROWSER, variable)
+        monkeypatch.setenv(page.BROWSER, variable)
     assert main([]) == 0
     said = capsys.readouterr().err
     assert said.count("note: no browser") == said.count(INSTALL_BROWSER) == 1
@@ -67,7 +67,7 @@ def test_without_a_browser_the_doctor_notes_it_once_and_ends_as_with_one(
 
 
 def test_the_doctor_looks_for_the_browsers_that_the_report_is_printed_by() -> None:
-    assert browser.NAMES == BROWSERS
+    assert page.NAMES == BROWSERS
 
 
 def test_the_readme_names_the_system_libraries_and_the_browser(root: Path) -> None:

@@ -18,14 +18,13 @@ from click.testing import CliRunner
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from fem.element import bending_stiffness
-from fem.section import rectangle
+from fem.beam.elements import bending_stiffness, rectangle
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES
-from validation.engine.evaluate import evaluate
-from validation.engine.evaluation import Evaluation
-from validation.engine.problem import Problem
-from validation.pictures import said_about
+from validation.estimation.evaluate import evaluate
+from validation.estimation.problem import Problem
+from validation.estimation.result import Evaluation
+from validation.report.charts.style import said_about
 
 STORY = ("aliases", "climbing", "data", "pictures", "readings", "tables")
 

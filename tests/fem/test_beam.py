@@ -11,18 +11,18 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
-from fem import beam, beam_clumod
-from fem.beam_clumod import Joint, Port, reach
-from fem.frame import Body, Frame, Member, Plan, assemble
-from fem.section import Section
+from fem.beam import articles
+from fem.beam.articles import Joint, Port, reach
+from fem.beam.elements import Section
+from fem.beam.frame import Body, Frame, Member, Plan, assemble
 from fem.structure import Structure
 from geometry.articles import NAMES, SETUPS, built_in
-from geometry.articles.clumod import FOUR_BLADES, ONE_BLADE
 from geometry.articles.dimensions import load
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
-from geometry.multibody import inertia as drawn_inertia
+from geometry.routes import inertia as drawn_inertia
 
 CONFIGURATIONS = {"clumod-4": (FOUR_BLADES, "four_blades"), "clumod-1": (ONE_BLADE, "one_blade")}
 STACKS = (*NAMES, *SETUPS, "disc+cuboid", "disc+disc")
@@ -42,19 +42,19 @@ def _held(structure: Structure, count: int) -> np.ndarray:
 def test_frequencies_of_the_reconstruction_survived_the_cad_detail(name: str, shared: Path) -> None:
     blades, key = CONFIGURATIONS[name]
     modes = json.loads((shared / "clumod" / "reconstruction.json").read_text())["achieved"][key]["f_Hz"]
-    found = beam.frequencies(beam.build(blades, load("clumod")), len(modes))
+    found = articles.frequencies(articles.build(blades, load("clumod")), len(modes))
     assert_allclose(
         found, modes, rtol=0.03
     )  # what the re-solve leaves to modes that the paper does not print; for those see below
 
 
 def test_published_mode_structure_holds() -> None:
-    four = beam.frequencies(beam.build(FOUR_BLADES, load("clumod")), 12)
+    four = articles.frequencies(articles.build(FOUR_BLADES, load("clumod")), 12)
     assert four[0] == pytest.approx(5.70, abs=0.05)
     assert four[10] == pytest.approx(15.50, abs=0.05)
     assert np.sum(np.abs(four - 12.3) <= 0.15) == 4
     assert four[11] >= 37.7
-    one = beam.frequencies(beam.build(ONE_BLADE, load("clumod")), 6)
+    one = articles.frequencies(articles.build(ONE_BLADE, load("clumod")), 6)
     assert one[0] == pytest.approx(11.6, abs=0.05)
     assert np.sum(one < 50) == 5
 
@@ -65,14 +65,14 @@ def test_published_mode_structure_holds() -> None:
 @pytest.mark.parametrize("name", STACKS)
 def test_structure_weighs_what_the_drawing_weighs(name: str) -> None:
     expected = drawn_inertia(built_in(name)).mass_matrix
-    for options in ({}, {"cells": beam.load_cells()}) if "fmd" in name else ({},):
-        found = beam.structure(name, **options).rigid_mass
+    for options in ({}, {"cells": articles.load_cells()}) if "fmd" in name else ({},):
+        found = articles.structure(name, **options).rigid_mass
         assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("name", STACKS)
 def test_rigid_motions_cost_no_energy_and_parts_make_the_whole(name: str) -> None:
-    structure = beam.structure(name)
+    structure = articles.structure(name)
     K, M = structure.stiffness.toarray(), structure.mass.toarray()
     assert_allclose(K @ structure.rigid, 0, atol=1e-12 * np.abs(K).max())
     assert_allclose(sum((k.toarray() for k in structure.part_stiffness.values()), 0 * K), K, atol=1e-12 * np.abs(K).max())
@@ -85,45 +85,45 @@ def test_rigid_motions_cost_no_energy_and_parts_make_the_whole(name: str) -> Non
 
 @pytest.mark.parametrize("name", STACKS)
 def test_points_are_moved_by_the_degrees_of_freedom_they_name(name: str) -> None:
-    structure = beam.structure(name)
+    structure = articles.structure(name)
     for point, dofs in zip(structure.points, structure.translations, strict=True):
         assert_allclose(structure.rigid[dofs], rigid_transformation_6(point)[:3], atol=1e-15)
 
 
 @pytest.mark.parametrize("name", [name for name in STACKS if name != "fmd"])
 def test_twenty_modes_can_be_asked_for(name: str) -> None:
-    assert len(beam.structure(name).free) >= 20
+    assert len(articles.structure(name).free) >= 20
 
 
 def test_fmd_alone_is_rigid() -> None:
-    structure = beam.structure("fmd")
+    structure = articles.structure("fmd")
     assert structure.free.size == 0
     assert structure.stiffness.nnz == 0
 
 
 def test_what_stands_on_the_rigid_fmd_keeps_its_frequencies() -> None:
-    assert_allclose(_held(beam.structure("fmd+clumod-4"), 16), _held(beam.structure("clumod-4"), 16), rtol=1e-9)
-    assert_allclose(_held(beam.structure("fmd+disc+cuboid"), 6), _held(beam.structure("disc+cuboid"), 6), rtol=1e-9)
+    assert_allclose(_held(articles.structure("fmd+clumod-4"), 16), _held(articles.structure("clumod-4"), 16), rtol=1e-9)
+    assert_allclose(_held(articles.structure("fmd+disc+cuboid"), 6), _held(articles.structure("disc+cuboid"), 6), rtol=1e-9)
 
 
 def test_hub_that_stands_out_beyond_the_mast_keeps_its_mass() -> None:
     higher = {"clumod.blade.upper-short.hub_height_mm": 60.0}
     for name in CONFIGURATIONS:
         expected = drawn_inertia(built_in(name, higher)).mass_matrix
-        assert_allclose(beam.structure(name, higher).rigid_mass, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+        assert_allclose(articles.structure(name, higher).rigid_mass, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
 def test_article_of_twice_the_size_has_half_the_frequencies() -> None:
     sizes = {"disc.diameter_mm": 702.0, "disc.height_mm": 29.0}
     assert_allclose(
-        2 * _held(beam.structure("disc", sizes), 6), _held(beam.structure("disc"), 6), rtol=1e-3
+        2 * _held(articles.structure("disc", sizes), 6), _held(articles.structure("disc"), 6), rtol=1e-3
     )  # its bolt holes stay
 
 
 def test_frequencies_hardly_move_when_elements_are_halved() -> None:
     """Blades twist piecewise linearly: with n elements of a half-blade too fast by (pi / 2n)² / 24. Bending is far closer."""
-    n = beam_clumod.ELEMENTS
-    default, finer = (_held(beam.structure("clumod-4", elements=elements), 16) for elements in (n, 2 * n))
+    n = articles.ELEMENTS
+    default, finer = (_held(articles.structure("clumod-4", elements=elements), 16) for elements in (n, 2 * n))
     assert_allclose(default[:12], finer[:12], rtol=5e-4)
     assert_allclose(default, finer, rtol=(np.pi / 2 / n) ** 2 / 24)
 
@@ -136,7 +136,7 @@ def test_reach_is_the_collars_radius_less_the_thickness_of_the_blade() -> None:
     assert reach(0.05, 0.0) == pytest.approx(0.05)
     assert reach(0.05, 6e-3) == pytest.approx(0.05 - 6e-3)
     d = load("clumod")
-    plan = beam_clumod.plan(FOUR_BLADES, d)
+    plan = articles.beam_clumod_plan(FOUR_BLADES, d)
     for blade in d["blade"]:
         expected = reach(d["hubs"]["outer_diameter"] / 2, blade["thickness"])
         roots = [plan.nodes[member.nodes[0]] for member in plan.members if member.part == blade["name"]]
@@ -145,9 +145,9 @@ def test_reach_is_the_collars_radius_less_the_thickness_of_the_blade() -> None:
 
 def test_rigid_middle_stiffens_the_blades(monkeypatch: pytest.MonkeyPatch) -> None:
     """All eleven modes of blades and mast, by about twice reach over length where a blade bends alone."""
-    with_reach = beam.frequencies(beam.build(FOUR_BLADES, load("clumod")), 11)
-    monkeypatch.setattr(beam_clumod, "reach", lambda _radius, _thickness: 1e-4)
-    assert np.all(with_reach > beam.frequencies(beam.build(FOUR_BLADES, load("clumod")), 11))
+    with_reach = articles.frequencies(articles.build(FOUR_BLADES, load("clumod")), 11)
+    monkeypatch.setattr(articles, "reach", lambda _radius, _thickness: 1e-4)
+    assert np.all(with_reach > articles.frequencies(articles.build(FOUR_BLADES, load("clumod")), 11))
 
 
 def _between(a: float, b: float, section: Section) -> np.ndarray:
@@ -166,19 +166,19 @@ LOWER, UPPER = 0.30, 0.42
 def test_joint_between_ports_of_the_mast_acts_as_a_member_between_its_nodes() -> None:
     d = load("clumod")
     ports = (Port(member="mast", at=LOWER), Port(member="mast", at=UPPER))
-    plan = beam_clumod.plan(ONE_BLADE, d, joints=[Joint(ports=ports, stiffness=np.zeros((12, 12)))])
+    plan = articles.beam_clumod_plan(ONE_BLADE, d, joints=[Joint(ports=ports, stiffness=np.zeros((12, 12)))])
     section = _massless(plan.members[0].section)
     ends = tuple(int(np.argmin(np.abs(plan.nodes - [0, 0, z]).sum(axis=1))) for z in (LOWER, UPPER))
     doubled = replace(plan, members=(*plan.members, Member(nodes=ends, section=section, z_axis=np.eye(3)[0], part="mast")))
-    expected = beam.frequencies(assemble(doubled), 6)
+    expected = articles.frequencies(assemble(doubled), 6)
     stiffness = _between(LOWER, UPPER, section)
     turned = np.roll(np.arange(12), 6)
     for joint in (
         Joint(ports=ports, stiffness=stiffness),
         Joint(ports=ports[::-1], stiffness=stiffness[np.ix_(turned, turned)]),
     ):
-        assert_allclose(beam.frequencies(beam.build(ONE_BLADE, d, joints=[joint]), 6), expected, rtol=1e-9)
-    assert np.all(expected >= beam.frequencies(assemble(plan), 6))
+        assert_allclose(articles.frequencies(articles.build(ONE_BLADE, d, joints=[joint]), 6), expected, rtol=1e-9)
+    assert np.all(expected >= articles.frequencies(assemble(plan), 6))
 
 
 def test_joint_at_a_crossing_keeps_mass_and_rigid_motions_and_belongs_to_its_part() -> None:
@@ -190,7 +190,7 @@ def test_joint_at_a_crossing_keeps_mass_and_rigid_motions_and_belongs_to_its_par
     )
     stiffness = relative.T @ np.diag([1e6, 1e6, 1e6, 1e4, 1e4, 1e4]) @ relative
     joint = Joint(ports=ports, stiffness=stiffness, mass=1e-9 * stiffness, part="lower-1")
-    plain, joined = beam.structure("fmd+clumod-1"), beam.structure("fmd+clumod-1", joints=[joint])
+    plain, joined = articles.structure("fmd+clumod-1"), articles.structure("fmd+clumod-1", joints=[joint])
     assert_allclose(joined.rigid_mass, plain.rigid_mass, rtol=1e-9, atol=1e-9)
     assert_allclose(joined.stiffness @ joined.rigid, 0, atol=1e-12 * np.abs(joined.stiffness).max())
     assert joined.part_stiffness.keys() == plain.part_stiffness.keys()
@@ -213,7 +213,7 @@ SPRING = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0
 )
 def test_joint_that_cannot_be_is_refused(ports: tuple[str, float], stiffness: np.ndarray, said: str) -> None:
     with pytest.raises(BadInput, match=said):
-        beam.structure(
+        articles.structure(
             "clumod-4",
             joints=[Joint(ports=(Port(member="mast", at=0.4), Port(member=ports[0], at=ports[1])), stiffness=stiffness)],
         )
@@ -224,8 +224,8 @@ def test_joint_that_cannot_be_is_refused(ports: tuple[str, float], stiffness: np
 
 def test_cover_plate_bounces_and_turns_on_its_cells_at_closed_form_frequencies() -> None:
     """Straight up sqrt(4 k_z / m), about the axis sqrt(4 k r² / Izz); the others couple."""
-    structure = beam.structure("fmd", cells=beam.load_cells())
-    lateral, _, axial = beam.load_cells()[0]
+    structure = articles.structure("fmd", cells=articles.load_cells())
+    lateral, _, axial = articles.load_cells()[0]
     body, side = drawn_inertia(built_in("fmd")), load("fmd")["load_cell"]["square"]
     expected = np.sqrt([4 * axial / body.mass, 4 * lateral * side**2 / 2 / body.tensor[2, 2]]) / (2 * np.pi)
     found = _held(structure, 6)
@@ -234,16 +234,18 @@ def test_cover_plate_bounces_and_turns_on_its_cells_at_closed_form_frequencies()
 
 
 def test_stiff_cells_are_rigid_ones() -> None:
-    rigid = _held(beam.structure("fmd+clumod-1"), 8)
-    differences = [_held(beam.structure("fmd+clumod-1", cells=factor * beam.load_cells()), 8) / rigid - 1 for factor in (1, 100)]
+    rigid = _held(articles.structure("fmd+clumod-1"), 8)
+    differences = [
+        _held(articles.structure("fmd+clumod-1", cells=factor * articles.load_cells()), 8) / rigid - 1 for factor in (1, 100)
+    ]
     assert np.all(differences[0] < 0)
     assert_allclose(differences[1], differences[0] / 100, rtol=0.05, atol=1e-10)
 
 
 def test_cell_stiffness_is_a_dimension_of_the_fmd() -> None:
-    cells = beam.load_cells({"fmd.load_cell.axial_stiffness_N_m": 1e9})
+    cells = articles.load_cells({"fmd.load_cell.axial_stiffness_N_m": 1e9})
     assert_allclose(cells[:, 2], 1e9)
-    assert_allclose(cells[:, :2], beam.load_cells()[:, :2])
+    assert_allclose(cells[:, :2], articles.load_cells()[:, :2])
 
 
 # --- bad input ---------------------------------------------------------------------------------------------------------------
@@ -268,14 +270,14 @@ def test_cell_stiffness_is_a_dimension_of_the_fmd() -> None:
 )
 def test_structure_that_cannot_be_is_refused(name: str, options: dict, said: str) -> None:
     with pytest.raises(BadInput, match=said):
-        beam.structure(name, **options)
+        articles.structure(name, **options)
 
 
 def test_part_of_a_material_without_moduli_is_refused() -> None:
     d = copy.deepcopy(load("clumod"))
     d["mast"]["material"] = "oak"
     with pytest.raises(BadInput, match="material oak: `youngs_modulus`: is missing"):
-        beam.build(ONE_BLADE, d)
+        articles.build(ONE_BLADE, d)
 
 
 # --- another program's beams -------------------------------------------------------------------------------------------------
@@ -285,7 +287,7 @@ def test_bare_reconstruction_gives_the_frequencies_it_states(shared: Path) -> No
     """An oracle from another program: its own dimensions, Rayleigh beams from the axis on, lumped hubs; its own frequencies."""
     stated = json.loads((shared / "clumod" / "reconstruction.json").read_text())
     for blades, key in CONFIGURATIONS.values():
-        found = beam.frequencies(_bare(stated, blades), len(stated["achieved"][key]["f_Hz"]))
+        found = articles.frequencies(_bare(stated, blades), len(stated["achieved"][key]["f_Hz"]))
         # it printed three decimals; its mast has other element lengths, which shows in the highest modes
         assert_allclose(found, stated["achieved"][key]["f_Hz"], rtol=5e-4)
 

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem import beam, crossing
-from fem.beam_clumod import Joint
-from fem.crossing import Piece
-from fem.section import tube
+from fem.beam import articles
+from fem.beam.articles import Joint, Piece
+from fem.beam.elements import tube
 from fem.structure import rigid_motion
-from geometry.articles.clumod import FOUR_BLADES, ONE_BLADE
+from geometry.article import material
 from geometry.articles.dimensions import Dimensions, load
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
 from geometry.frames import rigid_transformation_6
-from geometry.materials import material
 
 SIZE = 0.045
 """[m] of the local solid's cells: coarse, the claims here hold at any."""
@@ -26,7 +25,7 @@ def dimensions() -> Dimensions:
 
 
 def lower_1(blades: Sequence[str], d: Dimensions) -> Piece:
-    return next(piece for piece in crossing.pieces(blades, d) if piece.blades == ("lower-1",))
+    return next(piece for piece in articles.pieces(blades, d) if piece.blades == ("lower-1",))
 
 
 @pytest.fixture(scope="module")
@@ -37,25 +36,25 @@ def piece(dimensions: Dimensions) -> Piece:
 
 @pytest.fixture(scope="module")
 def flexibility(piece: Piece) -> np.ndarray:
-    return crossing.solid_flexibility(piece, SIZE)
+    return articles.solid_flexibility(piece, SIZE)
 
 
 @pytest.fixture(scope="module")
 def joint(piece: Piece, flexibility: np.ndarray, dimensions: Dimensions) -> Joint:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(crossing, "_kept_flexibility", lambda *_: flexibility)
-        return crossing.joint(piece, dimensions, SIZE)
+        patch.setattr(articles, "_kept_flexibility", lambda *_: flexibility)
+        return articles.joint(piece, dimensions, SIZE)
 
 
 def test_the_pieces_are_the_foot_and_every_hub_with_a_blade_or_mast_above(dimensions: Dimensions) -> None:
-    found = list(crossing.pieces(FOUR_BLADES, dimensions))
+    found = list(articles.pieces(FOUR_BLADES, dimensions))
     assert [each.blades for each in found] == [(), ("lower-1",), ("lower-2",), ("upper-long", "upper-short")]
     assert [each.foot for each in found] == [True, False, False, False]
-    assert [each.blades for each in crossing.pieces(ONE_BLADE, dimensions)] == [(), ("lower-1",), ()]
+    assert [each.blades for each in articles.pieces(ONE_BLADE, dimensions)] == [(), ("lower-1",), ()]
 
 
 def test_flexibilities_are_symmetric_and_positive(piece: Piece, flexibility: np.ndarray) -> None:
-    for found in (flexibility, crossing.beam_flexibility(piece)):
+    for found in (flexibility, articles.beam_flexibility(piece)):
         assert found.shape == (18, 18)
         assert_allclose(found, found.T, rtol=0, atol=1e-9 * np.abs(found).max())
         scale = np.sqrt(np.diag(found))
@@ -66,19 +65,19 @@ def test_both_halves_of_a_blade_give_alike(piece: Piece, flexibility: np.ndarray
     """Half a turn about the mast carries one port into the other: forces and moments across it change their sign.
     The mesh itself is not symmetric, and coarse."""
     turn = np.diag([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
-    for found in (flexibility, crossing.beam_flexibility(piece)):
+    for found in (flexibility, articles.beam_flexibility(piece)):
         scale = np.sqrt(np.outer(np.diag(found)[:6], np.diag(found)[:6]))
         assert_allclose((turn @ found[:6, :6] @ turn - found[6:12, 6:12]) / scale, 0, atol=2e-2)
 
 
 def test_the_solid_gives_about_what_the_beams_give(piece: Piece, flexibility: np.ndarray) -> None:
     """A joint is a correction: no direction of any port gives less than half or more than twice of what the beams do."""
-    ratio = np.diag(flexibility) / np.diag(crossing.beam_flexibility(piece))
+    ratio = np.diag(flexibility) / np.diag(articles.beam_flexibility(piece))
     assert np.all((ratio > 0.5) & (ratio < 2))
 
 
 def test_a_joint_lets_its_ports_move_together(joint: Joint, dimensions: Dimensions) -> None:
-    motion = rigid_motion(np.array([crossing.place(port, dimensions) for port in joint.ports]))
+    motion = rigid_motion(np.array([articles.place(port, dimensions) for port in joint.ports]))
     assert_allclose(joint.stiffness, joint.stiffness.T, rtol=0, atol=1e-12 * np.abs(joint.stiffness).max())
     assert np.abs(joint.stiffness @ motion).max() < 1e-9 * np.abs(joint.stiffness).max()
 
@@ -86,27 +85,27 @@ def test_a_joint_lets_its_ports_move_together(joint: Joint, dimensions: Dimensio
 def test_beams_with_the_joint_have_the_flexibility_of_the_solid(
     piece: Piece, flexibility: np.ndarray, joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = crossing.beams
+    plain = articles.beam_clumod_plan
 
     def jointed(blades: Sequence[str], d: Dimensions, *, elements: int) -> object:
         return plain(blades, d, elements=elements, joints=(joint,))
 
-    monkeypatch.setattr(crossing, "beams", jointed)
+    monkeypatch.setattr(articles, "beams", jointed)
     scale = np.sqrt(np.outer(np.diag(flexibility), np.diag(flexibility)))
-    assert_allclose((crossing.beam_flexibility(piece) - flexibility) / scale, 0, atol=1e-6)
+    assert_allclose((articles.beam_flexibility(piece) - flexibility) / scale, 0, atol=1e-6)
 
 
 def test_no_joint_is_needed_where_the_solid_is_as_flexible_as_the_beams(
     piece: Piece, dimensions: Dimensions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stiffness = np.linalg.inv(crossing.beam_flexibility(piece))
-    monkeypatch.setattr(crossing, "_kept_flexibility", lambda piece, _: crossing.beam_flexibility(piece))
-    assert np.abs(crossing.joint(piece, dimensions, SIZE).stiffness).max() < 1e-12 * np.abs(stiffness).max()
+    stiffness = np.linalg.inv(articles.beam_flexibility(piece))
+    monkeypatch.setattr(articles, "_kept_flexibility", lambda piece, _: articles.beam_flexibility(piece))
+    assert np.abs(articles.joint(piece, dimensions, SIZE).stiffness).max() < 1e-12 * np.abs(stiffness).max()
 
 
 def test_the_foot_of_beams_is_a_cantilever_tube(dimensions: Dimensions) -> None:
     """Tip of a Timoshenko cantilever: L³ / 3 E I + L / k G A, L² / 2 E I, L / E I; L / E A and L / G J along and about it."""
-    foot = next(crossing.pieces(ONE_BLADE, dimensions))
+    foot = next(articles.pieces(ONE_BLADE, dimensions))
     mast = dimensions["mast"]
     L = foot.ports[0].at - dimensions["flange"]["height"]
     s = tube(mast["outer_diameter"], mast["inner_diameter"], material(mast["material"]))
@@ -114,15 +113,15 @@ def test_the_foot_of_beams_is_a_cantilever_tube(dimensions: Dimensions) -> None:
     expected = np.diag([across, across, L / s.axial, turn, turn, L / s.torsion])
     expected[0, 4] = expected[4, 0] = tilt
     expected[1, 3] = expected[3, 1] = -tilt
-    assert_allclose(crossing.beam_flexibility(foot), expected, rtol=1e-8, atol=1e-8 * turn)
+    assert_allclose(articles.beam_flexibility(foot), expected, rtol=1e-8, atol=1e-8 * turn)
 
 
 def test_a_joint_of_four_blades_serves_one(joint: Joint, piece: Piece, dimensions: Dimensions) -> None:
     """The same crossing is cut out of both, and Clumod with one blade takes the joint: its frequencies fall, by little."""
     own = lower_1(ONE_BLADE, dimensions)
     assert [(port.member, port.at) for port in own.ports] == [(port.member, port.at) for port in piece.ports]
-    assert_array_equal(crossing.beam_flexibility(own), crossing.beam_flexibility(piece))
-    plain, jointed = (beam.frequencies(beam.build(ONE_BLADE, dimensions, joints=joints), 5) for joints in ((), (joint,)))
+    assert_array_equal(articles.beam_flexibility(own), articles.beam_flexibility(piece))
+    plain, jointed = (articles.frequencies(articles.build(ONE_BLADE, dimensions, joints=joints), 5) for joints in ((), (joint,)))
     change = jointed / plain - 1
     assert np.abs(change).max() < 0.05
     assert np.abs(change).max() > 1e-5
@@ -130,10 +129,10 @@ def test_a_joint_of_four_blades_serves_one(joint: Joint, piece: Piece, dimension
 
 def test_ports_are_where_the_solid_ends(piece: Piece, dimensions: Dimensions) -> None:
     """A rigid motion about the base is reported by every port as its own."""
-    solid = crossing._solid(piece, SIZE)
-    shares = crossing._shares(solid)
+    solid = articles._solid(piece, SIZE)
+    shares = articles._shares(solid)
     motion = np.zeros((len(solid.rigid), 6))
     motion[solid.translations.ravel()] = rigid_motion(solid.points).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)
     for port in piece.ports:
-        seen = crossing._mean(solid, shares, piece, port).T @ motion
-        assert_allclose(seen, rigid_transformation_6(crossing.place(port, dimensions)), rtol=0, atol=1e-9)
+        seen = articles._mean(solid, shares, piece, port).T @ motion
+        assert_allclose(seen, rigid_transformation_6(articles.place(port, dimensions)), rtol=0, atol=1e-9)

@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.sparse import csr_array
 
-from fem import beam, damping
+from fem import damping
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
 from fem.structure import Structure
@@ -48,7 +49,7 @@ def test_each_part_damps_its_own_mode() -> None:
 
 def test_off_diagonal_entries_stay() -> None:
     """The silicone of the short blade couples modes: entries beside the diagonal reach the geometric mean of those on it."""
-    S = fixed_base(beam.structure("clumod-4"), 10).structural
+    S = fixed_base(articles.structure("clumod-4"), 10).structural
     coupling = np.abs(S) / np.sqrt(np.outer(np.diag(S), np.diag(S)))
     assert (coupling - np.eye(10)).max() > 0.5
 

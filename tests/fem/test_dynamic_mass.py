@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.sparse import csr_array
 
-from fem import beam, dynamic_mass, reduction
-from fem import condensed as condensation
+from fem import dynamic_mass, reduction
+from fem import modes as fem_modes
+from fem.beam import articles
 from fem.damping import Damping
 from fem.held_base import hold
 from fem.modes import Modes, fixed_base, with_damping
 from fem.structure import Structure, rigid_motion
-from geometry.arrays import Array
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rigid_transformation_6
+from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import Inertia
 
 BAND = np.linspace(4.0, 32.0, 15)
@@ -30,7 +30,7 @@ BAND = np.linspace(4.0, 32.0, 15)
 
 @cache
 def clumod() -> Structure:
-    return beam.structure("clumod-4")
+    return articles.structure("clumod-4")
 
 
 @cache
@@ -61,7 +61,7 @@ def chain(masses: Array, springs: Array, spacing: float = 0.1) -> Structure:
 
 @pytest.mark.parametrize("article", ["clumod-4", "clumod-1", "disc+cuboid"])
 def test_at_zero_frequency_it_is_the_rigid_mass(article: str) -> None:
-    structure = beam.structure(article)
+    structure = articles.structure(article)
     H = dynamic_mass.modal(fixed_base(structure, 10), [0.0]).matrix[0]
     assert_allclose(H, structure.rigid_mass, rtol=0, atol=1e-9 * np.abs(structure.rigid_mass).max())
     Inertia.from_mass_matrix(H.real)  # refuses what is no rigid body to 1e-9
@@ -100,7 +100,7 @@ def test_condensation_of_uniform_damping_changes_nothing_but_the_residual() -> N
     share = {"all": structure.stiffness}
     modes = fixed_base(replace(structure, part_stiffness=share), 12, damping=Damping(loss_factors={"all": 0.1}))
     held = hold(structure)
-    solved = condensation.condensed(held, 0.1 * held.stiffness, 0.1, modes.shapes[held.free])
+    solved = fem_modes.condensed(held, 0.1 * held.stiffness, 0.1, modes.shapes[held.free])
     assert modes.condensed is not None
     for name in ("stiffness", "participation", "residual"):
         scale = np.abs(getattr(solved, name)).max()
@@ -114,7 +114,7 @@ def test_condensation_of_uniform_damping_changes_nothing_but_the_residual() -> N
 def test_the_series_with_real_factors_is_the_complex_solution(monkeypatch: pytest.MonkeyPatch) -> None:
     """Large structures take the series; here it is forced on a small one."""
     complex_solution = clumod_modes().condensed
-    monkeypatch.setattr(condensation, "FEW", 0)
+    monkeypatch.setattr(fem_modes, "FEW", 0)
     series = with_damping(replace(clumod_modes(), condensed=None), clumod()).condensed
     assert complex_solution is not None
     assert series is not None

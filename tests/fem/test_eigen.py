@@ -11,9 +11,9 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigvalsh
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 
-from fem import eigen, factorisers
-from fem.eigen import largest_left, lowest
+from fem import factorisers, modes
 from fem.held_base import hold
+from fem.modes import largest_left, lowest
 from fem.structure import Structure
 from geometry.errors import CheckFailed
 
@@ -62,7 +62,7 @@ def test_the_search_sees_a_mode_that_was_left_out(left_out: int, block: Block) -
     assert pairs.factor is not None
     thinned = np.delete(pairs.vectors, left_out, axis=1)
     assert largest_left(held.mass, thinned, pairs.factor.solve) == pytest.approx(1 / pairs.values[left_out], rel=1e-2)
-    assert largest_left(held.mass, pairs.vectors, pairs.factor.solve) < eigen.MISSED / pairs.values[-1]
+    assert largest_left(held.mass, pairs.vectors, pairs.factor.solve) < modes.MISSED / pairs.values[-1]
 
 
 def test_a_missed_mode_fails_the_run(block: Block, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,7 +81,7 @@ def _forgetful(K: csc_array, M: csc_array) -> Callable[..., tuple[np.ndarray, np
 def test_a_floating_body_has_six_rigid_motions_and_then_its_own(size: tuple[int, int, int], block: Block) -> None:
     body = block(*size)
     K, M = csc_array(body.stiffness), csc_array(body.mass)
-    pairs = lowest(K, M, 12, shift=eigen.floating_shift(K, M))
+    pairs = lowest(K, M, 12, shift=modes.floating_shift(K, M))
     assert_allclose(pairs.values[:6], 0, atol=1e-9 * pairs.values[6])
     assert_allclose(pairs.values[6:], eigvalsh(K.toarray(), M.toarray())[6:12], rtol=1e-7)
     inside, *_ = np.linalg.lstsq(body.rigid, pairs.vectors[:, :6], rcond=None)

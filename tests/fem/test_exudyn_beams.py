@@ -6,27 +6,23 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam, flexible_body
-from fem.beam_clumod import Joint, Port
+from fem.beam import articles
+from fem.beam.articles import Joint, Port
+from fem.beam.elements import Section, rectangle, sandwich
+from fem.beam.frame import Body, Member, Plan, Ports, assemble
 from fem.dynamic_mass import modal
-from fem.flexible_body import driven, native
-from fem.flexible_body.linearised import linearise, stiffness_of
-from fem.flexible_body.losses import lossy
-from fem.flexible_body.modal import single
-from fem.flexible_body.refinement import refined
-from fem.flexible_body.running import exudyn_version, running
-from fem.frame import Body, Member, Plan, Ports, assemble
+from fem.exudyn import frame, linear
+from fem.exudyn.frame import lossy, refined
+from fem.exudyn.linear import linearise, single, stiffness_of
+from fem.exudyn.run import exudyn_version, running
 from fem.modes import Modes, fixed_base
-from fem.sandwich import sandwich
-from fem.section import Section, rectangle
-from geometry.arrays import Array
+from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.dimensions import load
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rigid_transformation_6, rotation_about
+from geometry.frames import Array, rigid_transformation_6, rotation_about
 from geometry.inertia import Inertia
-from geometry.materials import material
-from geometry.multibody import inertia as drawn_inertia
+from geometry.routes import inertia as drawn_inertia
 
 STEEL = material("steel")
 BAR = rectangle(0.02, 0.01, STEEL)
@@ -41,12 +37,12 @@ TO_50_HZ = {"clumod-1": 5, "clumod-4": 20}
 
 @pytest.fixture(scope="module")
 def by_exudyn() -> dict[str, Modes]:
-    return {name: flexible_body.modes(name, COUNT) for name in ("cuboid", "clumod-1", "clumod-4")}
+    return {name: linear.modes(name, COUNT) for name in ("cuboid", "clumod-1", "clumod-4")}
 
 
 @pytest.fixture(scope="module")
 def by_us() -> dict[str, Modes]:
-    return {name: fixed_base(beam.structure(name, elements=24), COUNT) for name in ("cuboid", "clumod-1", "clumod-4")}
+    return {name: fixed_base(articles.structure(name, elements=24), COUNT) for name in ("cuboid", "clumod-1", "clumod-4")}
 
 
 def cantilever(elements: int, axes: Array | None = None) -> Plan:
@@ -70,7 +66,7 @@ def test_error_of_a_frequency_falls_with_the_square_of_the_element_length() -> N
 
 def test_two_meshes_give_the_closed_form_that_neither_has() -> None:
     """Rotary inertia and shear take (1 + E / k G) (beta r)² / 2, 4e-4, off the second mode of a bar this slender."""
-    found = flexible_body.modes_of_plan(cantilever(16), 3).frequency[[0, 2]]
+    found = linear.modes_of_plan(cantilever(16), 3).frequency[[0, 2]]
     assert_allclose(found, BENDING, rtol=6e-4)
     assert_allclose(found, fixed_base_of(cantilever(60), 3).frequency[[0, 2]], rtol=5e-5)
     assert linearise(refined(cantilever(16), 2), 3).frequency[2] > 1.001 * BENDING[1]
@@ -88,7 +84,7 @@ def test_a_beam_askew_is_refused() -> None:
 
 
 def test_a_finer_mesh_is_the_same_body_and_keeps_the_numbers_of_the_old_nodes() -> None:
-    plan = beam.plan("clumod-1", elements=3)
+    plan = articles.plan("clumod-1", elements=3)
     finer = refined(plan, 2)
     assert_allclose(finer.nodes[: len(plan.nodes)], plan.nodes, rtol=0)
     weights = [(frame.rigid.T @ frame.mass @ frame.rigid) for frame in map(assemble, (finer, plan))]
@@ -99,7 +95,7 @@ def test_a_finer_mesh_is_the_same_body_and_keeps_the_numbers_of_the_old_nodes() 
 @pytest.mark.parametrize("frequency", [0.5, 4.0, 32.0, 1000.0])
 def test_dynamic_mass_of_a_rigid_block_is_its_mass_matrix_with_a_plus(frequency: float) -> None:
     system = linearise(block(), COUNT)
-    H = driven.direct(system, np.zeros((6, 6)), frequency).matrix[0]
+    H = linear.direct(system, np.zeros((6, 6)), frequency).matrix[0]
     assert_allclose(H, BLOCK.mass_matrix, rtol=0, atol=1e-12)
 
 
@@ -108,7 +104,7 @@ def test_dynamic_mass_of_a_rigid_block_is_its_mass_matrix_with_a_plus(frequency:
 def test_the_load_that_dynamic_mass_asks_for_gives_exudyns_block_that_acceleration(axis: int, sign: float) -> None:
     """f = H a put on the block as exudyn's own loads, integrated by exudyn for 0.1 ms: all six components come out as a."""
     acceleration = sign * np.eye(6)[axis]
-    f = driven.direct(linearise(block(), COUNT), np.zeros((6, 6)), 10.0).matrix[0].real @ acceleration
+    f = linear.direct(linearise(block(), COUNT), np.zeros((6, 6)), 10.0).matrix[0].real @ acceleration
     assert_allclose(accelerated_by(f), acceleration, rtol=0, atol=1e-6)
 
 
@@ -162,11 +158,11 @@ def test_loss_of_every_mode_of_the_band_comes_from_the_parts(
 
 def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices() -> None:
     """One mesh, all coordinates and joints against 30 modes and residual; the loss is that of steel throughout."""
-    plan = beam.plan("clumod-1", elements=4)
+    plan = articles.plan("clumod-1", elements=4)
     system, lines = linearise(plan, COUNT), [4.0, 9.0, 20.0, 32.0]
     loss = 0.006 * system.stiffness
     sum_of_modes = modal(single(system, loss, np.zeros(3), COUNT), lines).matrix
-    solved = driven.direct(system, loss, lines).matrix
+    solved = linear.direct(system, loss, lines).matrix
     assert_allclose(sum_of_modes, solved, rtol=0, atol=1e-4 * np.abs(solved).max())
 
 
@@ -191,13 +187,13 @@ def test_two_faces_and_springs_bend_as_the_sandwich_theory_says(shear_modulus: f
         bodies=(foot,),
     )
     ours = fixed_base_of(refined(plan, 2), 1).frequency
-    assert_allclose(flexible_body.modes_of_plan(plan, 1).frequency, ours, rtol=1e-3)
+    assert_allclose(linear.modes_of_plan(plan, 1).frequency, ours, rtol=1e-3)
 
 
 def test_load_cells_are_springs_in_exudyn_too() -> None:
-    plan = beam.plan("fmd+clumod-1", elements=6, cells=beam.load_cells())
+    plan = articles.plan("fmd+clumod-1", elements=6, cells=articles.load_cells())
     ours = fixed_base_of(refined(plan, 4), 5).frequency
-    assert_allclose(flexible_body.modes_of_plan(plan, 5).frequency, ours, rtol=2e-4)
+    assert_allclose(linear.modes_of_plan(plan, 5).frequency, ours, rtol=2e-4)
 
 
 @pytest.mark.parametrize("member", ["lower-1", "upper-short"])
@@ -209,19 +205,19 @@ def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
         [side * rigid_transformation_6([0.0, 0.0, 1.0] - place) for side, place in zip((-1, 1), places, strict=True)]
     )
     joint = Joint(ports=ports, stiffness=relative.T @ np.diag([2e2, 2e2, 2e2, 2.0, 2.0, 2.0]) @ relative)
-    ours = fixed_base(beam.structure("clumod-4", elements=24, joints=[joint]), 10).frequency
-    without = fixed_base(beam.structure("clumod-4", elements=24), 10).frequency
+    ours = fixed_base(articles.structure("clumod-4", elements=24, joints=[joint]), 10).frequency
+    without = fixed_base(articles.structure("clumod-4", elements=24), 10).frequency
     assert np.max(ours / without) > 1.005
-    assert_allclose(flexible_body.modes("clumod-4", 10, joints=[joint]).frequency, ours, rtol=5e-4)
+    assert_allclose(linear.modes("clumod-4", 10, joints=[joint]).frequency, ours, rtol=5e-4)
 
 
 def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:
-    H = flexible_body.dynamic_mass("fmd", [4.0, 32.0]).matrix
+    H = linear.dynamic_mass("fmd", [4.0, 32.0]).matrix
     assert_allclose(H, np.array(2 * [drawn_inertia(built_in("fmd")).mass_matrix]), rtol=0, atol=1e-12)
 
 
 def test_exudyn_keeps_standard_output_to_the_user(capfd: pytest.CaptureFixture[str]) -> None:
-    flexible_body.modes_of_plan(cantilever(3), 2)
+    linear.modes_of_plan(cantilever(3), 2)
     assert capfd.readouterr() == ("", "")
 
 
@@ -255,17 +251,17 @@ def test_a_spring_that_answers_to_a_rigid_motion_is_refused() -> None:
 
 def test_no_mode_at_all_is_refused() -> None:
     with pytest.raises(BadInput, match="`count`: at least one mode is needed, found 0"):
-        flexible_body.modes("clumod-1", 0)
+        linear.modes("clumod-1", 0)
 
 
 def test_an_unknown_article_is_refused_before_exudyn_starts() -> None:
     with pytest.raises(BadInput, match="no built-in article is called 'clumod-2'"):
-        flexible_body.modes("clumod-2")
+        linear.modes("clumod-2")
 
 
 def fixed_base_of(plan: Plan, count: int) -> Modes:
     """Modes of `plan` by our own elements and eigen-solution."""
-    return fixed_base(beam._structure(assemble(plan)), count)
+    return fixed_base(articles._structure(assemble(plan)), count)
 
 
 def accelerated_by(load: Array) -> Array:
@@ -274,7 +270,7 @@ def accelerated_by(load: Array) -> Array:
     with running("accelerate the block") as exudyn:
         from exudyn import itemInterface
 
-        made = native.build(exudyn, block(), held=False)
+        made = frame.build(exudyn, block(), held=False)
         marker = made.system.AddMarker(itemInterface.MarkerNodeRigid(nodeNumber=0))
         made.system.AddLoad(itemInterface.LoadForceVector(markerNumber=marker, loadVector=load[:3].tolist()))
         made.system.AddLoad(itemInterface.LoadTorqueVector(markerNumber=marker, loadVector=load[3:].tolist()))

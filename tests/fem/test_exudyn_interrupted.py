@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from fem.flexible_body.interruption import is_interruption, kept
+from fem.exudyn.run import is_interruption, kept
 
 TIMES = 6
 """Runs of one kind; before Ctrl-C was kept, every second one ended as something else."""
@@ -18,9 +18,9 @@ import numpy as np
 from fem.base_excitation import body
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Rig
-from fem.flexible_body import driven_base, large_motion, rope_pendulum
+from fem.exudyn import driven_base, large_motion, rope_pendulum
 from geometry.inertia import Inertia
-from validation.interrupts import held_while_importing
+from validation.cli.main import held_while_importing
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell makes children in the background deaf to it
 block = Inertia.from_cog(7.0, [0.0, 0.0, 0.1], np.diag([0.3, 0.25, 0.1]))

@@ -7,21 +7,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam, flexible_body
+from fem.beam import articles
 from fem.dynamic_mass import direct, modal
-from fem.flexible_body.floating_frame import Flight, FloatingFrame, floating_frame
-from fem.flexible_body.inertia import from_exudyn
-from fem.flexible_body.linearised import linearise_body
-from fem.flexible_body.motion import Instant, fly, now
+from fem.exudyn import linear
+from fem.exudyn.floating_frame import Flight, FloatingFrame, Instant, floating_frame, fly, now
+from fem.exudyn.linear import linearise_body
+from fem.exudyn.run import from_exudyn
 from fem.modes import fixed_base
-from fem.solid.elasticity import assemble
+from fem.solid.assembly import assemble
 from fem.solid.mesh import LOCAL_HEX27, SolidMesh
 from fem.structure import Structure
-from geometry.arrays import Array
+from geometry.article import material
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rigid_transformation
+from geometry.frames import Array, rigid_transformation
 from geometry.inertia import Inertia
-from geometry.materials import material
 
 SIZE = np.array([0.05, 0.03, 0.6])
 STEEL = material("steel")
@@ -48,7 +47,7 @@ def test_exudyn_finds_the_frequencies_of_the_full_matrices(bar: Structure, body:
 
 
 def test_its_linearised_flexible_body_has_them_and_their_effective_masses_too(bar: Structure) -> None:
-    ours, exudyns = fixed_base(bar, COUNT), flexible_body.modes_of_solid(bar, COUNT)
+    ours, exudyns = fixed_base(bar, COUNT), linear.modes_of_solid(bar, COUNT)
     assert_allclose(exudyns.frequency, ours.frequency, rtol=1e-9)
     assert_allclose(exudyns.effective_mass, ours.effective_mass, rtol=0, atol=1e-9 * MASS)
     assert_allclose(exudyns.damping_ratio, ours.damping_ratio, rtol=1e-9)
@@ -56,7 +55,7 @@ def test_its_linearised_flexible_body_has_them_and_their_effective_masses_too(ba
 
 def test_its_dynamic_mass_is_the_direct_solution_of_the_full_matrices(bar: Structure) -> None:
     """The lowest mode lies at 70 Hz; the modes left out have no loss, which is the 1e-7 of it."""
-    solved, exudyns = direct(bar, LINES), modal(flexible_body.modes_of_solid(bar, COUNT), LINES)
+    solved, exudyns = direct(bar, LINES), modal(linear.modes_of_solid(bar, COUNT), LINES)
     assert_allclose(exudyns.matrix, solved.matrix, rtol=0, atol=1e-7 * np.abs(solved.matrix).max())
 
 
@@ -64,7 +63,7 @@ def test_static_answers_stand_for_the_modes_that_are_left_out(bar: Structure) ->
     """With a single mode and residual the static answer of all is still there."""
     ours = fixed_base(bar, 40)
     whole = ours.residual + (ours.participation / (2 * np.pi * ours.frequency) ** 2) @ ours.participation.T
-    one = flexible_body.modes_of_solid(bar, 1)
+    one = linear.modes_of_solid(bar, 1)
     found = one.residual + (one.participation / (2 * np.pi * one.frequency) ** 2) @ one.participation.T
     assert_allclose(found, whole, rtol=0, atol=1e-9 * np.abs(whole).max())
 
@@ -107,7 +106,7 @@ def test_a_free_turn_keeps_energy_momentum_and_angular_momentum(axis: int) -> No
 
 def test_a_frame_of_beams_is_no_solid() -> None:
     with pytest.raises(BadInput, match="every degree of freedom must move a point"):
-        floating_frame(beam.structure("clumod-1"), COUNT)
+        floating_frame(articles.structure("clumod-1"), COUNT)
 
 
 def test_a_base_that_holds_half_a_point_is_refused(bar: Structure) -> None:
@@ -123,13 +122,13 @@ def test_more_modes_than_the_solid_has_are_refused_in_exudyns_words(bar: Structu
 def test_a_solid_too_large_for_exudyns_factorisation_is_refused_before_it_starts(
     bar: Structure, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fem.flexible_body.floating_frame.LARGEST", 200)
+    monkeypatch.setattr("fem.exudyn.floating_frame.LARGEST", 200)
     with pytest.raises(BadInput, match=r"up to 200 degrees of freedom here, found 243.*native beams"):
         floating_frame(bar, COUNT)
 
 
 def test_nothing_is_printed(bar: Structure, capfd: pytest.CaptureFixture[str]) -> None:
-    flexible_body.modes_of_solid(bar, 3)
+    linear.modes_of_solid(bar, 3)
     assert capfd.readouterr() == ("", "")
 
 

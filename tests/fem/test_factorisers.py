@@ -11,7 +11,6 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
 from fem import factorisers
-from fem.factorisers import memory
 from fem.held_base import hold
 from fem.structure import Structure
 from geometry.errors import BadInput
@@ -83,29 +82,29 @@ def test_the_fill_is_foreseen_to_a_factor_of_1_4(shape: tuple[int, int, int]) ->
     pattern = kron(kron(kron(one[0], one[1]), one[2]), np.ones((3, 3)), format="csc")
     K = csc_array(pattern + 100 * eye_array(pattern.shape[0]))
     lu = splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
-    assert 1 / 1.4 < memory.predicted_entries(K) / lu.L.nnz < 1.4
+    assert 1 / 1.4 < factorisers.predicted_entries(K) / lu.L.nnz < 1.4
 
 
 def test_fill_of_a_chain_and_of_a_full_matrix_is_known() -> None:
     chain = diags_array([np.ones(999), np.ones(1000), np.ones(999)], offsets=[-1, 0, 1], format="csr")
-    assert 2000 < memory.predicted_entries(chain) < 2000 * 12  # small pieces count as dense by half
-    assert memory.predicted_entries(csc_array(np.ones((100, 100)))) == pytest.approx(100 * 101 / 2, rel=0.65)  # one piece
+    assert 2000 < factorisers.predicted_entries(chain) < 2000 * 12  # small pieces count as dense by half
+    assert factorisers.predicted_entries(csc_array(np.ones((100, 100)))) == pytest.approx(100 * 101 / 2, rel=0.65)  # one piece
 
 
 def test_factors_that_would_not_fit_are_refused_with_the_way_out(monkeypatch: pytest.MonkeyPatch, block: Block) -> None:
     K = hold(block(16, 16, 16)).stiffness
     assert K.shape[0] > factorisers.SMALL
-    needed = memory.predicted_bytes(K, "superlu")
-    monkeypatch.setattr(memory, "available", lambda: needed)  # nine tenths of it may be used
+    needed = factorisers.predicted_bytes(K, "superlu")
+    monkeypatch.setattr(factorisers, "available", lambda: needed)  # nine tenths of it may be used
     with pytest.raises(BadInput, match=r"coarser mesh.*pardiso") as refused:
         factorisers.factorise(K, definite=True, name="superlu")
     assert "11520 degrees of freedom would need about" in refused.value.problem
-    monkeypatch.setattr(memory, "available", lambda: 1.2 * needed)
-    memory.require_memory(K, "superlu")
+    monkeypatch.setattr(factorisers, "available", lambda: 1.2 * needed)
+    factorisers.require_memory(K, "superlu")
 
 
 def test_memory_of_this_machine_is_known_or_nobody_asks(monkeypatch: pytest.MonkeyPatch, block: Block) -> None:
-    free = memory.available()
+    free = factorisers.available()
     assert free is None or free > 0
-    monkeypatch.setattr(memory, "available", lambda: None)
-    memory.require_memory(hold(block(4, 4, 4)).stiffness, "superlu")
+    monkeypatch.setattr(factorisers, "available", lambda: None)
+    factorisers.require_memory(hold(block(4, 4, 4)).stiffness, "superlu")

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.sparse import block_diag, csr_array
 
-from fem import effective_mass
+from fem import modes
 from fem.modes import fixed_base
 from fem.structure import Structure
 from geometry.errors import BadInput, CheckFailed
@@ -20,7 +20,7 @@ Block = Callable[..., Structure]
 
 def test_effective_masses_of_all_modes_are_the_rigid_mass_less_the_bases(block: Block) -> None:
     structure = block(3, 3, 4)
-    table = effective_mass.table(fixed_base(structure, 10_000))
+    table = modes.table(fixed_base(structure, 10_000))
     base = np.zeros((structure.mass.shape[0], 6))
     base[structure.held] = structure.rigid[structure.held]
     carried = np.diag(base.T @ structure.mass @ base)
@@ -30,7 +30,7 @@ def test_effective_masses_of_all_modes_are_the_rigid_mass_less_the_bases(block: 
 
 
 def test_an_axis_without_inertia_has_no_share() -> None:
-    rod = effective_mass.EffectiveMass(frequency=np.ones(1), each=np.zeros((1, 6)), rigid=np.array([1.0, 1, 1, 1, 1, 0]))
+    rod = modes.EffectiveMass(frequency=np.ones(1), each=np.zeros((1, 6)), rigid=np.array([1.0, 1, 1, 1, 1, 0]))
     assert_allclose(rod.share, 0)
 
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.flexible_body.inertia import from_exudyn, quiet, to_exudyn
-from geometry.arrays import Array
+from fem.exudyn.run import from_exudyn, quiet, to_exudyn
 from geometry.errors import BadInput
-from geometry.frames import rotation_about
+from geometry.frames import Array, rotation_about
 from geometry.inertia import Inertia
 
 COG = np.array([0.11, -0.23, 0.37])

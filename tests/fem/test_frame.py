@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh, expm
 from scipy.optimize import brentq
 
-from fem.frame import Body, Frame, Member, Plan, Ports, assemble, inertia, on_top, placed
-from fem.section import Section, cowper_rectangle
+from fem.beam.elements import Section, cowper_rectangle
+from fem.beam.frame import Body, Frame, Member, Plan, Ports, assemble, inertia, on_top, placed
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
 

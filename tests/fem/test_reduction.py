@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigvalsh
 from scipy.sparse import csr_array
 
-from fem import beam, dynamic_mass, reduction
+from fem import dynamic_mass, reduction
+from fem.beam import articles
 from fem.modes import fixed_base
 from fem.structure import Structure
 from geometry.errors import BadInput
@@ -20,7 +21,7 @@ BAND = np.linspace(4.0, 32.0, 9)
 
 
 def test_reduced_matrices_give_the_modal_dynamic_mass_without_residual() -> None:
-    structure = beam.structure("clumod-4")
+    structure = articles.structure("clumod-4")
     found = reduction.dynamic_mass(reduction.craig_bampton(structure, 20), BAND)
     expected = dynamic_mass.modal(fixed_base(structure, 20), BAND, residual=False)
     assert_allclose(found.matrix, expected.matrix, rtol=0, atol=1e-11 * np.abs(expected.matrix).max())

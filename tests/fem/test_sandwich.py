@@ -8,12 +8,10 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eig, eigh, expm
 from scipy.optimize import brentq
 
-from fem.frame import Frame, Member, Plan, assemble
-from fem.moduli import moduli
-from fem.sandwich import Sandwich, layer_torsion, sandwich
-from fem.section import Section, rectangle
+from fem.beam.elements import Sandwich, Section, layer_torsion, moduli, rectangle, sandwich
+from fem.beam.frame import Frame, Member, Plan, assemble
+from geometry.article import material
 from geometry.errors import BadInput
-from geometry.materials import material
 
 STEEL, SILICONE = material("steel"), material("silicone")
 WIDTH, THICKNESS, LAYER, LENGTH = 0.16, 0.005, 0.0005, 0.47

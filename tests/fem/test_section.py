@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.moduli import moduli
-from fem.section import cowper_rectangle, cowper_tube, rectangle, rectangle_torsion, tube
+from fem.beam.elements import cowper_rectangle, cowper_tube, moduli, rectangle, rectangle_torsion, tube
+from geometry.article import material
 from geometry.errors import BadInput
-from geometry.materials import material
 
 STEEL = material("steel")
 

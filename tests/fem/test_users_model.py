@@ -13,11 +13,11 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, csr_array
 
-from fem import users_model
 from fem.dynamic_mass import direct, modal
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
-from fem.users_model.units import UnitSystem, unit_system
+from fem.user_model import reading
+from fem.user_model.description import UnitSystem, unit_system
 from geometry.dynamic_mass import DynamicMass
 
 LINES = np.linspace(4.0, 200.0, 50)
@@ -42,9 +42,9 @@ def assert_same(one: DynamicMass, other: DynamicMass, rtol: float = 1e-9) -> Non
 )
 def test_every_format_is_the_same_structure(bracket_files: Path, file: str, rtol: float) -> None:
     """DMIG is punched with ten digits, hence the last tolerance."""
-    reference = users_model.read(bracket_files / "bracket.h5")
+    reference = reading.read(bracket_files / "bracket.h5")
     assert isinstance(reference, Structure)
-    model = users_model.read(bracket_files / file)
+    model = reading.read(bracket_files / file)
     found = model if isinstance(model, Modes) else fixed_base(model, 12)
     assert_allclose(found.frequency, fixed_base(reference, 12).frequency, rtol=rtol)
     assert_same(dynamic_mass(model), dynamic_mass(reference), rtol)
@@ -52,9 +52,9 @@ def test_every_format_is_the_same_structure(bracket_files: Path, file: str, rtol
 
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
 def test_a_structure_written_is_read_back_to_the_last_digit(bracket_files: Path, tmp_path: Path, ending: str) -> None:
-    before = users_model.read(bracket_files / "bracket.h5")
-    users_model.write(before, tmp_path / f"again{ending}")
-    after = users_model.read(tmp_path / f"again{ending}")
+    before = reading.read(bracket_files / "bracket.h5")
+    reading.write(before, tmp_path / f"again{ending}")
+    after = reading.read(tmp_path / f"again{ending}")
     assert isinstance(before, Structure)
     assert isinstance(after, Structure)
     for name in ("stiffness", "mass"):
@@ -65,10 +65,10 @@ def test_a_structure_written_is_read_back_to_the_last_digit(bracket_files: Path,
 
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
 def test_modes_written_are_read_back_with_their_damping_and_residual(bracket_files: Path, tmp_path: Path, ending: str) -> None:
-    structure = users_model.read(bracket_files / "bracket.h5")
+    structure = reading.read(bracket_files / "bracket.h5")
     before = fixed_base(structure, 5)
-    users_model.write(before, tmp_path / f"modes{ending}")
-    after = users_model.read(tmp_path / f"modes{ending}")
+    reading.write(before, tmp_path / f"modes{ending}")
+    after = reading.read(tmp_path / f"modes{ending}")
     for name in ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural"):
         assert_allclose(getattr(after, name), getattr(before, name), rtol=1e-12, atol=0, err_msg=name)
     assert_same(dynamic_mass(after), modal(before, LINES), 1e-12)
@@ -94,16 +94,16 @@ def test_units_make_no_difference(
     name: str, arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
 ) -> None:
     millimetres = unit_system("mm-t-N-s", "test")
-    reference = users_model.read(saved(arrays))
+    reference = reading.read(saved(arrays))
     text = own_model["DESCRIPTION"].replace("mm-t-N-s", name)
-    found = users_model.read(saved(in_units(arrays, millimetres, unit_system(name, "test")), text))
+    found = reading.read(saved(in_units(arrays, millimetres, unit_system(name, "test")), text))
     assert_allclose(found.mass.toarray(), reference.mass.toarray(), rtol=1e-9, atol=1e-15)
     assert_allclose(fixed_base(found, 12).frequency, fixed_base(reference, 12).frequency, **SAME)
     assert_same(dynamic_mass(found), dynamic_mass(reference))
 
 
 def test_modal_data_come_in_units_too(bracket_files: Path, saved: Callable[..., Path], own_model: dict[str, Any]) -> None:
-    reference = users_model.read(bracket_files / "bracket-modes.h5")
+    reference = reading.read(bracket_files / "bracket-modes.h5")
     lever, tonne = np.array([1, 1, 1, 1e3, 1e3, 1e3]), 1e-3
     arrays = {
         "frequency": reference.frequency,
@@ -113,7 +113,7 @@ def test_modal_data_come_in_units_too(bracket_files: Path, saved: Callable[..., 
         "residual": reference.residual * np.outer(lever, lever) * tonne,
     }
     text = own_model["DESCRIPTION"].replace("matrices", "modal").replace("interface = [101]", "")
-    assert_same(dynamic_mass(users_model.read(saved(arrays, text))), dynamic_mass(reference), 1e-12)
+    assert_same(dynamic_mass(reading.read(saved(arrays, text))), dynamic_mass(reference), 1e-12)
 
 
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -121,9 +121,9 @@ def test_modal_data_come_in_units_too(bracket_files: Path, saved: Callable[..., 
 def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
     point: tuple[float, float, float], arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
 ) -> None:
-    reference = dynamic_mass(users_model.read(saved(arrays)))
+    reference = dynamic_mass(reading.read(saved(arrays)))
     shifted = own_model["DESCRIPTION"].replace('["0 mm", "0 mm", "0 mm"]', str([f"{x!r} m" for x in point]))
-    assert_same(dynamic_mass(users_model.read(saved(arrays, shifted))), reference.about(point))
+    assert_same(dynamic_mass(reading.read(saved(arrays, shifted))), reference.about(point))
 
 
 # --- ways to say the same ---------------------------------------------------------------------------------------------------
@@ -134,10 +134,10 @@ def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
 def test_sparse_matrices_are_those_of_scipy(
     made: Any, ending: str, arrays: dict[str, np.ndarray], saved: Callable[..., Path]
 ) -> None:
-    reference = users_model.read(saved(arrays))
+    reference = reading.read(saved(arrays))
     sparse = {name: made(arrays.pop(name)) for name in ("stiffness", "mass")}
     parts = {f"{name}/{part}": getattr(A, part) for name, A in sparse.items() for part in ("data", "indices", "indptr", "shape")}
-    found = users_model.read(saved(arrays | parts, ending=ending))
+    found = reading.read(saved(arrays | parts, ending=ending))
     assert_allclose(found.stiffness.toarray(), reference.stiffness.toarray(), rtol=0, atol=0)
 
 
@@ -145,7 +145,7 @@ def test_a_reduced_model_with_six_interface_coordinates_is_the_full_one(
     arrays: dict[str, np.ndarray], saved: Callable[..., Path]
 ) -> None:
     """Craig-Bampton with every fixed-interface mode kept loses nothing; the interface is off the reference point."""
-    full = dynamic_mass(users_model.read(saved(arrays)))
+    full = dynamic_mass(reading.read(saved(arrays)))
     K, M, base = arrays["stiffness"], arrays["mass"], slice(0, 6)
     shift = -np.linalg.solve(K[6:, 6:], K[6:, base])
     _, modes = eigh(K[6:, 6:], M[6:, 6:])
@@ -158,7 +158,7 @@ def test_a_reduced_model_with_six_interface_coordinates_is_the_full_one(
         "nodes": np.array([101]),
         "coordinates": np.zeros((1, 3)),
     }
-    assert_same(dynamic_mass(users_model.read(saved(reduced))), full, 1e-8)
+    assert_same(dynamic_mass(reading.read(saved(reduced))), full, 1e-8)
 
 
 def test_several_interface_nodes_ride_on_the_reference_point(
@@ -166,7 +166,7 @@ def test_several_interface_nodes_ride_on_the_reference_point(
 ) -> None:
     """Three nodes held rigid: the six lowest nodes of the column would bend otherwise. Against a hand-made elimination."""
     text = own_model["DESCRIPTION"].replace("[101]", "[101, 102, 110]")
-    found = users_model.read(saved(arrays, text))
+    found = reading.read(saved(arrays, text))
     held = [*range(12), *range(54, 60)]
     free = np.setdiff1d(np.arange(60), held)
     squares = eigh(arrays["stiffness"][np.ix_(free, free)], arrays["mass"][np.ix_(free, free)], eigvals_only=True)
@@ -180,7 +180,7 @@ def test_rotations_without_mass_are_no_mistake(arrays: dict[str, np.ndarray], sa
     lumped = np.repeat(np.array([0.2, *8 * [0.3], 0.2]) * 1e-3, 3)
     arrays["mass"] = np.zeros((60, 60))
     arrays["mass"][moving, moving] = lumped
-    found = users_model.read(saved(arrays, _without_stated()))
+    found = reading.read(saved(arrays, _without_stated()))
     m, r = moving[3:], rotations[3:]
     K = arrays["stiffness"]
     condensed = K[np.ix_(m, m)] - K[np.ix_(m, r)] @ np.linalg.solve(K[np.ix_(r, r)], K[np.ix_(r, m)])
@@ -201,8 +201,8 @@ def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing
     arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
 ) -> None:
     text = own_model["DESCRIPTION"].replace("interface", "loss_factor = 0.02\ninterface")
-    by_factor = users_model.load(saved(arrays, text))
-    by_matrix = users_model.load(saved(arrays | {"structural": 0.02 * arrays["stiffness"]}))
+    by_factor = reading.load(saved(arrays, text))
+    by_matrix = reading.load(saved(arrays | {"structural": 0.02 * arrays["stiffness"]}))
     one, other = (direct(found.model, LINES, found.damping) for found in (by_factor, by_matrix))
     assert_same(one, other)
     K, M, R = by_factor.model.stiffness.toarray(), by_factor.model.mass.toarray(), by_factor.model.rigid
@@ -214,19 +214,19 @@ def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing
 
 def test_a_viscous_matrix_damps_the_structure(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
     """Proportional to the stiffness, C = beta K, it gives every mode zeta = beta omega / 2."""
-    found = users_model.load(saved(arrays | {"viscous": 1e-6 * arrays["stiffness"]}))
+    found = reading.load(saved(arrays | {"viscous": 1e-6 * arrays["stiffness"]}))
     modes = fixed_base(found.model, 8, damping=found.damping)
     assert_allclose(modes.damping_ratio, 1e-6 * np.pi * modes.frequency, rtol=1e-8)
 
 
 def test_a_matrix_in_single_precision_is_read(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
     """And without a warning of numpy: the greatest number that is believed does not fit into it."""
-    found = users_model.load(saved(arrays | {"mass": arrays["mass"].astype(np.float32)}, ending=".npz"))
+    found = reading.load(saved(arrays | {"mass": arrays["mass"].astype(np.float32)}, ending=".npz"))
     assert_allclose(found.model.rigid_mass[0, 0], 2.51, atol=0.02)
 
 
 def test_a_file_that_says_nothing_of_damping_leaves_it_open(bracket_files: Path) -> None:
-    found = users_model.load(bracket_files / "bracket.h5")
+    found = reading.load(bracket_files / "bracket.h5")
     assert found.damping is None
     assert found.name == "bracket"
 
@@ -252,7 +252,7 @@ def superelement(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_nastrans_superelement_weighs_what_nastran_printed(superelement: Path) -> None:
     """Four boundary grid points, one of them with displacements along axes of its own; the printed table has seven digits."""
-    found = users_model.read(superelement / "inboard.op4")
+    found = reading.read(superelement / "inboard.op4")
     printed = (superelement / "inboard.out").read_text(encoding="utf-8", errors="replace").splitlines()
     start = next(k for k, line in enumerate(printed) if "MASS AXIS SYSTEM (S)" in line)
     rows = [[float(word) for word in printed[start + k].split()[1:]] for k in (1, 2, 3)]
@@ -267,7 +267,7 @@ def test_nastrans_superelement_oscillates_as_its_modal_coordinates_say(superelem
     """With the boundary held the eight modal coordinates are the modes: K_qq = omega² of modes normalised to unit mass."""
     from pyyeti.nastran import op4
 
-    found = fixed_base(users_model.read(superelement / "inboard.op4"), 8)
+    found = fixed_base(reading.read(superelement / "inboard.op4"), 8)
     K = op4.read(str(superelement / "inboard.op4"), justmatrix=True)["kxx"]
     assert_allclose(found.frequency, np.sqrt(np.diag(K)[24:]) / (2 * np.pi), rtol=1e-9)
 
@@ -279,6 +279,6 @@ def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path
     (tmp_path / "article.toml").write_text('format = 1\n[article]\nname = "hammer"\n', encoding="utf-8")
     (tmp_path / "broken.toml").write_text("[fe_model", encoding="utf-8")
     for name in ("bracket.h5", "bracket.npz", "bracket.op4", "bracket.pch", "bracket-op4.toml"):
-        assert users_model.is_model(bracket_files / name)
+        assert reading.is_model(bracket_files / name)
     for path in ("clumod-4", "hammer.step", tmp_path / "article.toml", tmp_path / "broken.toml", tmp_path, "absent.toml"):
-        assert not users_model.is_model(path)
+        assert not reading.is_model(path)

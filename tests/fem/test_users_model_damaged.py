@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import users_model
 from fem.structure import Structure
+from fem.user_model import reading
 from geometry.errors import BadInput
 
 COUNT = 100
@@ -34,7 +34,7 @@ def own_files(bracket_files: Path, tmp_path_factory: pytest.TempPathFactory) -> 
     folder = tmp_path_factory.mktemp("damaged") / "files"
     shutil.copytree(bracket_files, folder)
     for ending in (".h5", ".npz"):
-        users_model.write(users_model.read(folder / "bracket.h5"), folder / f"written{ending}")
+        reading.write(reading.read(folder / "bracket.h5"), folder / f"written{ending}")
     return folder
 
 
@@ -59,14 +59,14 @@ def test_a_damaged_model_is_read_or_refused_in_words(
     In the others one moment of inertia in M may change unseen; what is sure is the stated mass, or a checksum in the description.
     """
     shutil.copytree(own_files, tmp_path, dirs_exist_ok=True)
-    whole, content = users_model.read(own_files / model), (own_files / spoilt).read_bytes()
+    whole, content = reading.read(own_files / model), (own_files / spoilt).read_bytes()
     generator = np.random.default_rng([2026, len(spoilt)])
     capfd.readouterr()
     refusals = 0
     for _ in range(COUNT):
         (tmp_path / spoilt).write_bytes(damaged(content, generator))
         try:
-            found = users_model.read(tmp_path / model)
+            found = reading.read(tmp_path / model)
         except BadInput:
             refusals += 1
             continue

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem import users_model
+from fem.user_model import reading
 from geometry.errors import BadInput
 
 Arrays = dict[str, np.ndarray]
@@ -17,7 +17,7 @@ Arrays = dict[str, np.ndarray]
 def refused(path: Path, field: str, *words: str) -> None:
     """Reading `path` is refused at `field` with all the `words`, in one sentence that says what to do."""
     with pytest.raises(BadInput) as caught:
-        users_model.read(path)
+        reading.read(path)
     error, text = caught.value, str(caught.value)
     assert str(path.parent) in error.source
     assert error.field == field, text
@@ -190,7 +190,7 @@ def test_a_mass_in_pounds_force_taken_for_kilograms_is_named(
 def test_a_centre_of_gravity_elsewhere_is_found(arrays: Arrays, saved: Callable[..., Path], own_model: dict[str, Any]) -> None:
     text = own_model["DESCRIPTION"]
     good = 'cog = ["12.5 mm", "0 mm", "187.5 mm"]\n'
-    users_model.read(saved(arrays, text + good))
+    reading.read(saved(arrays, text + good))
     refused(saved(arrays, text + good.replace("187.5 mm", "187.5 cm")), "stated.cog", "0.1875", "1.875")
 
 
@@ -241,7 +241,7 @@ SPOILT_MODES: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] =
 
 @pytest.fixture
 def modal_arrays(bracket_files: Path) -> Arrays:
-    modes = users_model.read(bracket_files / "bracket-modes.h5")
+    modes = reading.read(bracket_files / "bracket-modes.h5")
     names = ("frequency", "damping_ratio", "rigid_mass", "residual")
     return {name: getattr(modes, name).copy()[: 5 if name in names[:2] else 6] for name in names} | {
         "participation": modes.participation[:, :5].copy()
@@ -250,7 +250,7 @@ def modal_arrays(bracket_files: Path) -> Arrays:
 
 @pytest.mark.parametrize("case", SPOILT_MODES)
 def test_spoilt_modal_data_are_refused(case: str, modal_arrays: Arrays, saved: Callable[..., Path]) -> None:
-    users_model.read(saved(modal_arrays, MODAL))
+    reading.read(saved(modal_arrays, MODAL))
     spoil, field, words = SPOILT_MODES[case]
     spoil(modal_arrays)
     refused(saved(modal_arrays, MODAL), field, *words)
@@ -351,7 +351,7 @@ def test_a_checksum_finds_a_file_that_was_changed(bracket_files: Path, tmp_path:
     digest = hashlib.sha256((tmp_path / "bracket.op4").read_bytes()).hexdigest()
     text = (bracket_files / "bracket-op4.toml").read_text(encoding="utf-8").replace("file", f'sha256 = "{digest}"\nfile')
     (tmp_path / "model.toml").write_text(text, encoding="utf-8")
-    users_model.read(tmp_path / "model.toml")
+    reading.read(tmp_path / "model.toml")
     with (tmp_path / "bracket.op4").open("ab") as file:
         file.write(b"\0")
     refused(tmp_path / "model.toml", "fe_model.sha256", "is not that of bracket.op4")
@@ -371,7 +371,7 @@ def test_data_without_a_description_are_refused(bracket_files: Path, tmp_path: P
 
 def test_another_ending_is_not_written(bracket_files: Path, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"\.mat"):
-        users_model.write(users_model.read(bracket_files / "bracket.h5"), tmp_path / "model.mat")
+        reading.write(reading.read(bracket_files / "bracket.h5"), tmp_path / "model.mat")
 
 
 # --- Nastran ----------------------------------------------------------------------------------------------------------------
@@ -397,7 +397,7 @@ NASTRAN: dict[str, tuple[str, str, str, str, str, tuple[str, ...]]] = {
 @pytest.mark.parametrize("case", NASTRAN)
 def test_spoilt_nastran_files_are_refused(case: str, nastran_files: Path) -> None:
     model, spoilt, old, new, field, words = NASTRAN[case]
-    users_model.read(nastran_files / model)
+    reading.read(nastran_files / model)
     text = (nastran_files / spoilt).read_text(encoding="utf-8")
     assert old in text
     (nastran_files / spoilt).write_text(text.replace(old, new), encoding="utf-8")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geometry.arrays import frozen
+from geometry.frames import frozen
 
 
 def test_of_a_long_array_that_is_not_finite_the_first_such_entry_is_named() -> None:

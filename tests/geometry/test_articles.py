@@ -6,14 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.article import Article, Part, placed, seat_at, stacked
+from geometry.article import Article, Box, Part, Placed, Shape, material, placed, seat_at, stacked
 from geometry.articles import NAMES, SETUPS, built_in
-from geometry.articles import fmd as fmd_module
+from geometry.articles import parts as articles_parts
 from geometry.articles.dimensions import load, to_si
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
-from geometry.materials import material
-from geometry.shapes import Box, Placed, Shape
 
 heights = st.floats(0.01, 2)
 
@@ -59,7 +57,7 @@ def test_the_table_side_of_the_fmd_is_drawn_but_not_counted() -> None:
 def test_the_moving_fraction_of_the_load_cells_decides_what_counts(fraction: float, moving: int, fixed: int) -> None:
     d = load("fmd")
     d["load_cell"]["moving_fraction"] = fraction
-    parts = fmd_module.build(d).parts
+    parts = articles_parts.fmd_build(d).parts
     assert sum(part.name.endswith("-moving") for part in parts) == moving
     assert sum(part.name.endswith("-fixed") for part in parts) == fixed
     volume = sum(s.primitive.volume for p in parts if p.name.endswith("-moving") for s in p.shape.solids)

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry import cad
 from geometry.article import Article, placed
 from geometry.articles import SETUPS, built_in
-from geometry.cad import brep
-from geometry.cad.solids import MM, solid
+from geometry.cad import MM, solid
 from geometry.frames import Pose
 from geometry.inertia import Inertia
 
 
 @pytest.mark.parametrize("name", SETUPS)
 def test_no_two_bodies_of_a_set_up_overlap(name: str) -> None:
-    assert brep.overlaps(built_in(name)) == {}
+    assert cad.overlaps(built_in(name)) == {}
 
 
 def test_an_overlap_is_found_and_measured() -> None:
@@ -24,7 +24,7 @@ def test_an_overlap_is_found_and_measured() -> None:
     fmd, disc = built_in("fmd"), built_in("disc")
     sunk = placed(disc, Pose(position=[0, 0, 0.0445 - 0.0005]))
     both = Article(name="both", parts=fmd.parts + sunk.parts)
-    (pair, shared), *rest = brep.overlaps(both).items()
+    (pair, shared), *rest = cad.overlaps(both).items()
     assert rest == []
     assert set(pair) == {"cover-plate", "plate"}
     plate = solid(disc.parts[0])
@@ -34,19 +34,19 @@ def test_an_overlap_is_found_and_measured() -> None:
 def test_uncounted_parts_are_looked_at_too() -> None:
     cuboid = built_in("cuboid")
     ghost = replace(cuboid.parts[0], name="ghost", counted=False)
-    assert brep.overlaps(Article(name="two", parts=(*cuboid.parts, ghost)))
+    assert cad.overlaps(Article(name="two", parts=(*cuboid.parts, ghost)))
 
 
 def test_uncounted_parts_have_no_inertia() -> None:
     fmd = built_in("fmd")
     counted = Article(name="fmd", parts=fmd.counted_parts)
     assert len(counted.parts) < len(fmd.parts)
-    assert_allclose(brep.inertia(fmd).parameters, brep.inertia(counted).parameters, rtol=0)
+    assert_allclose(cad.inertia(fmd).parameters, cad.inertia(counted).parameters, rtol=0)
 
 
 def test_mass_property_sheet_goes_there_and_back() -> None:
-    inertia = brep.inertia(built_in("clumod-1"))
-    mass, centre, tensor = brep.to_occ(inertia)
+    inertia = cad.inertia(built_in("clumod-1"))
+    mass, centre, tensor = cad.to_occ(inertia)
     back = Inertia.from_cog(mass, np.array(centre) * MM, np.array(tensor) * MM**2)
     # the tensor passes through the CoG, where the parallel-axis terms cancel
     assert_allclose(back.parameters, inertia.parameters, rtol=1e-12, atol=1e-13)

@@ -4,7 +4,7 @@ import pytest
 
 from geometry.articles import built_in
 from geometry.errors import BadInput
-from geometry.multibody import inertia
+from geometry.routes import inertia
 
 
 def test_the_moving_part_of_the_load_cells_is_a_parameter() -> None:

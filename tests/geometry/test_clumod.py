@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry import cad
 from geometry.articles import built_in
-from geometry.articles.clumod import build
-from geometry.cad import brep
+from geometry.articles.parts import build
 
 # Half a unit of the last printed digit of the moments (Tables 1 and 2); 5 g and 0.05 mm as the reference table promises.
 PRINTED = {"clumod-4": ("four_blades", 0.0005), "clumod-1": ("one_blade", 0.005)}
@@ -19,7 +19,7 @@ PRINTED = {"clumod-4": ("four_blades", 0.0005), "clumod-1": ("one_blade", 0.005)
 def test_published_inertia_comes_out(name: str, shared: Path) -> None:
     key, half_a_unit = PRINTED[name]
     published = json.loads((shared / "clumod" / "reconstruction.json").read_text())["published"][key]
-    inertia = brep.inertia(built_in(name))
+    inertia = cad.inertia(built_in(name))
     assert_allclose(inertia.mass, published["mass_kg"], rtol=0, atol=0.005)
     assert_allclose(inertia.cog * 1e3, published["cog_mm"], rtol=0, atol=0.05)
     assert_allclose(inertia.moments_cog, published["Ixx_Iyy_Izz_cog_kgm2"], rtol=0, atol=half_a_unit)
@@ -27,7 +27,7 @@ def test_published_inertia_comes_out(name: str, shared: Path) -> None:
 
 @pytest.mark.parametrize("name", PRINTED)
 def test_clumod_is_symmetrical(name: str) -> None:
-    inertia = brep.inertia(built_in(name))
+    inertia = cad.inertia(built_in(name))
     assert_allclose(inertia.cog[:2], 0, atol=1e-12)
     assert_allclose(inertia.products_cog, 0, atol=1e-12)
 

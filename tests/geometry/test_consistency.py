@@ -6,11 +6,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
-from geometry.consistency import Kind, judge, require_physical
 from geometry.errors import BadInput
-from geometry.frames import Pose, rotation_about
-from geometry.inertia import Inertia
+from geometry.frames import Array, Pose, rotation_about
+from geometry.inertia import Inertia, Kind, judge, require_physical
 
 ROD = np.array([0.0, 0.3, 0.3])
 LAMINA = np.array([0.1, 0.2, 0.3])

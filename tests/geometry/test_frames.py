@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
-from geometry.frames import Pose, proper_rotation, rigid_transformation, rigid_transformation_6, rotation_about, skew
+from geometry.frames import Array, Pose, proper_rotation, rigid_transformation, rigid_transformation_6, rotation_about, skew
 
 ROUNDING = {"rtol": 0.0, "atol": 1e-13}
 """Numbers of order 10 and a handful of operations."""

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
-from geometry.frames import Pose, rigid_transformation, rigid_transformation_6
+from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia, parallel_axis, six_from_tensor, tensor_from_six
 
 ROUNDING = {"rtol": 0.0, "atol": 1e-10}

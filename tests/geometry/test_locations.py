@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.article import Article, Part
+from geometry.article import Article, Box, Part
 from geometry.articles import NAMES, SETUPS, built_in
 from geometry.articles.locations import location, locations, seats
 from geometry.errors import BadInput
 from geometry.frames import Pose
-from geometry.shapes import Box
 
 STACKS = [*NAMES, *SETUPS, "disc+cuboid", "disc+disc+cuboid"]
 """Every article and stack that is tried here."""

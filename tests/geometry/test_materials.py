@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
+from geometry.article import Material, library, material
 from geometry.errors import BadInput
-from geometry.materials import Material, library, material
 
 
 @pytest.mark.parametrize("density", [0.0, -7850.0, float("nan"), float("inf")])

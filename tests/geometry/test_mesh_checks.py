@@ -9,10 +9,8 @@ import trimesh
 
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
-from geometry.lengths import MILLIMETRE
-from geometry.mesh import inertia
-from geometry.mesh.checks import require_closed_volume
-from geometry.mesh.triangles import TriangleMesh, joined, merged, placed, scaled, selected, turned
+from geometry.mesh import TriangleMesh, inertia, joined, merged, placed, require_closed_volume, scaled, selected, turned
+from geometry.toml_file import MILLIMETRE
 
 
 def of_trimesh(solid: trimesh.Trimesh) -> TriangleMesh:

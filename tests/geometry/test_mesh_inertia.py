@@ -9,8 +9,7 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
-from geometry.mesh import TriangleMesh, from_trimesh, inertia, to_trimesh
-from geometry.mesh.triangles import joined, merged, pieces, placed, scaled, turned
+from geometry.mesh import TriangleMesh, from_trimesh, inertia, joined, merged, pieces, placed, scaled, to_trimesh, turned
 
 DENSITY = 2700.0
 

@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 from uncertainties import UFloat
 
 from geometry.errors import BadInput
-from geometry.quantities import doubtful_at_first_order, exact, quantity, tagged
-from validation.budget import dominating, itemised
-from validation.pendulum import rope_pendulum
+from geometry.toml_file import doubtful_at_first_order, exact, quantity, tagged
+from validation.classical.files import dominating, itemised
+from validation.classical.pendulum import rope_pendulum
 
 
 def read(text: object, dimension: str = "mass") -> UFloat:

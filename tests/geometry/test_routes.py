@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry import multibody
-from geometry.article import Article, Part
+from geometry import cad, routes
+from geometry.article import Article, Box, Cylinder, Part, Placed, Shape, drilled, material, upright
 from geometry.articles import NAMES, SETUPS, built_in
-from geometry.cad import brep
 from geometry.frames import Pose, rotation_about
-from geometry.materials import material
 from geometry.routes import ROUTES, agreement, by_mesh, by_routes, tessellation_error
-from geometry.shapes import Box, Cylinder, Placed, Shape, drilled, upright
 
 COARSE = 2e-5
 """Chord error [m] that keeps the tests quick."""
@@ -35,7 +32,7 @@ def test_three_routes_agree_on_every_built_in(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_exact_routes_agree_to_rounding(name: str) -> None:
-    occ, pinocchio = brep.inertia(built_in(name)), multibody.inertia(built_in(name))
+    occ, pinocchio = cad.inertia(built_in(name)), routes.inertia(built_in(name))
     # relative to the largest parameter: products and lateral moments of symmetrical articles are zero
     assert_allclose(occ.parameters, pinocchio.parameters, rtol=1e-9, atol=1e-12 * np.abs(occ.parameters).max())
 
@@ -50,7 +47,7 @@ def test_planar_part_agrees_to_1e_9_on_all_routes_at_any_chord() -> None:
 
 def test_block_has_the_closed_form_of_a_cuboid() -> None:
     box = Part(name="b", material=material("steel"), shape=Shape(solids=(upright(Box(size=[0.3, 0.2, 0.1]), bottom=-0.05),)))
-    inertia = brep.inertia(Article(name="b", parts=(box,)))
+    inertia = cad.inertia(Article(name="b", parts=(box,)))
     m = 7850 * 0.3 * 0.2 * 0.1
     assert inertia.mass == pytest.approx(m, rel=1e-12)
     expected = m / 12 * np.array([0.2**2 + 0.1**2, 0.3**2 + 0.1**2, 0.3**2 + 0.2**2])
@@ -80,7 +77,7 @@ def test_turning_the_part_turns_the_tensor(route: str) -> None:
 def test_mesh_route_converges_linearly_in_the_chord_error() -> None:
     """An inscribed polygon misses an area proportional to its sagitta: order one in the chord error, two in the edge length."""
     article = built_in("disc")
-    exact = multibody.inertia(article).parameters
+    exact = routes.inertia(article).parameters
     chords = 4e-5 / 4.0 ** np.arange(4)
     errors = [np.abs(by_mesh(article, chord).parameters - exact)[[0, 4, 6]] for chord in chords]
     rates = np.polyfit(np.log(chords), np.log(errors), 1)[0]
@@ -91,7 +88,7 @@ def test_mesh_route_converges_linearly_in_the_chord_error() -> None:
 @pytest.mark.parametrize("name", ["cuboid", "disc", "fmd+clumod-4"])
 def test_mesh_error_stays_within_the_bound_that_is_stated(name: str, chord: float) -> None:
     article = built_in(name)
-    error = np.abs(by_mesh(article, chord).parameters - multibody.inertia(article).parameters)
+    error = np.abs(by_mesh(article, chord).parameters - routes.inertia(article).parameters)
     bound = tessellation_error(article, chord)
     assert np.all(error <= bound + 1e-9)
     assert error[0] > bound[0] / 100  # a bound that is a hundred times too wide would prove nothing

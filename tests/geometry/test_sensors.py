@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from geometry.frames import rigid_transformation
-from geometry.observability import LOADS, of_motions, of_resultants
+from geometry.inertia import LOADS, of_motions, of_resultants
 from geometry.sensors import Channel, ChannelTable, Place, motion_rows, resultants, row
 
 X, Y, Z = np.eye(3)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.shapes import Box, Cylinder, Placed, Shape, bolt_circle, drilled, rectangle, upright
+from geometry.article import Box, Cylinder, Placed, Shape, bolt_circle, drilled, rectangle, upright
 
 lengths = st.floats(1e-4, 10)
 

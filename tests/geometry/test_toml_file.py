@@ -6,7 +6,7 @@ import pytest
 
 from geometry import toml_file
 from geometry.errors import BadInput
-from validation.cli import run
+from validation.cli.main import run
 
 
 def written(folder: Path, content: str | bytes, ending: str = "toml") -> str:

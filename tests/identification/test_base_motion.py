@@ -10,10 +10,8 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import rotation_about
 from geometry.sensors import ChannelTable, motion_rows
-from identification.base_motion import base_motion, groups_used
+from identification.base_motion import base_motion, groups_used, tilt, without_each
 from identification.campaign import Campaign
-from identification.gravity import tilt
-from identification.losing_a_sensor import without_each
 from identification.spectra.line_spectra import Spectra
 
 LINES = np.array([4.0, 9.0, 20.0, 32.0])

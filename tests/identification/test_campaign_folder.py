@@ -15,7 +15,7 @@ from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign
 from identification.files import uff
-from identification.files.contents import Signals, StatedUnits
+from identification.files.files import Signals, StatedUnits
 
 Change = Callable[[h5py.File], object]
 

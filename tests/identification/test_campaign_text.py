@@ -15,12 +15,9 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
-from identification import campaign_channels, campaign_text
-from identification.campaign import METHODS, Campaign, Excitation, Processing, Run
-from identification.campaign_text import parse
-from identification.campaign_values import Problems
-from identification.campaign_words import text
-from identification.units import UNITS
+from identification import campaign_file
+from identification.campaign import METHODS, UNITS, Campaign, Excitation, Processing, Run
+from identification.campaign_file import Problems, parse, text
 
 CONTRACT = """
 format = 1
@@ -299,13 +296,13 @@ def test_text_escapes_what_toml_does_not_allow() -> None:
 
 def test_every_key_of_the_file_is_on_the_page_for_users(root: Path) -> None:
     page = (root / "docs" / "campaigns.md").read_text(encoding="utf-8")
-    kinds = {word for kind, figures in campaign_text.EXCITATIONS.items() for word in (kind, *figures)}
+    kinds = {word for kind, figures in campaign_file.EXCITATIONS.items() for word in (kind, *figures)}
     tables = (
-        *campaign_text.TOP,
-        *campaign_text.CAMPAIGN,
-        *campaign_text.RUN,
-        *campaign_text.PROCESSING,
-        *campaign_channels.CHANNEL,
+        *campaign_file.TOP,
+        *campaign_file.CAMPAIGN,
+        *campaign_file.RUN,
+        *campaign_file.PROCESSING,
+        *campaign_file.CHANNEL,
     )
     for key in (*tables, *kinds, *METHODS, *GROUPS, *SI):
         assert re.search(rf'`"?{re.escape(key)}"?`', page), key

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.spectra.cut_record import kept, lone_mode
+from identification.spectra.peak_hold import kept, lone_mode
 
 OWN, ZETA, T = 6.5127, 0.00156, 32.0
 

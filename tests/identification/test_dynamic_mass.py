@@ -6,10 +6,8 @@ import pytest
 from geometry.dynamic_mass import LEVELS as BY_AXIS
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from identification.cross_motion import cost
-from identification.dynamic_mass import exclusions, from_runs, quotient
-from identification.errors_in_variables import bias, corrected, covariance, deviation
-from identification.run_noise import RunNoise
+from identification.base_motion import RunNoise
+from identification.dynamic_mass import bias, corrected, cost, covariance, deviation, exclusions, from_runs, quotient
 
 LINES = np.linspace(4.0, 32.0, 9)
 LEVELS = np.array(list(BY_AXIS.values()))

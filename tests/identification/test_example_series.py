@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification import campaign_file, closed_checks
-from identification.base_motion import base_motion
-from identification.cross_motion import cost
-from identification.dynamic_mass import Estimate, exclusions, from_runs
-from identification.mistakes import Mistake, suspects, undone
+from identification import campaign_file, consistency
+from identification.base_motion import RunNoise, base_motion
+from identification.consistency import Mistake, readings, suspects, undone
+from identification.dynamic_mass import Estimate, cost, exclusions, from_runs
 from identification.resultants import resultants
 from identification.rigid_body import fit, from_spectra
-from identification.run_noise import RunNoise
-from identification.self_consistency import readings
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
 
@@ -54,7 +51,7 @@ def test_nothing_is_excluded_and_nobody_suspected(series: dict[str, Spectra], na
     of = series[name]
     estimate = _estimate(of)
     assert exclusions(estimate, 30.0).reasons == ()
-    assert [one.text for one in closed_checks.checks(estimate.dynamic_mass, of) if not one.holds] == []
+    assert [one.text for one in consistency.checks(estimate.dynamic_mass, of) if not one.holds] == []
 
 
 @pytest.mark.parametrize("name", ARTICLES)
@@ -69,7 +66,7 @@ def test_nothing_is_excluded_and_nobody_suspected(series: dict[str, Spectra], na
     ids=lambda one: one.identifiers[0],
 )
 def test_a_planted_mistake_is_the_only_one_suspected(series: dict[str, Spectra], name: str, mistake: Mistake) -> None:
-    of = readings(series[name], closed_checks.ORDINARY)
+    of = readings(series[name], consistency.ORDINARY)
     inverse = Mistake(kind=mistake.kind, channels=mistake.channels, factor=1 / mistake.factor)
     (accused,) = suspects(replace(of, values=undone(of.table, of.values, inverse)))
     assert accused.mistakes[0].identifiers == mistake.identifiers

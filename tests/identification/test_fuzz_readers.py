@@ -13,8 +13,8 @@ import pytest
 
 from benchmarks import fuzz_readers
 from benchmarks.fuzz_readers import TARGETS, Target
-from identification.files.contents import Signals
-from identification.matching import recording
+from identification.campaign_file import recording
+from identification.files.files import Signals
 
 COUNT = 200
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from identification.campaign import Campaign
 from identification.spectra import noise
-from identification.spectra.full_record import full_record
+from identification.spectra.line_spectra import full_record
 from identification.spectra.of_campaign import spectra
 from identification.spectra.peak_hold import hann
 

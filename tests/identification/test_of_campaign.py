@@ -11,11 +11,10 @@ from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from identification import campaign_file
 from identification.base_motion import base_motion
-from identification.campaign import Campaign, Processing
+from identification.campaign import Campaign, Processing, Recording
 from identification.dynamic_mass import from_runs
-from identification.recording import Recording
 from identification.resultants import resultants
-from identification.spectra.full_record import full_record
+from identification.spectra.line_spectra import full_record
 from identification.spectra.of_campaign import reference_channel, spectra
 
 BLOCK = Inertia.from_cog(mass=41.0, cog=np.array([0.0, 0.0, 0.1]), tensor=np.diag([0.9, 0.95, 0.75]))

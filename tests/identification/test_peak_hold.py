@@ -7,8 +7,7 @@ from scipy.signal import lfilter
 
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
-from identification.spectra.peak_hold import applied, model_lines, peak_reference_hold
-from identification.spectra.sweep_bias import sweep_bias
+from identification.spectra.peak_hold import applied, model_lines, peak_reference_hold, sweep_bias
 
 RATE, SIZE = 128.0, 512
 STEP = RATE / SIZE

@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from geometry.errors import BadInput
-from identification.recording import Recording
-from identification.units import factor, is_same, is_unit, named
+from identification.campaign import Recording, factor, is_same, is_unit, named
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place, summation
 from identification.campaign import Campaign
 from identification.resultants import resultants
-from identification.spectra import quality
+from identification.spectra import of_campaign
 from identification.spectra.line_spectra import Spectra
 
 LATERAL, VERTICAL = "fmd-x12 - fmd-x34 + fmd-y14 - fmd-y23", "fmd-z1 - fmd-z2 + fmd-z3 - fmd-z4"
@@ -145,11 +145,11 @@ def test_quality_is_one_for_exact_channels_and_falls_with_a_fault_in_either_half
     spectra = read(table, some())
     values = spectra.values.copy()
     values[:, :, pickups] = u @ motion_rows([table.channels[k] for k in pickups], table.origin).T
-    assert_allclose(quality.of_lines(replace(spectra, values=values), gravity=9.81), 1.0, atol=1e-12)
+    assert_allclose(of_campaign.of_lines(replace(spectra, values=values), gravity=9.81), 1.0, atol=1e-12)
     for name in ("cover-y1", "fmd-z2"):
         k, wrong = table.names.index(name), values.copy()
         wrong[:, :, k] *= -1
-        found = quality.of_lines(replace(spectra, values=wrong), gravity=9.81)
+        found = of_campaign.of_lines(replace(spectra, values=wrong), gravity=9.81)
         group = [j for j, one in enumerate(table.channels) if one.group == table.channels[k].group]
         share = np.abs(values[:, :, k]) ** 2 / np.sum(np.abs(values[:, :, group]) ** 2, axis=2)
         assert np.all(found < 1 - 0.2 * share)  # an inverted channel leaves at least a good part of itself unexplained
@@ -159,4 +159,4 @@ def test_quality_tests_nothing_where_nothing_is_redundant(campaign: Campaign) ->
     table = crooked().subset([0, 1, 2, 4, 8, 9])
     spectra = read(table, some())
     nonsense = replace(spectra, values=spectra.values + np.random.default_rng(1).standard_normal(spectra.values.shape))
-    assert_allclose(quality.of_lines(nonsense, gravity=9.81), 1.0, atol=1e-12)
+    assert_allclose(of_campaign.of_lines(nonsense, gravity=9.81), 1.0, atol=1e-12)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.dynamic_mass import DynamicMass
-from identification.elastic.model import dynamic_mass
-from identification.elastic.terms import ElasticTerms
+from identification.elastic.model import ElasticTerms, dynamic_mass
 from identification.rigid_band import FEWEST, STOP, first_resonance, stop_below
 
 LINES = np.arange(4.0, 32.01, 0.05)

@@ -4,19 +4,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.consistency import Kind, judge
 from geometry.dynamic_mass import LEVELS, MOTIONS, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import rotation_about
-from geometry.inertia import Inertia
-from geometry.multibody import from_log_cholesky
+from geometry.inertia import Inertia, Kind, judge
+from geometry.routes import from_log_cholesky
+from identification.base_motion import RunNoise, against_apparent, tilt
 from identification.elastic import model
-from identification.elastic.terms import ElasticTerms
-from identification.gravity import against_apparent, tilt
-from identification.physical import nearest_body
-from identification.rigid_body import BASIS, fit, from_spectra
-from identification.run_noise import RunNoise
-from identification.unidentifiable import Unidentifiable
+from identification.elastic.model import ElasticTerms
+from identification.rigid_body import BASIS, Unidentifiable, fit, from_spectra, nearest_body
 
 LINES = np.linspace(4.0, 32.0, 15)
 LEVEL = np.array(list(LEVELS.values()))

@@ -13,10 +13,8 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
 
 from geometry.errors import BadInput
-from identification import files
-from identification.files import csv, hdf5, mat, uff
-from identification.files.contents import Signals, StatedUnits
-from identification.files.mat_names import variable
+from identification.files import csv, files, hdf5, mat, uff
+from identification.files.files import Signals, StatedUnits, variable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -345,10 +343,10 @@ class TestMat:
             mat.read(self.saved(tmp_path, a=[1.0, 2.0], fs=rate))
 
     def test_a_bomb_is_not_unpacked(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        from identification.files import mat_v5
+        from identification.files import mat
 
         path = self.saved(tmp_path, packed=True, fs=1.0, a=np.zeros(100_000))
-        monkeypatch.setattr(mat_v5, "LARGEST_BYTES", 10_000)
+        monkeypatch.setattr(mat, "LARGEST_BYTES", 10_000)
         with pytest.raises(BadInput, match="GiB"):
             mat.read(path)
 

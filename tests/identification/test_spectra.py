@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import BadInput
-from identification.spectra.full_record import full_record
+from identification.spectra.line_spectra import full_record
 
 RATE = 512.0
 LINES = np.linspace(4.0, 32.0, 57)

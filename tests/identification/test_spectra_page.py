@@ -10,7 +10,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "spectra.md"
 
 
 def test_the_bias_on_the_page_is_the_one_that_is_measured(root: Path) -> None:
-    from identification.spectra.sweep_bias import sweep_bias
+    from identification.spectra.peak_hold import sweep_bias
 
     program = runpy.run_path(str(root / "examples" / "peak_hold_bias.py"))
     found = program["figures"](sweep_bias(12.3, 0.0035, frequency=program["LINES"]), 12.3)

@@ -7,10 +7,10 @@ import pytest
 
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
-from identification.closed_checks import Finding, of_spectra
-from identification.identified import Identified
+from identification.consistency import Finding, of_spectra
+from identification.identify import BENT, BROKEN, MISFIT, contradictions, failures, judged
+from identification.request import Identified
 from identification.spectra.of_campaign import spectra
-from identification.trust import BENT, BROKEN, MISFIT, contradictions, failures, judged
 
 SOUND = Identified(
     way="self-calibrated",

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from validation import cli
-from validation.report import browser
+from validation.cli import main
+from validation.report import page
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -19,7 +19,7 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
 
     def call(*arguments: str) -> tuple[int, str, str]:
-        code = cli.run(list(arguments))
+        code = main.run(list(arguments))
         printed = capsys.readouterr()
         return code, printed.out, printed.err
 
@@ -32,7 +32,7 @@ def chromium(browser_path: str) -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=browser_path, args=list(browser.flags()))
+        opened = playwright.chromium.launch(executable_path=browser_path, args=list(page.flags()))
         yield opened
         opened.close()
 

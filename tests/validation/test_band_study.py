@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam
-from fem import dynamic_mass as oracle
+from fem import dynamic_mass
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from geometry.inertia import PARAMETERS, Inertia
-from identification.elastic.lines import levels
+from identification.elastic.fit import levels
 from identification.elastic.study import BandStudy, study
 
 LINES = np.linspace(4.0, 32.0, 561)
@@ -32,12 +32,12 @@ def noisy(H: DynamicMass, noise: float) -> DynamicMass:
 
 @cache
 def one_blade() -> DynamicMass:
-    return noisy(oracle.modal(fixed_base(beam.structure("clumod-1"), 40, damping=Damping(ratio=0.0035)), LINES), 0.002)
+    return noisy(dynamic_mass.modal(fixed_base(articles.structure("clumod-1"), 40, damping=Damping(ratio=0.0035)), LINES), 0.002)
 
 
 @cache
 def body() -> Inertia:
-    return Inertia.from_mass_matrix(beam.structure("disc+cuboid").rigid_mass)
+    return Inertia.from_mass_matrix(articles.structure("disc+cuboid").rigid_mass)
 
 
 @cache
@@ -57,7 +57,7 @@ def test_with_elastic_terms_one_blade_is_trusted_and_without_it_is_flagged() -> 
 
 
 def test_the_true_inertia_lies_within_the_spread_of_the_bands() -> None:
-    true = Inertia.from_mass_matrix(beam.structure("clumod-1").rigid_mass).parameters
+    true = Inertia.from_mass_matrix(articles.structure("clumod-1").rigid_mass).parameters
     found = of_one_blade()
     away = np.abs(found.fitted.parameters - true)
     assert np.all(away <= 2 * found.spread() + 3 * np.sqrt(np.diag(found.fitted.covariance)))

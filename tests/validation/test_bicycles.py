@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.orientations import meeting_point, unobservable
+from validation.classical.pendulum import meeting_point, unobservable
 
 BICYCLES = ["Browser", "Fisher", "Pista", "Yellow"]
 

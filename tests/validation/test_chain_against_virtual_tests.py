@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from fem.damping import Damping
-from identification.measurement_chain import Chain, chain
+from identification.chain import Chain, chain
 from identification.spectra.of_campaign import spectra
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import planted
+from validation.effects.catalogue import parse_all
 from validation.virtual_test.plan import Plan, exact
+from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
 
 LINES = [8.0, 12.0, 16.0, 24.0]

@@ -16,8 +16,8 @@ from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation import cli
-from validation.campaigns import sensor_map
+from validation.cli import main
+from validation.report.scenes import sensors
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -43,7 +43,7 @@ def folder(written: Path, tmp_path: Path) -> Path:
 
 def test_a_sound_campaign_is_printed_and_ends_with_0(run: Run, folder: Path) -> None:
     code, out, err = run("check", "own")
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     for words in (
         "A rigid block: fmd+disc+cuboid",
         "cover-z1",
@@ -66,7 +66,7 @@ def test_the_table_fits_a_page(run: Run) -> None:
 def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run: Run, folder: Path) -> None:
     shutil.copy(folder / "x.h5", folder / "beta.h5")
     code, out, _ = run("check", "own")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     said = " ".join(out.split())
     assert "no run drives beta; runs x and beta are the same recording" in said
     assert "run beta says that it drives beta, but it drives x" in said
@@ -78,7 +78,7 @@ def test_an_inverted_channel_is_suspected_by_name(run: Run, campaign: Campaign, 
     turned = {name: replace(one, values=one.values * sign) for name, one in campaign.recordings.items()}
     campaign_file.write(tmp_path / "turned", replace(campaign, recordings=turned))
     code, out, _ = run("check", "turned")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert "cover-z1" in next(text for text in out.split("warning: ") if "it looks as if" in text)
 
 
@@ -86,7 +86,7 @@ def test_five_runs_name_the_axis_that_is_missing(run: Run, campaign: Campaign, t
     left = {name: one for name, one in campaign.recordings.items() if name != "beta"}
     campaign_file.write(tmp_path / "five", replace(campaign, runs=[r for r in campaign.runs if r.name in left], recordings=left))
     code, out, _ = run("check", "five")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "five: `run`: six base motions take at least six runs, found 5 runs; no run drives beta" in " ".join(out.split())
 
 
@@ -94,7 +94,7 @@ def test_five_runs_name_the_axis_that_is_missing(run: Run, campaign: Campaign, t
 def test_json_is_one_object_with_every_figure(run: Run) -> None:
     code, out, err = run("check", "own", "--json")
     said = json.loads(out)
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     assert (said["usable"], said["problems"], said["warnings"]) == (True, [], [])
     assert len(said["channels"]) == 22
     for k, one in enumerate(said["runs"]):
@@ -113,11 +113,11 @@ def test_warnings_end_with_1_and_are_printed(run: Run, folder: Path) -> None:
         del file["channels/cover-x1"]
         file["channels/cover-x1"] = np.clip(samples, -2, 2)
     code, out, _ = run("check", "own")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert "cover-x1 is clipped" in " ".join(out.split())
     assert "read the warnings first" in out
     code, out, _ = run("check", "own", "--json")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert json.loads(out)["usable"]
 
 
@@ -125,7 +125,7 @@ def test_a_loud_channel_is_said(run: Run, campaign: Campaign, tmp_path: Path) ->
     quiet = tuple(replace(c, noise_rms=0.1) if c.name == "fmd-z1" else c for c in campaign.table.channels)
     campaign_file.write(tmp_path / "own", replace(campaign, table=replace(campaign.table, channels=quiet)))
     code, out, _ = run("check", "own")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert "fmd-z1 reads 2.8 times" in " ".join(out.split()) or "fmd-z1 reads 2.9 times" in " ".join(out.split())
 
 
@@ -133,12 +133,12 @@ def test_every_problem_is_printed_and_ends_with_2(run: Run, folder: Path) -> Non
     (folder / "x.h5").unlink()
     (folder / "y.h5").write_bytes(b"nonsense")
     code, out, _ = run("check", "own")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     for words in ("problem 1: own/x.h5", "problem 2: own/y.h5", "cannot be used as it is: 2 problems"):
         assert words in out
     code, out, _ = run("check", "own", "--json")
     said = json.loads(out)
-    assert (code, said["usable"]) == (cli.BAD_INPUT, False)
+    assert (code, said["usable"]) == (main.BAD_INPUT, False)
     assert [one["file"] for one in said["problems"]] == ["own/x.h5", "own/y.h5"]
     assert [one["read"] for one in said["runs"]] == [False, False, True, True, True, True]
 
@@ -148,7 +148,7 @@ def test_everything_wrong_with_the_description_is_printed(run: Run, folder: Path
     text = text.replace("format = 1", "format = 9").replace('axis = "y"', 'axis = "yy"')
     (folder / "campaign.toml").write_text(text, encoding="utf-8")
     code, out, _ = run("check", "own")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "found 9" in out
     assert "found 'yy'" in out
 
@@ -157,14 +157,14 @@ def test_everything_wrong_with_the_description_is_printed(run: Run, folder: Path
 @pytest.mark.usefixtures("folder")
 def test_what_is_no_campaign_is_refused_in_one_sentence(run: Run, name: str) -> None:
     code, out, err = run("check", name)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert err.startswith("massline: ")
     assert len(err.splitlines()) == 1
 
 
 def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_path: Path) -> None:
-    from identification.recording import Recording
-    from identification.spectra.full_record import full_record
+    from identification.campaign import Recording
+    from identification.spectra.line_spectra import full_record
 
     lines = np.linspace(4.0, 32.0, 57)
     recordings = {
@@ -173,7 +173,7 @@ def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_
     }
     campaign_file.write(tmp_path / "own", replace(campaign, recordings=recordings))
     code, out, _ = run("check", "own")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "4-32 Hz" in out
     assert "57 lines" in out
     assert "level realised" not in out
@@ -183,12 +183,12 @@ def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_
 def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from PIL import Image
 
-    from validation.pictures import sensor_page
+    from validation.report.scenes import sensors
 
-    monkeypatch.setattr(sensor_page, "HEIGHT", 300)  # a ninth of the pixels, and of the time
-    monkeypatch.setattr(sensor_page, "COLUMNS", ((10, 130), (150, 240), (400, 240)))
+    monkeypatch.setattr(sensors, "HEIGHT", 300)  # a ninth of the pixels, and of the time
+    monkeypatch.setattr(sensors, "COLUMNS", ((10, 130), (150, 240), (400, 240)))
     code, _, err = run("check", "own", "--view")
-    assert (code, err) == (cli.DONE, "massline: wrote out/sensors-own.png.\n")
+    assert (code, err) == (main.DONE, "massline: wrote out/sensors-own.png.\n")
     with Image.open(tmp_path / "out" / "sensors-own.png") as picture:
         pixels = np.asarray(picture.convert("RGB")).astype(int)
     for red, green, blue in ((36, 86, 196), (31, 138, 76), (200, 40, 60)):  # the legend's lines: table, cover, fmd
@@ -197,16 +197,16 @@ def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytes
 
 def test_an_article_without_fmd_is_drawn_where_it_is_mounted(campaign: Campaign) -> None:
     alone = replace(campaign, article="cuboid", mounting=Pose(position=np.array([0.0, 0.0, 0.25])))
-    bodies, note = sensor_map._bodies(alone)
+    bodies, note = sensors._bodies(alone)
     lowest = min(body.vertices[:, 2].min() for body in bodies)
-    on_fmd, _ = sensor_map._bodies(replace(campaign, article="fmd"))
+    on_fmd, _ = sensors._bodies(replace(campaign, article="fmd"))
     assert_allclose(lowest, 0.25, rtol=0, atol=1e-12)
     assert min(body.vertices[:, 2].min() for body in on_fmd) < 0
     assert "cuboid as built in" in note
 
 
 def test_an_article_of_somebody_else_is_not_drawn_and_said(campaign: Campaign) -> None:
-    bodies, note = sensor_map._bodies(replace(campaign, article="my-satellite.toml"))
+    bodies, note = sensors._bodies(replace(campaign, article="my-satellite.toml"))
     assert bodies == []
     assert "my-satellite.toml is no built-in article" in note
 
@@ -216,7 +216,7 @@ def test_figures_of_a_campaign_that_another_program_wrote(run: Run, data: Path) 
     for name in ("fmd+clumod-1", "fmd+disc+cuboid"):
         code, out, _ = run("check", str(data / "example_series" / name), "--json")
         said = json.loads(out)
-        assert code == cli.DONE
+        assert code == main.DONE
         for k, one in enumerate(said["runs"]):
             assert_allclose(one["level_m_s2_rad_s2"][k], one["excitation"]["level"], rtol=0.01)
             assert max(np.delete(one["level_share"], k)) < 0.15

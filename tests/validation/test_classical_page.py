@@ -26,7 +26,7 @@ def test_the_page_holds_its_commands() -> None:
 
 
 def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its_corrections(root: Path) -> None:
-    command = import_module("validation.commands.pendulum").command
+    command = import_module("validation.cli.reference").command
 
     def value(*more: str) -> float:
         result = CliRunner().invoke(command, [str(root / "examples" / "clumod-4-upright.toml"), "--json", *more])
@@ -54,7 +54,7 @@ def test_figures_beside_a_command_are_those_it_prints(row: tuple[str, ...]) -> N
         *shlex.split(row[0]),
         "--json",
     ]
-    result = CliRunner().invoke(import_module("validation.commands.swing").command, words)
+    result = CliRunner().invoke(import_module("validation.cli.predict").command, words)
     told = json.loads(result.stdout)
     printed = [told["period_shift_percent"]["all"], told["moi_error_percent"]["eq5"], told["moi_error_percent"]["corrected"]]
     assert_allclose(printed, [float(figure) for figure in row[1:]], atol=1.5e-4)  # four digits, and rounding of another machine

@@ -10,7 +10,7 @@ import click
 import pytest
 
 from geometry.errors import BadInput, CheckFailed
-from validation import cli
+from validation.cli import main
 
 Install = Callable[[Callable[[], object]], None]
 
@@ -20,10 +20,10 @@ def probe(monkeypatch: pytest.MonkeyPatch) -> Install:
     """``probe(action)`` makes `action` the body of a command called probe."""
 
     def install(action: Callable[[], object]) -> None:
-        module = ModuleType("validation.commands.probe")
+        module = ModuleType("validation.cli.probe")
         module.command = click.Command("probe", callback=action)  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, module.__name__, module)
-        monkeypatch.setitem(cli.COMMANDS, "probe", "A command of the tests.")
+        monkeypatch.setitem(main.COMMANDS, "probe", "A command of the tests.")
 
     return install
 
@@ -37,12 +37,12 @@ def raising(error: BaseException) -> Callable[[], None]:
 
 def test_a_command_that_returns_is_done(probe: Install) -> None:
     probe(lambda: None)
-    assert cli.run(["probe"]) == cli.DONE == 0
+    assert main.run(["probe"]) == main.DONE == 0
 
 
 def test_a_command_may_end_early_with_its_own_exit_code(probe: Install) -> None:
     probe(lambda: click.get_current_context().exit(1))
-    assert cli.run(["probe"]) == cli.FAILED_CHECK == 1
+    assert main.run(["probe"]) == main.FAILED_CHECK == 1
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_failure_ends_with_its_exit_code_and_says_why(
     error: BaseException, code: int, words: str, probe: Install, capsys: pytest.CaptureFixture[str]
 ) -> None:
     probe(raising(error))
-    assert cli.run(["probe"]) == code
+    assert main.run(["probe"]) == code
     captured = capsys.readouterr()
     assert words in captured.err
     assert "Traceback" not in captured.err
@@ -76,35 +76,35 @@ def test_a_failure_ends_with_its_exit_code_and_says_why(
 def test_a_bug_is_not_dressed_up_as_a_mistake_of_the_user(probe: Install) -> None:
     probe(raising(ZeroDivisionError()))
     with pytest.raises(ZeroDivisionError):
-        cli.run(["probe"])
+        main.run(["probe"])
 
 
 def test_a_misspelt_command_is_bad_input_and_the_right_one_is_suggested(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["pendulm"]) == cli.BAD_INPUT == 2
+    assert main.run(["pendulm"]) == main.BAD_INPUT == 2
     assert "Did you mean 'pendulum'?" in capsys.readouterr().err
 
 
 def test_an_unknown_option_is_bad_input(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["--jsn"]) == cli.BAD_INPUT
+    assert main.run(["--jsn"]) == main.BAD_INPUT
     assert "--jsn" in capsys.readouterr().err
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["--help"]) == cli.DONE
+    assert main.run(["--help"]) == main.DONE
     help_text = capsys.readouterr().out
-    assert all(f"  {command} " in help_text for command in cli.COMMANDS)
+    assert all(f"  {command} " in help_text for command in main.COMMANDS)
 
 
 def test_a_terminal_without_the_sign_does_not_stop_the_run(massline: Callable[..., subprocess.CompletedProcess[str]]) -> None:
     run = massline("Θ", env={**os.environ, "PYTHONIOENCODING": "latin-1"})
-    assert run.returncode == cli.BAD_INPUT
+    assert run.returncode == main.BAD_INPUT
     assert "No such command '?'" in run.stderr
 
 
 @pytest.mark.parametrize("say", ["click.echo", "__import__('rich.console').console.Console().print"])
 def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: str) -> None:
     talker = (
-        "import sys, types, click; from validation import cli; m = types.ModuleType('validation.commands.talk');"
+        "import sys, types, click; from validation import cli; m = types.ModuleType('validation.cli.talk');"
         f"say = {say}; m.command = click.Command('talk', callback=lambda: [say('x' * 99) for _ in range(9999)]);"
         "sys.modules[m.__name__] = m; cli.COMMANDS['talk'] = ''; cli.main(['talk'])"
     )
@@ -115,4 +115,4 @@ def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: st
     process.stdout.close()
     with process.stderr:
         assert process.stderr.read() == ""
-    assert process.wait(timeout=60) == cli.READER_LEFT == 141
+    assert process.wait(timeout=60) == main.READER_LEFT == 141

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.dynamic_mass import DynamicMass
-from validation.closure import BANDWIDTHS, deviation
+from validation.reference.reconstruction import BANDWIDTHS, deviation
 
 LINES = np.array([4.0, 8.0, 10.0, 10.2, 20.0])
 RESONANCE, RATIO = np.array([10.0]), np.array([0.003])

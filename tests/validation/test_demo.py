@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from validation import demo
-from validation.cli import COMMANDS, DONE, FAILED_CHECK
+from validation.cli import demo
+from validation.cli.main import COMMANDS, DONE, FAILED_CHECK
 
 
 @pytest.mark.parametrize("step", demo.STEPS, ids=lambda step: step.command)
-def test_every_step_is_a_command_or_an_example_that_exists(step: demo.Step, root: Path) -> None:
+def test_every_step_is_a_command_or_an_example_that_exists(step: demo.DemoStep, root: Path) -> None:
     program, what, *_ = shlex.split(step.command)
     assert what in COMMANDS if program == "massline" else (program == "python" and (root / what).is_file())
 
@@ -18,7 +18,7 @@ def test_every_step_is_a_command_or_an_example_that_exists(step: demo.Step, root
 PLANNED = demo.STEPS
 
 
-def _steps(monkeypatch: pytest.MonkeyPatch, code: int, *steps: demo.Step) -> list[list[str]]:
+def _steps(monkeypatch: pytest.MonkeyPatch, code: int, *steps: demo.DemoStep) -> list[list[str]]:
     heard: list[list[str]] = []
     monkeypatch.setattr(demo, "STEPS", steps)
     monkeypatch.setattr(demo, "run", lambda arguments: heard.append(arguments) or code)
@@ -26,7 +26,7 @@ def _steps(monkeypatch: pytest.MonkeyPatch, code: int, *steps: demo.Step) -> lis
 
 
 def test_it_runs_every_step_in_order(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    steps = demo.Step(title="One", command="massline a 'b c'"), demo.Step(title="Two", command="massline d")
+    steps = demo.DemoStep(title="One", command="massline a 'b c'"), demo.DemoStep(title="Two", command="massline d")
     heard = _steps(monkeypatch, DONE, *steps)
     assert demo.main() == DONE
     assert heard == [["a", "b c"], ["d"]]
@@ -34,7 +34,7 @@ def test_it_runs_every_step_in_order(monkeypatch: pytest.MonkeyPatch, capsys: py
 
 
 def test_it_stops_at_the_first_step_that_fails(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    steps = demo.Step(title="One", command="massline a"), demo.Step(title="Two", command="massline b")
+    steps = demo.DemoStep(title="One", command="massline a"), demo.DemoStep(title="Two", command="massline b")
     heard = _steps(monkeypatch, FAILED_CHECK, *steps)
     assert demo.main() == FAILED_CHECK
     assert heard == [["a"]]
@@ -42,7 +42,7 @@ def test_it_stops_at_the_first_step_that_fails(monkeypatch: pytest.MonkeyPatch, 
 
 
 def test_a_step_whose_point_is_a_failed_check_must_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    step = demo.Step(title="One", command="massline a", ends=FAILED_CHECK)
+    step = demo.DemoStep(title="One", command="massline a", ends=FAILED_CHECK)
     _steps(monkeypatch, FAILED_CHECK, step)
     assert demo.main() == DONE
     _steps(monkeypatch, DONE, step)
@@ -52,7 +52,7 @@ def test_a_step_whose_point_is_a_failed_check_must_fail(monkeypatch: pytest.Monk
 def test_a_step_whose_data_are_absent_is_passed_over_in_words(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    heard = _steps(monkeypatch, DONE, demo.Step(title="One", command="massline a", needs=tmp_path / "nowhere"))
+    heard = _steps(monkeypatch, DONE, demo.DemoStep(title="One", command="massline a", needs=tmp_path / "nowhere"))
     assert demo.main() == DONE
     assert heard == []
     assert "nowhere is absent" in capsys.readouterr().out
@@ -61,7 +61,7 @@ def test_a_step_whose_data_are_absent_is_passed_over_in_words(
 def test_a_script_runs_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text("import sys; sys.exit(3)")
-    _steps(monkeypatch, DONE, demo.Step(title="One", command=f"python {script}"))
+    _steps(monkeypatch, DONE, demo.DemoStep(title="One", command=f"python {script}"))
     assert demo.main() == 3
 
 

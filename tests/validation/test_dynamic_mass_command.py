@@ -13,12 +13,12 @@ from numpy.testing import assert_allclose
 from geometry.articles import built_in
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import rigid_transformation_6
-from validation import cli
-from validation.flexible import curves_file
+from validation.cli import main
 from validation.flexible.dynamic_mass import apart, lines, reference_point
-from validation.flexible.dynamic_mass_table import lines_grid, peaks
-from validation.pictures.curves import Curve, side_by_side
-from validation.tables.text import page
+from validation.report import flexible
+from validation.report.charts.style import DynamicMassCurve, side_by_side
+from validation.report.document import page
+from validation.report.flexible import lines_grid, peaks_table
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -30,7 +30,7 @@ def matrices(said: dict[str, Any]) -> np.ndarray:
 def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
     code, out, err = run("dynamic-mass", "clumod-1", "--model", "beam", "--json")
     said = json.loads(out)
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     assert (said["article"], said["model"], said["about"]) == ("clumod-1", "beam", "article")
     f, H = np.array(said["frequency_hz"]), matrices(said)
     assert (f[0], f[-1], len(f)) == (4.0, 32.0, 561)
@@ -75,7 +75,7 @@ def test_the_cuboid_is_flat_and_clumod_is_not(run: Run) -> None:
 def test_beside_exudyn_the_curves_agree_off_resonance(run: Run) -> None:
     code, out, _ = run("dynamic-mass", "clumod-1", "--against", "exudyn", "--json")
     said = json.loads(out)
-    assert code == cli.DONE
+    assert code == main.DONE
     assert said["against"] == "exudyn"
     # a frequency known to 1e-4 shows as that times 2 f / (f - f_r), some 70 at the edge of a resonance
     assert all(block["off_resonance_percent"] < 0.5 for block in said["apart"])
@@ -83,7 +83,7 @@ def test_beside_exudyn_the_curves_agree_off_resonance(run: Run) -> None:
 
 def test_what_is_written_is_what_was_computed(run: Run, tmp_path: Path) -> None:
     said = json.loads(run("dynamic-mass", "clumod-1", "--json", "--step", "1", "--out", "H.npz")[1])
-    assert run("dynamic-mass", "clumod-1", "--step", "1", "--out", "deep/H.csv")[0] == cli.DONE
+    assert run("dynamic-mass", "clumod-1", "--step", "1", "--out", "deep/H.csv")[0] == main.DONE
     with np.load(tmp_path / "H.npz", allow_pickle=False) as stored:
         assert_allclose(stored["matrix"], matrices(said), rtol=0, atol=0)
         assert stored["frequency_hz"].tolist() == said["frequency_hz"]
@@ -98,7 +98,7 @@ def test_an_interrupted_file_is_not_half_written(tmp_path: Path, monkeypatch: py
     H = DynamicMass(frequency=np.array([4.0]), matrix=np.eye(6)[None])
     monkeypatch.setattr(np, "savez_compressed", lambda *a, **k: (_ for _ in ()).throw(KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
-        curves_file.write(tmp_path / "H.npz", H, "stone")
+        flexible.write(tmp_path / "H.npz", H, "stone")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -106,7 +106,7 @@ def test_plots_show_curves_and_say_where_they_are(run: Run, tmp_path: Path) -> N
     from PIL import Image
 
     code, _, err = run("dynamic-mass", "clumod-1", "--plot", "--step", "0.5")
-    assert code == cli.DONE
+    assert code == main.DONE
     for name in ("dynamic-mass-clumod-1-beam.png", "dynamic-mass-clumod-1-beam-6x6.png"):
         assert f"wrote out/{name}" in err
         with Image.open(tmp_path / "out" / name) as picture:
@@ -119,12 +119,12 @@ def test_plots_show_curves_and_say_where_they_are(run: Run, tmp_path: Path) -> N
 def test_articles_stand_side_by_side(tmp_path: Path) -> None:
     from PIL import Image
 
-    from validation.flexible.model import Asked, flexible
+    from validation.flexible.model import FlexibleOptions, flexible
 
-    model = flexible("clumod-1", "beam", Asked(count=5))
+    model = flexible("clumod-1", "beam", FlexibleOptions(count=5))
     f = np.linspace(4, 32, 29)
     H = DynamicMass(frequency=f, matrix=np.tile(model.modes.rigid_mass.astype(complex), (29, 1, 1)))
-    curve = Curve(name="one", mass=H, rigid=model.modes.rigid_mass, modes=model.modes)
+    curve = DynamicMassCurve(name="one", mass=H, rigid=model.modes.rigid_mass, modes=model.modes)
     side_by_side("Two", [curve, curve], tmp_path / "two.png")
     with Image.open(tmp_path / "two.png") as picture:
         assert np.asarray(picture.convert("L")).std() > 10
@@ -162,14 +162,14 @@ def test_bad_input_is_refused_in_words_before_anything_is_written(
     arguments: list[str], words: str, run: Run, tmp_path: Path
 ) -> None:
     code, out, err = run("dynamic-mass", *arguments)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert words in err
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_band_beyond_the_modes_kept_is_warned_of(run: Run) -> None:
     code, _, err = run("dynamic-mass", "clumod-1", "--modes", "3", "--step", "4")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "the last of 3 modes kept" in err
     assert "--modes" in err
     assert run("dynamic-mass", "clumod-1", "--step", "4")[2] == ""
@@ -178,7 +178,7 @@ def test_a_band_beyond_the_modes_kept_is_warned_of(run: Run) -> None:
 def test_an_undamped_line_on_a_mode_is_a_failed_check_in_words(run: Run) -> None:
     f = json.loads(run("modes", "clumod-1", "--json", "--count", "1")[1])["frequency_hz"][0]
     code, _, err = run("dynamic-mass", "clumod-1", "--damping", "0", "--band", repr(f), "40", "--step", "1")
-    assert code in (cli.DONE, cli.FAILED_CHECK)  # whether rounding hits the pole is luck; a traceback it never is
+    assert code in (main.DONE, main.FAILED_CHECK)  # whether rounding hits the pole is luck; a traceback it never is
     assert "Traceback" not in err
 
 
@@ -203,7 +203,7 @@ def test_a_peak_is_where_the_mode_is() -> None:
     H = np.zeros((len(f), 6, 6), dtype=complex)
     H[:, range(6), range(6)] = 1.0
     H[:, 2, 2] += f**2 / (12.0**2 - f**2 + 2j * 0.01 * 12.0 * f)
-    (peak,) = peaks(DynamicMass(frequency=f, matrix=H), np.ones(6))
+    (peak,) = peaks_table(DynamicMass(frequency=f, matrix=H), np.ones(6))
     assert peak.axis == 2
     assert peak.frequency == pytest.approx(12.0, abs=0.05)
     assert peak.magnitude == pytest.approx(50.0, rel=0.02)  # 1 / (2 zeta)
@@ -233,16 +233,16 @@ def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest
     """Clumod's first mode is so near the left end of the band that its figure lies below the title."""
     from matplotlib.figure import Figure
 
-    from fem import beam
+    from fem.beam import articles
     from fem.dynamic_mass import modal
     from fem.modes import fixed_base
-    from validation.pictures import curves
+    from validation.report.charts import style
 
     pages: list[Figure] = []
-    modes = fixed_base(beam.structure("clumod-4"), 20)
+    modes = fixed_base(articles.structure("clumod-4"), 20)
     mass = modal(modes, np.linspace(4, 32, 57))
-    monkeypatch.setattr(curves, "finish", lambda figure, *rest: pages.append(figure))
-    curves.diagonal("x", [Curve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
+    monkeypatch.setattr(style, "finish", lambda figure, *rest: pages.append(figure))
+    style.diagonal("x", [DynamicMassCurve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
     (figure,) = pages
     figure.canvas.draw()
     figures = [(axes, text) for axes in figure.axes for text in axes.texts]

@@ -13,16 +13,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam
-from fem import dynamic_mass as oracle
+from fem import dynamic_mass
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import Modes, fixed_base
 from geometry.dynamic_mass import DynamicMass
 from geometry.inertia import Inertia
 from identification.elastic import model
-from identification.elastic.fit import Fitted, fit
-from identification.elastic.lines import levels
-from identification.elastic.terms import ElasticTerms
+from identification.elastic.fit import Fitted, fit, levels
+from identification.elastic.model import ElasticTerms
 
 LINES = np.linspace(4.0, 32.0, 561)
 
@@ -37,7 +36,7 @@ def damping(frequency: np.ndarray, seed: int = 0) -> Damping:
 
 @cache
 def modes(article: str, layered: bool = False) -> Modes:
-    structure = beam.structure(article)
+    structure = articles.structure(article)
     own = fixed_base(structure, 60)
     if layered:
         omega = 2 * np.pi * own.frequency
@@ -47,7 +46,7 @@ def modes(article: str, layered: bool = False) -> Modes:
 
 @cache
 def exact(article: str, layered: bool = False) -> DynamicMass:
-    return oracle.modal(modes(article, layered), LINES)
+    return dynamic_mass.modal(modes(article, layered), LINES)
 
 
 def spoiled(H: DynamicMass, relative: float, noise: float, seed: int = 1) -> DynamicMass:
@@ -136,7 +135,7 @@ def test_below_all_resonances_the_rigid_way_errs_as_the_paper_did() -> None:
 
 
 def test_a_rigid_body_is_found_to_be_rigid() -> None:
-    body = Inertia.from_mass_matrix(beam.structure("disc+cuboid").rigid_mass)
+    body = Inertia.from_mass_matrix(articles.structure("disc+cuboid").rigid_mass)
     flat = DynamicMass(frequency=LINES, matrix=np.broadcast_to(body.mass_matrix, (561, 6, 6)).astype(complex))
     found = fit(spoiled(flat, 0.0, 0.002))
     assert found.modes == 0

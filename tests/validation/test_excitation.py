@@ -9,27 +9,24 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Cell
-from fem.beam import load_cells
+from fem.base_excitation.rig import LoadCell
+from fem.beam.articles import load_cells
+from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.locations import locations
 from geometry.frames import rigid_transformation, rigid_transformation_6
-from geometry.materials import material
-from geometry.multibody import inertia
-from validation import cli
-from validation.excitation import moving
-from validation.excitation.attached import Attached, attached
-from validation.excitation.drives import Run
-from validation.excitation.figures import _cross, _levels, cell_loads
-from validation.excitation.passage import amplitude, amplitudes, passed
-from validation.excitation.rig import mounted
-from validation.excitation.rig_modes import RigModes, rig_modes
-from validation.flexible.drawing import Moved
-from validation.flexible.model import Asked, Flexible
-from validation.flexible.motion import node_displacement
-from validation.pictures.bodies import DrawnBody
-from validation.pictures.curves import new_figure
-from validation.pictures.excitation import _few_decades
+from geometry.routes import inertia
+from validation.cli import main
+from validation.excite.question import Attached, attached
+from validation.excite.results import _cross, _levels, amplitude, amplitudes, cell_loads, passed
+from validation.excite.rig import RigModes, Run, mounted, rig_modes
+from validation.flexible.model import Flexible, FlexibleOptions
+from validation.flexible.modes import node_displacement
+from validation.report.charts.excitation import _few_decades
+from validation.report.charts.style import new_figure
+from validation.report.flexible import Moved
+from validation.report.scenes import turntable
+from validation.report.scenes.scene import DrawnBody
 
 RATE = 512.0
 MASS = 12.0
@@ -71,7 +68,7 @@ def swelling(run: Run, at: float, times: float) -> Response:
 @pytest.mark.parametrize("cells", [False, True], ids=["rigid", "cells"])
 @pytest.mark.parametrize("article", ["fmd", "fmd+clumod-1", "fmd+disc+cuboid", "clumod-4"])
 def test_whatever_stands_on_the_table_weighs_what_its_drawing_says_about_f(article: str, cells: bool) -> None:
-    made = mounted(article, "beam", Asked(count=4), Attached(cells=cells and article.startswith("fmd")))
+    made = mounted(article, "beam", FlexibleOptions(count=4), Attached(cells=cells and article.startswith("fmd")))
     expected = inertia(built_in(article)).mass_matrix
     assert_allclose(rig_modes(made.rig).rigid_mass, expected, atol=1e-9 * np.abs(expected).max())  # rounding
 
@@ -79,7 +76,7 @@ def test_whatever_stands_on_the_table_weighs_what_its_drawing_says_about_f(artic
 def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises() -> None:
     """The cells give, so that every resonance is lower than on the rigid cover plate (Rayleigh), if by little."""
     on_cells, alone = (
-        rig_modes(mounted("fmd+clumod-1", "beam", Asked(count=6), Attached(cells=cells)).rig).frequency[:4]
+        rig_modes(mounted("fmd+clumod-1", "beam", FlexibleOptions(count=6), Attached(cells=cells)).rig).frequency[:4]
         for cells in (True, False)
     )
     assert np.all(on_cells <= alone * (1 + 1e-12))
@@ -88,7 +85,7 @@ def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises() ->
 
 def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_their_material_does() -> None:
     """Along z through its CoG: 2 pi f = sqrt(4 k / m), zeta = eta / 2, both of the steel of the cells (assumed)."""
-    found = rig_modes(mounted("fmd", "beam", Asked(), Attached(cells=True)).rig)
+    found = rig_modes(mounted("fmd", "beam", FlexibleOptions(), Attached(cells=True)).rig)
     mass, k = inertia(built_in("fmd")).mass, load_cells()[0, 2]
     r = int(np.argmax(np.abs(found.participation[2])))
     eta = material("steel").loss_factor
@@ -101,7 +98,7 @@ def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_th
 @pytest.mark.parametrize(("article", "joints"), [("clumod-1", 0), ("fmd+clumod-1", 6)])
 def test_what_carries_static_answers_is_no_resonance(article: str, joints: int) -> None:
     """The article's own modes and the six of the cover plate on its cells are; up to six carriers are told from them."""
-    made = mounted(article, "beam", Asked(count=5), Attached(cells=joints > 0)).rig
+    made = mounted(article, "beam", FlexibleOptions(count=5), Attached(cells=joints > 0)).rig
     found = rig_modes(made)
     assert sum(found.resonance) == 5 + joints < len(found.frequency)
     assert found.resonance[:5] == (True,) * 5
@@ -113,7 +110,7 @@ def test_the_lateral_load_of_a_cell_is_the_larger_of_x_and_y(axis: int) -> None:
     forces[1, 0, axis], forces[2, 0, 1 - axis], forces[:, 0, 2] = -7.0, 3.0, (1.0, 50.0, -9.0)
     still = np.zeros((3, 6))
     response = Response(sampling_rate=RATE, table=still, cover=still, load=still, cells=forces)
-    (found,) = cell_loads(response, (Cell(position=np.zeros(3), stiffness=np.ones(3)),))
+    (found,) = cell_loads(response, (LoadCell(position=np.zeros(3), stiffness=np.ones(3)),))
     assert (found.lateral, found.lowest, found.highest) == (7.0, -9.0, 50.0)
 
 
@@ -142,7 +139,7 @@ def test_cross_motion_is_the_largest_share_of_any_other_axis() -> None:
 
 
 def test_places_ride_on_the_article() -> None:
-    made = mounted("fmd+clumod-1", "beam", Asked(count=4), Attached())
+    made = mounted("fmd+clumod-1", "beam", FlexibleOptions(count=4), Attached())
     known = locations("clumod-1")
     assert set(made.rig.article.places) == set(known)
     for name, point in known.items():
@@ -153,7 +150,9 @@ def test_places_ride_on_the_article() -> None:
 def test_a_loose_part_weighs_on_the_flange_while_it_is_held() -> None:
     options = dict.fromkeys(("preload", "flange", "cable", "damper"), ())
     loose = attached(cells=False, friction=["x=5,mass:3", "y=4"], **options)
-    made, bare = (rig_modes(mounted("fmd+cuboid", "beam", Asked(count=2), one).rig).rigid_mass for one in (loose, Attached()))
+    made, bare = (
+        rig_modes(mounted("fmd+cuboid", "beam", FlexibleOptions(count=2), one).rig).rigid_mass for one in (loose, Attached())
+    )
     seat = rigid_transformation(built_in("fmd").seat.position)  # type: ignore[union-attr]
     assert_allclose(made - bare, 5.0 * seat.T @ seat, atol=1e-12)
 
@@ -224,14 +223,14 @@ def test_two_resonances_far_apart_are_told_apart() -> None:
 def test_from_frame_to_frame_the_drive_goes_on_by_whole_cycles_and_a_tenth(rate: float) -> None:
     sweep = Sweep(axis="x", start=8.0, stop=16.0, rate=rate)
     begin, end = (float(sweep.time_at(f)) for f in (9.0, 15.0))
-    times = moving.strobe(sweep, begin, end, peak=(begin + end) / 2)
+    times = turntable.strobe(sweep, begin, end, peak=(begin + end) / 2)
     growth = rate * np.log(2) / 60
     steps = np.diff(sweep.frequency_at(times)) / growth  # cycles: the integral of a frequency that grows as exp(growth t)
     assert begin <= times[0] < times[-1] <= end
-    assert len(times) == moving.FRAMES
+    assert len(times) == turntable.FRAMES
     assert_allclose(steps, steps[0], rtol=1e-4)  # of 20 000 points of the phase
     if steps[0] > 1:
-        assert_allclose(steps % 1, 1 / moving.STROBE, atol=1e-3)
+        assert_allclose(steps % 1, 1 / turntable.STROBE, atol=1e-3)
 
 
 def needle(model: Flexible, shapes: np.ndarray) -> tuple[Moved, ...]:
@@ -255,11 +254,11 @@ def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("drawn")
         patch.chdir(folder)
-        patch.setattr(moving, "FRAMES", 3)
-        patch.setattr(moving, "moved_bodies", needle)
-        assert cli.run(["excite", "fmd+clumod-1", "--cells", "--axis", "beta", *fast, "--plot", "--animate"]) == cli.DONE
+        patch.setattr(turntable, "FRAMES", 3)
+        patch.setattr(turntable, "moved_bodies", needle)
+        assert main.run(["excite", "fmd+clumod-1", "--cells", "--axis", "beta", *fast, "--plot", "--animate"]) == main.DONE
         burst = ("--pattern", "burst", "--duration", "2 s", "--ring-down", "1 s", "--rate", "256")
-        assert cli.run(["excite", "clumod-1", *burst, "--plot"]) == cli.DONE
+        assert main.run(["excite", "clumod-1", *burst, "--plot"]) == main.DONE
         yield folder / "out"
 
 
@@ -303,8 +302,8 @@ def test_the_animation_moves_and_names_the_frequency(drawn: Path) -> None:
 
 def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> None:
     """Both routes keep coordinates of their own; drawn, the article bends by the same amount."""
-    from validation.excitation.asked import Question, drive
-    from validation.excitation.runs import done, ready
+    from validation.excite.question import ExciteOptions, drive
+    from validation.excite.runs import done, ready
 
     found = []
     for route in ("linear", "exudyn"):
@@ -322,10 +321,10 @@ def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> 
         )
         options = dict.fromkeys(("preload", "friction", "cable", "damper"), ())
         fastened = attached(cells=True, flange=["rotation=1e-6"], **options)
-        question = Question(
+        question = ExciteOptions(
             article="fmd+clumod-1",
             model=None,
-            asked=Asked(count=6),
+            asked=FlexibleOptions(count=6),
             attached=fastened,
             drive=driven,
             route=route,
@@ -333,7 +332,7 @@ def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> 
         )
         made = ready(question, quiet=True)
         (one,) = done(made, keep_coordinates=True, quiet=True)
-        found.append(moving._relative(made, one.motion, one.response))
+        found.append(turntable._relative(made, one.motion, one.response))
     for part in (slice(0, 6), slice(6, None)):
         assert_allclose(found[1][:, part], found[0][:, part], atol=1e-2 * np.abs(found[0][:, part]).max())
 

@@ -17,11 +17,11 @@ from scipy.io import loadmat
 
 from fem.base_excitation.response import Response
 from geometry.articles import built_in
-from geometry.multibody import inertia
-from identification import files
-from identification.files.mat_names import variable
-from validation import cli
-from validation.excitation import signals
+from geometry.routes import inertia
+from identification.files import files
+from identification.files.files import variable
+from validation.cli import main
+from validation.excite import runs
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -31,7 +31,7 @@ FAST = ("--octaves-per-minute", "120", "--ring-down", "0.5 s")
 
 def said(run: Run, *arguments: str) -> dict[str, Any]:
     code, out, _ = run("excite", *arguments, "--json")
-    assert code == cli.DONE
+    assert code == main.DONE
     found: dict[str, Any] = json.loads(out)
     return found
 
@@ -50,17 +50,17 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         heard: list[Response] = []
-        patch.setattr(signals, "write", lambda path, response, label: heard.append(response))
-        assert cli.run(["excite", "fmd+clumod-1", "--cells", *FAST, "--rate", "256", "--out", "run.h5"]) == cli.DONE
+        patch.setattr(runs, "write", lambda path, response, label: heard.append(response))
+        assert main.run(["excite", "fmd+clumod-1", "--cells", *FAST, "--rate", "256", "--out", "run.h5"]) == main.DONE
     for ending in ("h5", "csv", "npz", "mat", "uff"):
-        signals.write(folder / f"run.{ending}", heard[0], "a run")
+        runs.write(folder / f"run.{ending}", heard[0], "a run")
     return folder
 
 
 def test_json_is_one_object_in_the_shape_of_the_contract_and_nothing_is_said_beside_it(run: Run) -> None:
     code, out, err = run("excite", "clumod-1", "--axis", "beta", *FAST[:2], "--modes", "6", "--damping", "0.01", "--json")
     found = json.loads(out)
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     assert (found["article"], found["model"], found["route"], found["about"]) == ("clumod-1", "beam", "linear", "article")
     assert found["sampling_rate_hz"] == 1024
     assert found["rig"]["mass_kg"] == pytest.approx(inertia(built_in("clumod-1")).mass, rel=1e-9)
@@ -205,7 +205,7 @@ def test_a_table_without_cross_motion_moves_along_one_axis_only(run: Run, tmp_pa
 
 def test_a_reader_is_told_what_was_driven_what_it_did_and_what_it_is_worth(run: Run) -> None:
     code, out, err = run("excite", "fmd+clumod-1", "--cells", "--axis", "beta", *FAST)
-    assert code == cli.DONE
+    assert code == main.DONE
     for words in (
         "fmd+clumod-1: driven in time, linear route",
         "sine sweep 4-32 Hz, 120 oct/min, beta 3 rad/s²",
@@ -238,9 +238,9 @@ def test_the_level_of_a_burst_says_what_is_compared(run: Run) -> None:
 
 
 def test_a_user_s_own_model_is_driven_too(run: Run, tmp_path: Path) -> None:
-    from fem.beam import structure
+    from fem.beam.articles import structure
     from fem.modes import fixed_base
-    from fem.users_model import write
+    from fem.user_model.reading import write
 
     write(fixed_base(structure("clumod-1"), 12), tmp_path / "mine.npz")
     mine, ours = (said(run, name, "--modes", "12", "--axis", "beta", *FAST)["runs"][0] for name in ("mine.npz", "clumod-1"))
@@ -249,8 +249,8 @@ def test_a_user_s_own_model_is_driven_too(run: Run, tmp_path: Path) -> None:
 
 
 def test_of_a_user_s_own_matrices_the_modes_that_no_step_follows_answer_statically(run: Run, tmp_path: Path) -> None:
-    from fem.beam import structure
-    from fem.users_model import write
+    from fem.beam.articles import structure
+    from fem.user_model.reading import write
 
     write(structure("cuboid"), tmp_path / "mine.npz")
     mine, ours = (said(run, name, "--band", "8", "16", *FAST) for name in ("mine.npz", "cuboid"))
@@ -352,7 +352,7 @@ def test_bad_input_is_refused_in_words_before_anything_is_written(
 ) -> None:
     code, out, err = run("excite", *arguments)
     assert words in " ".join(err.split())
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -362,7 +362,7 @@ def test_a_terminal_sees_how_far_a_run_has_come_and_json_keeps_silent(
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     arguments = ("excite", "disc", "--band", "8", "16", "--axis", "x", "--axis", "y", *FAST, "--rate", "128", "--out", "run.npz")
     code, _, err = run(*arguments)
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "x, linear (1 of 2)" in err
     assert "y: writing run-y.npz" in err
     assert run(*arguments, "--json")[2].count("massline: wrote") == 2
@@ -372,7 +372,7 @@ def test_a_terminal_sees_how_far_a_run_has_come_and_json_keeps_silent(
 def test_ctrl_c_in_the_middle_of_a_run_leaves_no_file(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from contextlib import contextmanager
 
-    from validation.excitation import runs
+    from validation.excite import runs
 
     @contextmanager
     def pressed(words: str, *, quiet: bool = False) -> Iterator[Callable[[float], None]]:
@@ -401,7 +401,7 @@ def test_a_table_that_turns_beyond_small_motion_is_warned_of(run: Run, level: st
     code, out, err = run(
         "excite", "cuboid", "--axis", "beta", "--octaves-per-minute", "60", "--ring-down", "0 s", "--level", level, "--json"
     )
-    assert code == cli.DONE
+    assert code == main.DONE
     (one,) = json.loads(out)["runs"]
     assert one["small_motion"]["within"] is not warned
     assert any("--route large" in warning for warning in one["warnings"]) is warned

@@ -1,7 +1,7 @@
 """Expected and found shares are laid beside each other: an input keeps its colour."""
 
 from identification.quality import TO_ADD
-from validation.pictures.inputs import OF_INPUTS, colours
+from validation.report.scenes.scene import OF_INPUTS, colours
 
 
 def test_an_input_has_the_same_colour_whatever_stands_beside_it() -> None:

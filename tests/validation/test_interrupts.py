@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from fem.flexible_body.interruption import kept
-from validation import interrupts
+from fem.exudyn.run import kept
+from validation.cli import main
 
 INTERRUPTED_INSIDE = """
 import signal
@@ -33,13 +33,13 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def imported_and_interrupted(name: str, imported: list[Any]) -> None:
-    with interrupts.held_while_importing():
+    with main.held_while_importing():
         imported.append(import_module(name))
-        time.sleep(600 * interrupts.PATIENCE)
+        time.sleep(600 * main.PATIENCE)
 
 
 def interrupted_at_once(reached: list[str]) -> None:
-    with interrupts.held_while_importing():
+    with main.held_while_importing():
         signal.raise_signal(signal.SIGINT)
         reached.append("the next line")
 
@@ -59,19 +59,19 @@ def test_outside_an_import_an_interruption_is_immediate() -> None:
 
 
 def test_a_command_that_ends_first_is_not_interrupted_afterwards(module: str) -> None:
-    with interrupts.held_while_importing():
+    with main.held_while_importing():
         import_module(module)
-    time.sleep(3 * interrupts.PATIENCE)
+    time.sleep(3 * main.PATIENCE)
 
 
 def test_an_interruption_of_an_import_is_not_lost_when_somebody_keeps_interruptions_next(module: str) -> None:
     """As exudyn does, which is imported just before it runs."""
 
     def imported_and_run() -> None:
-        with interrupts.held_while_importing():
+        with main.held_while_importing():
             import_module(module)
             with kept() as found:
-                time.sleep(10 * interrupts.PATIENCE)
+                time.sleep(10 * main.PATIENCE)
                 assert isinstance(found.reason, KeyboardInterrupt)
 
     with pytest.raises(KeyboardInterrupt):

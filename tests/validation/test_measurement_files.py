@@ -13,10 +13,8 @@ from click.testing import CliRunner, Result
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput, CheckFailed
-from validation import crane_cog, pendulum_file, results_file, weighing
-from validation.measurement_file import Fields, read, shipped
-from validation.reduction import Reduction
-from validation.results_file import reference
+from validation.classical import files, pendulum, weigh
+from validation.classical.files import Fields, Reduction, read, reference, shipped
 
 TABLE_1 = {"mass": (47.400, 0.36), "cog_z": (603.0, -0.05), "Ixx": (20.353, 1.0375), "Iyy": (20.528, 0.58), "Izz": (2.278, -0.48)}
 KINDS = ("weighing", "crane-cog", "pendulum", "results")
@@ -24,7 +22,7 @@ CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_pe
 
 
 def run(command: str, *arguments: str) -> Result:
-    return CliRunner().invoke(import_module(f"validation.commands.{command}").command, list(arguments))
+    return CliRunner().invoke(import_module(f"validation.cli.{command}").command, list(arguments))
 
 
 def rows(command: str, *arguments: str) -> dict[str, dict[str, Any]]:
@@ -125,7 +123,7 @@ period = "2.08 +/- 0.01 s"
 def reduced(tmp_path: Path, text: str, off: tuple[str, ...] = ()) -> Reduction:
     file = tmp_path / "pendulum.toml"
     file.write_text(text, encoding="utf-8")
-    return pendulum_file.reduce(read(str(file), ("pendulum",)), off)
+    return pendulum.reduce(read(str(file), ("pendulum",)), off)
 
 
 def moment(tmp_path: Path, swing: str, off: tuple[str, ...] = ()) -> float:
@@ -306,10 +304,10 @@ def test_what_does_not_exist_is_refused_with_what_does(command: str, arguments: 
 
 
 REDUCE = {
-    "weighing": weighing.reduce,
-    "crane-cog": crane_cog.reduce,
-    "pendulum": pendulum_file.reduce,
-    "results": results_file.reduce,
+    "weighing": weigh.reduce,
+    "crane-cog": weigh.crane_cog_reduce,
+    "pendulum": pendulum.reduce,
+    "results": files.reduce,
 }
 ODD = [None, True, -1, 0, 1e300, float("nan"), "", "x", "-1 kg", "1 m", "0 s", [], [1], {}, {"a": 1}, "1e308 kg"]
 
@@ -339,7 +337,7 @@ def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(nam
 
 def impossible_body(folder: Path) -> str:
     """The shipped pendulum file, one swing of which took half its cycles in ten times the time."""
-    shipped_text = (Path(results_file.__file__).parent / "published" / "clumod-4-pendulum.toml").read_text(encoding="utf-8")
+    shipped_text = (Path(files.__file__).parent / "published" / "clumod-4-pendulum.toml").read_text(encoding="utf-8")
     path = folder / "p.toml"
     path.write_text(shipped_text.replace("cycles = 20", "cycles = 10", 1).replace("62.225", "620", 1), encoding="utf-8")
     return str(path)

@@ -8,17 +8,17 @@ from numpy.testing import assert_allclose
 
 from fem.modes import fixed_base
 from fem.solid.model import structure
-from geometry.arrays import Array
 from geometry.articles import built_in
-from validation.flexible.comparison_table import as_json, grids, where_they_part
-from validation.flexible.mode_comparison import clusters, compared
-from validation.flexible.model import Asked, Flexible, flexible
-from validation.tables.text import page
+from geometry.frames import Array
+from validation.flexible.model import Flexible, FlexibleOptions, flexible
+from validation.flexible.modes import clusters, compared
+from validation.report.document import page
+from validation.report.flexible import as_json, grids, where_they_part
 
 
 @pytest.fixture(scope="module")
 def model() -> Flexible:
-    return flexible("clumod-4", "beam", Asked(count=12))
+    return flexible("clumod-4", "beam", FlexibleOptions(count=12))
 
 
 def altered(model: Flexible, shapes: Array, frequency: Array | None = None) -> Flexible:
@@ -75,7 +75,7 @@ def test_where_a_frequency_or_a_shape_differs_the_words_name_the_mode(model: Fle
 
 
 def test_missing_modes_have_no_partner(model: Flexible) -> None:
-    few = flexible("clumod-4", "beam", Asked(count=10))
+    few = flexible("clumod-4", "beam", FlexibleOptions(count=10))
     found = compared(model, few)
     assert sorted(found.partner.tolist()) == [-1, -1, *range(10)]
     assert "has no partner" in where_they_part(found)
@@ -93,7 +93,7 @@ def test_beam_and_solid_of_the_cuboid_move_alike() -> None:
     article = built_in("cuboid")
     coarse = structure(article, fineness=0.4, cached=False)
     solid = Flexible(article="cuboid", model="solid", modes=fixed_base(coarse, 3), structure=coarse, drawn=article)
-    beam = flexible("cuboid", "beam", Asked(count=3))
+    beam = flexible("cuboid", "beam", FlexibleOptions(count=3))
     found = compared(solid, beam)
     assert np.diag(found.mac).min() > 0.99
     assert np.abs(found.difference[:2]).max() < 0.03  # the block is as thick as a fifth of its length, and its foot cannot warp

@@ -11,19 +11,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.modes import Modes
-from geometry.arrays import Array
 from geometry.articles import built_in
 from geometry.errors import BadInput
-from geometry.frames import rigid_transformation
-from validation import cli
-from validation.flexible.model import Asked, Flexible, flexible
-from validation.flexible.motion import displacement, has_rotations
-from validation.flexible.places import nearest_part
-from validation.pictures.bodies import DrawnBody
-from validation.pictures.gltf import CYCLE, glb
-from validation.pictures.mode_scene import REACH
-from validation.pictures.mode_sheet import DrawnMode, mode_sheet
-from validation.pictures.moving import MovingBody, bendable, sharp_edges
+from geometry.frames import Array, rigid_transformation
+from validation.cli import main
+from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part
+from validation.flexible.modes import displacement, has_rotations
+from validation.report.scenes.motion import CYCLE, REACH, DrawnMode, MovingBody, bendable, glb, mode_sheet, sharp_edges
+from validation.report.scenes.scene import DrawnBody
 
 FRAMES = 4
 
@@ -34,8 +29,8 @@ def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("shapes")
         patch.chdir(folder)
-        patch.setattr("validation.pictures.mode_sheet.FRAMES", FRAMES)
-        assert cli.run(["modes", "cuboid", "--count", "2", "--shapes", "--mode", "1"]) == cli.DONE
+        patch.setattr("validation.report.scenes.motion.FRAMES", FRAMES)
+        assert main.run(["modes", "cuboid", "--count", "2", "--shapes", "--mode", "1"]) == main.DONE
         yield folder / "out"
 
 
@@ -66,7 +61,7 @@ def rigid_modes(model: Flexible) -> Array:
 
 @pytest.mark.parametrize("name", ["clumod-4", "disc+cuboid"])
 def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name: str) -> None:
-    model = flexible(name, "beam", Asked(count=1))
+    model = flexible(name, "beam", FlexibleOptions(count=1))
     assert model.structure is not None
     article = built_in(name)
     points = np.random.default_rng(1).uniform([-0.6, -0.6, 0], [0.6, 0.6, 1.6], (200, 3))
@@ -75,7 +70,7 @@ def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name: str) -
 
 
 def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do() -> None:
-    model = flexible("clumod-4", "beam", Asked(count=6))
+    model = flexible("clumod-4", "beam", FlexibleOptions(count=6))
     assert model.structure is not None
     assert has_rotations(model.structure)
     article = built_in("clumod-4")
@@ -88,7 +83,7 @@ def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do() -> None:
 
 
 def test_the_layers_of_a_sandwich_move_together_and_the_mast_ends_where_it_is_held() -> None:
-    model = flexible("clumod-4", "beam", Asked(count=1))
+    model = flexible("clumod-4", "beam", FlexibleOptions(count=1))
     assert model.structure is not None
     article = built_in("clumod-4")
     names = [part.name for part in article.counted_parts]
@@ -254,7 +249,7 @@ def test_a_mode_that_does_not_move_is_written_at_rest() -> None:
 
 
 def test_modal_data_alone_cannot_be_drawn() -> None:
-    from validation.flexible.drawing import drawn_modes
+    from validation.report.flexible import drawn_modes
 
     modes = Modes(
         frequency=np.array([5.0]),

@@ -11,28 +11,27 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.modes import Modes
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
-from validation import cli
-from validation.flexible.bodies import another_body
-from validation.flexible.effective_mass import movable
-from validation.flexible.model import Asked, Flexible, flexible
-from validation.flexible.modes_table import grid, notes
-from validation.published.modes import claims
-from validation.tables.text import page
+from validation.cli import main
+from validation.flexible.model import Flexible, FlexibleOptions, another_body, flexible
+from validation.flexible.modes import movable
+from validation.reference.published import claims
+from validation.report.document import page
+from validation.report.flexible import grid, notes
 
 Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")
 def clumod() -> Flexible:
-    return flexible("clumod-1", "beam", Asked(count=12))
+    return flexible("clumod-1", "beam", FlexibleOptions(count=12))
 
 
 def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
     code, out, err = run("modes", "clumod-4", "--json")
     said = json.loads(out)
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     assert (said["article"], said["model"]) == ("clumod-4", "beam")
     assert len(said["frequency_hz"]) == len(said["damping_ratio"]) == len(said["effective_mass"]) == 20
     assert {len(row) for row in said["effective_mass"]} == {6}
@@ -44,12 +43,12 @@ def test_no_axis_carries_more_than_the_rigid_body(run: Run) -> None:
     carried = np.sum(said["effective_mass"], axis=0)
     assert np.all(carried <= np.array(said["effective_mass_of_all_modes"]) * (1 + 1e-9))  # rounding
     assert np.all(np.array(said["effective_mass_of_all_modes"]) <= np.array(said["rigid_mass"]) * (1 + 1e-9))
-    rigid = multibody.inertia(built_in("clumod-4"))
+    rigid = routes.inertia(built_in("clumod-4"))
     assert_allclose(said["rigid_mass"], np.diag(rigid.mass_matrix), rtol=1e-3)  # the bar of the beam model's inertia
 
 
 def test_what_modes_can_carry_is_the_sum_over_all_of_them() -> None:
-    whole = flexible("cuboid", "beam", Asked(count=500))
+    whole = flexible("cuboid", "beam", FlexibleOptions(count=500))
     assert whole.structure is not None
     assert len(whole.modes.frequency) == len(whole.structure.free)
     assert_allclose(movable(whole.structure), whole.modes.effective_mass.sum(axis=0), rtol=1e-7)  # conjugate gradients
@@ -57,7 +56,7 @@ def test_what_modes_can_carry_is_the_sum_over_all_of_them() -> None:
 
 def test_the_table_names_what_moves_and_the_published_modes(run: Run) -> None:
     code, out, _ = run("modes", "clumod-1", "--count", "6")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "lower-1 z, ends together" in out
     assert "lowest mode at 11.6 Hz" in out
     assert "carried by the base itself" in out
@@ -115,7 +114,7 @@ def test_damping_that_is_given_is_that_of_every_mode(run: Run) -> None:
 )
 def test_bad_input_is_refused_in_words(arguments: list[str], words: str, run: Run) -> None:
     code, out, err = run("modes", *arguments)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert words in err
     assert "Traceback" not in err
 
@@ -125,7 +124,7 @@ def test_of_a_file_it_is_said_first_whether_it_can_be_read_and_then_which_model_
     (tmp_path / "notes.txt").touch()
     for model, words in (("beam", "a beam model is made of"), ("exudyn", "an exudyn model is made of")):
         code, _, err = run("modes", "mine.step", "--model", model)
-        assert code == cli.BAD_INPUT
+        assert code == main.BAD_INPUT
         assert words in err
         assert "Use --model solid" in err
         assert "ends in .txt cannot be read" in run("modes", "notes.txt", "--model", model)[2]
@@ -181,7 +180,7 @@ def test_a_claim_in_print_fails_when_a_mode_is_elsewhere_and_is_open_without_eno
 def test_beside_exudyn_the_frequencies_are_its_own(run: Run) -> None:
     code, out, _ = run("modes", "clumod-1", "--against", "exudyn", "--count", "5", "--json")
     said = json.loads(out)
-    assert code == cli.DONE
+    assert code == main.DONE
     assert said["against"]["model"] == "exudyn"
     # exudyn extrapolates from two of its own meshes, the beam has one: 1e-3 is ten times what is seen, and far below a bar of 1 %
     assert_allclose(said["against"]["frequency_hz"], said["frequency_hz"], rtol=1e-3)
@@ -190,7 +189,7 @@ def test_beside_exudyn_the_frequencies_are_its_own(run: Run) -> None:
 
 def test_a_model_without_shapes_says_so_when_they_are_wanted(run: Run) -> None:
     code, _, err = run("modes", "clumod-1", "--model", "exudyn", "--count", "3", "--shapes")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "no shape that could be drawn" in err
 
 
@@ -217,14 +216,14 @@ def with_matrix(bracket: Path, folder: Path, name: str, share: float) -> str:
 
 def test_a_model_of_the_users_whose_modes_do_not_swing_is_refused(bracket: Path, run: Run, tmp_path: Path) -> None:
     code, out, err = run("modes", with_matrix(bracket, tmp_path, "viscous", 1e-2))
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert "damped.npz: `viscous`" in err
     assert "damping ratio" in err
 
 
 def test_a_comparison_of_different_bodies_begins_with_saying_so(bracket: Path, run: Run) -> None:
     code, out, _ = run("modes", "cuboid", "--count", "3", "--against", str(bracket))
-    assert code == cli.DONE
+    assert code == main.DONE
     after = out.split("own beside beam")[1]
     assert 0 < after.index("different bodies") < after.index("own and beam part")
     said = json.loads(run("modes", "cuboid", "--count", "3", "--against", str(bracket), "--json")[1])
@@ -244,7 +243,7 @@ def test_models_of_one_body_are_compared_without_that_word(clumod: Flexible) -> 
 def test_names_that_only_the_reader_of_a_users_model_gave_are_not_printed(bracket: Path, run: Run, tmp_path: Path) -> None:
     """A structural matrix, as a share of K, comes in as two: what is damped, and the rest."""
     code, out, _ = run("modes", with_matrix(bracket, tmp_path, "structural", 1e-2), "--count", "4")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "0.50" in out  # a loss factor of 1 %
     assert "damped" not in out
     assert "rest" not in out

@@ -9,7 +9,7 @@ from uncertainties import ufloat
 
 from geometry.errors import BadInput
 from geometry.inertia import tensor_from_six
-from validation.orientations import PLANAR, SIX, meeting_point, tensor_from_axes, unobservable
+from validation.classical.pendulum import PLANAR, SIX, meeting_point, tensor_from_axes, unobservable
 
 DIAGONALS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1.0]])
 BODY = tensor_from_six([20.353, 20.528, 2.278, 0.11, -0.23, 0.05])

@@ -10,15 +10,19 @@ from scipy.special import ellipk
 from uncertainties import UFloat
 
 from geometry.errors import BadInput
-from geometry.quantities import exact, tagged
-from validation.pendulum import compound_pendulum, rod_inertia, rope_pendulum, torsion_pendulum, torsion_stiffness
-from validation.pendulum_corrections import (
+from geometry.toml_file import exact, tagged
+from validation.classical.pendulum import (
     CompoundSwing,
     RopeSwing,
     Terms,
     TorsionSwing,
+    compound_pendulum,
     plane_amplitude_factor,
+    rod_inertia,
     rope_amplitude_factor,
+    rope_pendulum,
+    torsion_pendulum,
+    torsion_stiffness,
 )
 
 G = 9.81

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from geometry.quantities import exact, tagged
-from validation.period import from_cycles, from_signal, from_times
+from geometry.toml_file import exact, tagged
+from validation.classical.pendulum import from_cycles, from_signal, from_times
 
 T, ZETA = 3.1, 0.01
 TIME = np.arange(0, 40, 0.02)

@@ -20,14 +20,24 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose
 from geometry.inertia import Inertia
-from validation.pictures import DrawnBody, contact_sheet, drawn_bodies, picture, window
-from validation.pictures.ellipsoid import Ellipsoid, equivalent_ellipsoid
-from validation.pictures.labels import Label, arranged
-from validation.pictures.page import shortened, view_of
-from validation.pictures.palette import AXES, MATERIALS, OTHERS, colours
-from validation.pictures.panel import direction, significant
-from validation.pictures.scene import Arrow, rendered
-from validation.pictures.view import View, fitted
+from validation.report.charts.style import AXES, MATERIALS, OTHERS, Label, arranged, colours
+from validation.report.scenes import scene
+from validation.report.scenes.scene import (
+    Arrow,
+    DrawnBody,
+    Ellipsoid,
+    Projection,
+    contact_sheet,
+    direction,
+    drawn_bodies,
+    equivalent_ellipsoid,
+    fitted,
+    picture,
+    rendered,
+    shortened,
+    significant,
+    view_of,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -212,7 +222,7 @@ def test_the_same_scene_gives_the_same_picture() -> None:
     assert np.array_equal(first, second)
 
 
-def small_scene(bodies: list[DrawnBody]) -> tuple[npt.NDArray[np.uint8], View]:
+def small_scene(bodies: list[DrawnBody]) -> tuple[npt.NDArray[np.uint8], Projection]:
     """Bodies with three axes far from them and an ellipsoid too small to be seen; 320 x 240 pixels."""
     points = np.concatenate([body.vertices for body in bodies])
     view = fitted(points, (320, 240), margin=60)
@@ -232,11 +242,11 @@ def small_scene(bodies: list[DrawnBody]) -> tuple[npt.NDArray[np.uint8], View]:
 def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    from geometry import multibody
+    from geometry import routes
     from geometry.articles import built_in
 
     article = built_in("fmd")
-    bodies, inertia = drawn_bodies(article, chord=2e-3), multibody.inertia(article)
+    bodies, inertia = drawn_bodies(article, chord=2e-3), routes.inertia(article)
     for name in ("once.png", "again.png"):
         picture("fmd", bodies, inertia, tmp_path / "new" / name, note=article.note)
     assert capfd.readouterr() == ("", "")
@@ -321,14 +331,14 @@ def test_a_drawn_body_is_a_copy_that_cannot_be_changed_and_refuses_what_is_no_me
 @pytest.fixture
 def forgetful() -> Iterator[None]:
     """The machine is tried anew, before the test and after it."""
-    window._require_renderer.cache_clear()
+    scene._require_renderer.cache_clear()
     yield
-    window._require_renderer.cache_clear()
+    scene._require_renderer.cache_clear()
 
 
 def refused() -> None:
     packages = "On Debian install the packages libegl1, libgl1 and libgl1-mesa-dri"
-    with pytest.raises(CheckFailed, match=packages), window.off_screen():
+    with pytest.raises(CheckFailed, match=packages), scene.off_screen():
         pass
 
 
@@ -345,8 +355,8 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch: pytest.Mo
 def test_a_driver_that_crashes_or_hangs_does_not_take_us_with_it(
     monkeypatch: pytest.MonkeyPatch, code: str, patience: float
 ) -> None:
-    monkeypatch.setattr(window, "TRIAL", code)
-    monkeypatch.setattr(window, "PATIENCE", patience)
+    monkeypatch.setattr(scene, "TRIAL", code)
+    monkeypatch.setattr(scene, "PATIENCE", patience)
     refused()
 
 
@@ -354,7 +364,7 @@ def test_a_driver_that_crashes_or_hangs_does_not_take_us_with_it(
 def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("EGL_LOG_LEVEL", "warning")
     before = dict(os.environ)
-    with window.off_screen():
+    with scene.off_screen():
         assert os.environ["EGL_LOG_LEVEL"] == "fatal"
     assert dict(os.environ) == before
 
@@ -363,9 +373,9 @@ def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> N
 def test_nothing_is_said_without_a_screen() -> None:
     """A process of its own without DISPLAY: neither VTK nor Mesa writes to standard error."""
     code = (
-        "from validation.pictures.scene import shot\n"
-        "from validation.pictures.window import off_screen\n"
-        "from validation.pictures.view import fitted\n"
+        "from validation.report.scenes.scene import shot\n"
+        "from validation.report.scenes.scene import off_screen\n"
+        "from validation.report.scenes.scene import fitted\n"
         "import numpy as np\n"
         "with off_screen():\n"
         "    assert shot(fitted(np.eye(3), (32, 24), 2), lambda plotter: None).min() == 255\n"

@@ -7,7 +7,7 @@ import pytest
 from rich.table import Table
 
 from validation.output import PIPED_WIDTH, page_width, print_pages
-from validation.rows import Row, add_figures, rows_table
+from validation.reference.statement import Row, add_figures, rows_table
 
 MASS = Row(quantity="mass", value=47.4, tolerance=0.14, unit="kg", dominated_by="relative error of the balance that weighed it")
 

@@ -9,26 +9,17 @@ import numpy as np
 import pytest
 
 from geometry.errors import CheckFailed
-from validation import reconstruction
-from validation.reconstruction import (
-    FREQUENCY_SOLVED,
-    SHIPPED,
-    Problem,
-    changed,
-    misfit,
-    problem,
-    solve,
-    write,
-)
+from validation.reference import reconstruction
+from validation.reference.reconstruction import FREQUENCY_SOLVED, SHIPPED, Reconstruction, changed, misfit, problem, solve, write
 
 
 @pytest.fixture(scope="module")
-def posed(shared: Path) -> Problem:
+def posed(shared: Path) -> Reconstruction:
     details = tomllib.loads(SHIPPED.read_text(encoding="utf-8"))
     return problem(details, json.loads((shared / "clumod" / "reconstruction.json").read_text()))
 
 
-def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(posed: Problem, tmp_path: Path) -> None:
+def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(posed: Reconstruction, tmp_path: Path) -> None:
     """From dimensions some thousandths off, inertias by tens of a bar: the whole way takes three times as long."""
     again = tmp_path / "clumod.toml"
     shipped = replace(posed, start=tomllib.loads(SHIPPED.read_text(encoding="utf-8")))
@@ -42,11 +33,11 @@ def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(pose
     assert all(old.split("=")[0] == new.split("=")[0] for old, new in changed_lines)
 
 
-def test_shipped_dimensions_meet_every_inertia_and_frequency(posed: Problem) -> None:
+def test_shipped_dimensions_meet_every_inertia_and_frequency(posed: Reconstruction) -> None:
     _require_solved(SHIPPED, posed)
 
 
-def _require_solved(file: Path, posed: Problem) -> None:
+def _require_solved(file: Path, posed: Reconstruction) -> None:
     wishes, inertias = misfit(replace(posed, start=tomllib.loads(file.read_text(encoding="utf-8"))), np.zeros(len(posed.free)))
     assert (
         np.abs(inertias).max() < 0.5
@@ -54,18 +45,18 @@ def _require_solved(file: Path, posed: Problem) -> None:
     assert np.abs(wishes[len(posed.free) :]).max() < FREQUENCY_SOLVED
 
 
-def test_cad_detail_alone_would_miss_the_published_inertias(posed: Problem) -> None:
+def test_cad_detail_alone_would_miss_the_published_inertias(posed: Reconstruction) -> None:
     _, inertias = misfit(posed, np.zeros(len(posed.free)))
     assert np.abs(inertias).max() > 100
 
 
-def test_equal_dimensions_stay_equal(posed: Problem) -> None:
+def test_equal_dimensions_stay_equal(posed: Reconstruction) -> None:
     blades = changed(posed, np.linspace(-0.1, 0.1, len(posed.free)))["blade"]
     for key in ("width_mm", "thickness_mm"):
         assert blades[0][key] == blades[1][key] != posed.start["blade"][0][key]
 
 
-def test_a_solve_that_does_not_end_says_how_far_it_was(posed: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solve_that_does_not_end_says_how_far_it_was(posed: Reconstruction, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reconstruction, "ITERATIONS", 1)
     monkeypatch.setattr(reconstruction, "STARTS", 2)
     with pytest.raises(CheckFailed, match="not solved in 1 iterations: a frequency is off by"):

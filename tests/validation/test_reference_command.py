@@ -11,11 +11,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.inertia import Inertia
-from validation import cli
-from validation.article_reference import file_name
-from validation.commands.options import reading
+from validation.cli import main
+from validation.cli.options import reading
 from validation.output import inertia_json
-from validation.statement import inertia_of
+from validation.reference.reference import file_name
+from validation.reference.statement import inertia_of
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -27,7 +27,7 @@ def body(inertia: dict[str, Any]) -> Inertia:
 
 def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
     code, out, err = run("reference", "cuboid", "disc", "--json")
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     articles = json.loads(out)["articles"]
     assert list(articles) == ["cuboid", "disc"]
     for article in articles.values():
@@ -59,7 +59,7 @@ def test_a_frame_file_says_the_same_as_the_line(run: Run, tmp_path: Path) -> Non
 def test_out_holds_what_would_have_been_printed(run: Run, tmp_path: Path) -> None:
     printed = run("reference", "disc", "--format", "csv")[1]
     code, out, _ = run("reference", "disc", "--format", "csv", "--out", "deep/table.csv")
-    assert (code, out) == (cli.DONE, "")
+    assert (code, out) == (main.DONE, "")
     assert (tmp_path / "deep" / "table.csv").read_text(encoding="utf-8") == printed
     assert len(list(csv.reader(printed.splitlines()))) == 31
 
@@ -67,18 +67,18 @@ def test_out_holds_what_would_have_been_printed(run: Run, tmp_path: Path) -> Non
 @pytest.mark.parametrize("form", ["text", "markdown", "latex"])
 def test_every_format_holds_every_article(run: Run, form: str) -> None:
     code, out, _ = run("reference", "cuboid", "disc", "--format", form)
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "cuboid" in out
     assert "disc" in out
 
 
 def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from geometry import multibody
+    from geometry import routes
 
-    right = multibody.inertia
-    monkeypatch.setattr(multibody, "inertia", lambda article: right(article).scaled(1.01))
+    right = routes.inertia
+    monkeypatch.setattr(routes, "inertia", lambda article: right(article).scaled(1.01))
     code, out, err = run("reference", "cuboid", "--json")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert json.loads(out)["articles"]["cuboid"]["agree"] is False
     assert "cuboid: occ and pinocchio disagree" in err or "cuboid: trimesh and pinocchio disagree" in err
 
@@ -106,7 +106,7 @@ def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run
 )
 def test_bad_input_ends_with_2_and_a_remedy(run: Run, arguments: tuple[str, ...], words: str) -> None:
     code, out, err = run(*arguments)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert words in err
 
 
@@ -120,14 +120,14 @@ def handed_back(run: Run, folder: Path, scale: float) -> tuple[int, dict[str, An
 
 def test_a_right_result_is_within_in_every_row(run: Run, tmp_path: Path) -> None:
     code, value, err = handed_back(run, tmp_path, 1.0)
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     assert len(value["rows"]) == 10
     assert all(row["within"] for row in value["rows"])
 
 
 def test_a_wrong_result_names_its_rows(run: Run, tmp_path: Path) -> None:
     code, value, err = handed_back(run, tmp_path, 1.1)
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert [row["quantity"] for row in value["rows"] if not row["within"]] == ["Mass m", "MoI Θxx", "MoI Θyy", "MoI Θzz"]
     assert "Mass m (+10.00 %" in err
 
@@ -135,7 +135,7 @@ def test_a_wrong_result_names_its_rows(run: Run, tmp_path: Path) -> None:
 def test_the_papers_table_2_comes_out(run: Run) -> None:
     code, out, err = run("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "published", "--json")
     rows = json.loads(out)["rows"]
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert set(rows[0]) >= {"quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"}
     percent = [row["deviation_percent"] for row in rows]
     assert_allclose(
@@ -151,7 +151,7 @@ def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
 
     trimesh.creation.box(extents=(160, 70, 400)).export(tmp_path / "box.stl")
     code, out, err = run("reference", "box.stl", "--unit", "mm", "--material", "aluminium", "--json")
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     routes = json.loads(out)["articles"]["box.stl"]["routes"]
     assert list(routes) == ["trimesh"]
     assert_allclose(routes["trimesh"]["mass_kg"], 2700 * 0.16 * 0.07 * 0.4, rtol=1e-6)  # STL holds single precision
@@ -164,7 +164,7 @@ def test_a_warning_names_its_file_once_and_is_said_once(run: Run, tmp_path: Path
     trimesh.util.concatenate([trimesh.creation.box(extents=(10, 10, 10)), apart]).export(tmp_path / "two.stl")
     given = ("reference", "two.stl", "--unit", "mm", "--material", "steel")
     code, out, err = run(*given)
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     assert " ".join(out.split()).count("2 separate bodies") == 1
     assert "separate" not in err
     for more in (("--json",), ("--format", "csv"), ("--out", "table.txt")):
@@ -175,8 +175,7 @@ def test_a_warning_names_its_file_once_and_is_said_once(run: Run, tmp_path: Path
 
 def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(run: Run, tmp_path: Path) -> None:
     from geometry.articles import built_in
-    from geometry.cad.export import write_step
-    from geometry.cad.solids import solid
+    from geometry.cad import solid, write_step
 
     write_step(tmp_path / "disc.step", {part.name: solid(part) for part in built_in("disc").parts}, "disc")
     given = ("reference", "disc.step", "--material", "steel")
@@ -204,7 +203,7 @@ def test_a_changed_dimension_reaches_every_route_and_is_said(run: Run) -> None:
 
 def test_published_values_are_said_to_be_those_of_the_unchanged_article(run: Run) -> None:
     code, out, err = run("reference", "clumod-1", "--set", "clumod.blade.lower-1.length_mm=1090", "--format", "markdown")
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     said = "Dimensions changed: clumod.blade.lower-1.length_mm = 1090; published and measured values are those of the unchanged"
     assert said in out
 
@@ -212,13 +211,13 @@ def test_published_values_are_said_to_be_those_of_the_unchanged_article(run: Run
 def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run: Run) -> None:
     changes = ("--set", "disc.height_mm=20", "--set", "fmd.mounting_plate.size_mm=1")
     code, _, err = run("reference", "disc", "fmd", "--json", *changes)
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "only a number can be changed" in err
     code, out, _ = run(
         "reference", "cuboid", "disc", "--json", "--set", "disc.height_mm=20", "--set", "disc.fmd_bolts.circle_mm=320"
     )
     articles = json.loads(out)["articles"]
-    assert code == cli.DONE
+    assert code == main.DONE
     assert (articles["cuboid"]["changes"], articles["cuboid"]["footnotes"]) == ({}, [])
     assert "without effect on its inertia: disc.fmd_bolts.circle_mm." in articles["disc"]["footnotes"][0]
 
@@ -228,22 +227,22 @@ def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_pa
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(Inertia.from_cog(12.0, [0, 0, 0.2], np.eye(3)))), encoding="utf-8")
     for command in (("reference", "cuboid"), ("validate", "r.json", "--against", "cuboid")):
         code, _, err = run(*command, "--set", "cuboid.threads.diameter_mm=45")
-        assert code == cli.FAILED_CHECK
+        assert code == main.FAILED_CHECK
         assert "cuboid: occ and pinocchio disagree" in err or "cuboid: trimesh and pinocchio disagree" in err
 
 
 def test_holes_that_take_more_than_there_is_are_refused(run: Run) -> None:
     code, out, err = run("reference", "disc", "--set", "disc.cuboid_bolts.diameter_mm=200", "--json")
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert "no body has the dimensions disc.cuboid_bolts.diameter_mm=200: `voids` must take away less than there is" in err
 
 
 def test_validate_holds_a_result_against_the_changed_article(run: Run, tmp_path: Path) -> None:
     routes = json.loads(run("reference", "fmd", "--json", "--set", MOVING)[1])["articles"]["fmd"]["routes"]
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(body(routes["occ"]))), encoding="utf-8")
-    assert run("validate", "r.json", "--against", "fmd")[0] == cli.FAILED_CHECK
+    assert run("validate", "r.json", "--against", "fmd")[0] == main.FAILED_CHECK
     code, out, err = run("validate", "r.json", "--against", "fmd", "--set", MOVING)
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     assert "Dimensions changed: fmd.load_cell.moving_fraction = 0.6." in out
     assert json.loads(run("validate", "r.json", "--against", "fmd", "--set", MOVING, "--json")[1])["changes"]
 
@@ -266,7 +265,7 @@ def test_validate_holds_a_result_against_the_changed_article(run: Run, tmp_path:
 )
 def test_a_setting_that_cannot_be_is_refused(run: Run, setting: str, words: str) -> None:
     code, out, err = run("reference", "fmd", "--set", setting)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert words in err
 
 
@@ -274,20 +273,20 @@ def test_a_dimension_set_twice_or_held_against_print_is_refused(run: Run) -> Non
     assert "set twice" in run("reference", "fmd", "--set", MOVING, "--set", MOVING)[2]
     against_print = ("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "published")
     code, _, err = run(*against_print, "--set", "clumod.mast.top_mm=1500")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "those of the unchanged article" in err
 
 
 def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None:
     code, _, err = run("reference", "cuboid", "--view")
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     assert (tmp_path / "out" / "cuboid.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("arguments", [("clumod-4", "--set", "clumod.blade.lower-1.z_mm=920"), ("fmd+fmd",)])
 def test_bodies_that_run_through_one_another_fail_the_check(run: Run, arguments: tuple[str, ...]) -> None:
     code, out, err = run("reference", *arguments, "--chord", "100 um")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert "bodies overlap: " in err
     assert "Mass m [kg]" in out
 
@@ -295,7 +294,7 @@ def test_bodies_that_run_through_one_another_fail_the_check(run: Run, arguments:
 @pytest.mark.parametrize("count", ["-3", "10000"])
 def test_a_count_of_holes_that_nobody_drills_is_refused(run: Run, count: str) -> None:
     code, _, err = run("reference", "disc", "--set", f"disc.fmd_bolts.count={count}")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert f"`count` of holes must lie between 0 and 200, found {count}" in err
 
 
@@ -308,7 +307,7 @@ def test_a_picture_stays_in_its_folder_whatever_its_article_is_called() -> None:
 @pytest.mark.parametrize("name", ["", "nofile", "clumod-5"])
 def test_what_is_neither_article_nor_file_is_said_to_be_neither(run: Run, name: str) -> None:
     code, _, err = run("reference", name, "--unit", "mm")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert f"no built-in article is called {name!r}" in err
 
 

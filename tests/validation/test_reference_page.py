@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from validation.published import published
-from validation.reference_table import ReferenceTable
-from validation.tables import markdown
+from validation.reference.published import published
+from validation.reference.reference import ReferenceTable
+from validation.report import document
 
 
 def rendered(article: str) -> str:
     said = published(article)
-    return markdown.render(ReferenceTable(article=article, columns=said.statements, footnotes=said.footnotes))
+    return document.markdown_render(ReferenceTable(article=article, columns=said.statements, footnotes=said.footnotes))
 
 
 @pytest.mark.parametrize(("number", "article"), [(1, "clumod-4"), (2, "clumod-1")])

@@ -9,25 +9,15 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
-from validation import published as printed
-from validation.reference_table import (
-    MEASURED,
-    PUBLISHED,
-    ReferenceTable,
-    held_against,
-    route_statement,
-    row,
-    seen,
-    verdict,
-)
-from validation.rows import Row
-from validation.statement import QUANTITIES, Stated
+from validation.reference import published
+from validation.reference.reference import MEASURED, PUBLISHED, ReferenceTable, held_against, route_statement, row, seen, verdict
+from validation.reference.statement import QUANTITIES, Row, Stated
 
 BODY = Inertia.from_cog(47.23, [0, 0, 0.6033], np.diag([20.144, 20.41, 2.289]))
 
 
 def table(article: str) -> ReferenceTable:
-    said = printed.published(article)
+    said = published.published(article)
     return ReferenceTable(
         article=article, columns={"occ": route_statement("occ", BODY), **said.statements}, footnotes=said.footnotes
     )
@@ -42,7 +32,7 @@ def one_row(article: str, column: str, k: int) -> Row:
 @pytest.mark.parametrize("article", ["clumod-4", "clumod-1"])
 @pytest.mark.parametrize("k", range(7))
 def test_the_papers_deviations_come_out_within_one_unit_of_the_last_printed_digit(article: str, k: int) -> None:
-    said = printed.published(article)
+    said = published.published(article)
     figure, unit = said.printed_deviation[k].split()
     found = one_row(article, said.deviation_of, k)
     deviation = found.deviation if unit == "mm" else found.deviation_percent
@@ -63,17 +53,17 @@ def test_the_papers_words_about_its_tolerances_hold_for_the_assumed_ones() -> No
 def test_the_papers_prose_about_table_2_holds_when_yy_and_zz_are_swapped() -> None:
     outside = [QUANTITIES[k].key for k in range(7) if not one_row("clumod-1", "identified", k).within]
     assert outside == ["cog_y", "cog_z", "moi_yy"]
-    assert any("contradicts itself" in note for note in printed.published("clumod-1").footnotes)
+    assert any("contradicts itself" in note for note in published.published("clumod-1").footnotes)
 
 
 @pytest.mark.parametrize(("article", "column"), [("clumod-4", MEASURED), ("clumod-1", "identified")])
 def test_tolerances_that_the_paper_does_not_print_are_labelled_assumed(article: str, column: str) -> None:
-    assert printed.published(article).statements[column].tolerance_note.startswith("assumed: the paper prints")
+    assert published.published(article).statements[column].tolerance_note.startswith("assumed: the paper prints")
 
 
 @pytest.mark.parametrize("article", ["cuboid", "disc", "fmd", "fmd+clumod-1"])
 def test_nothing_is_in_print_about_the_other_articles(article: str) -> None:
-    assert not printed.published(article).statements
+    assert not published.published(article).statements
 
 
 def test_published_values_are_the_reference_where_printed_and_the_exact_route_elsewhere() -> None:
@@ -113,7 +103,7 @@ def test_the_deviations_do_not_depend_on_a_quarter_turn_of_the_frame() -> None:
 
 def test_printed_deviations_read_as_figure_and_unit() -> None:
     for article in ("clumod-4", "clumod-1"):
-        assert all(re.fullmatch(r"-?\d+\.\d\d (%|mm)", text) for text in printed.published(article).printed_deviation)
+        assert all(re.fullmatch(r"-?\d+\.\d\d (%|mm)", text) for text in published.published(article).printed_deviation)
 
 
 def test_an_unstated_value_is_not_compared() -> None:

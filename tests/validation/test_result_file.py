@@ -14,13 +14,10 @@ from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from identification.quality import NORMAL_95
-from validation import stated_inertia
-from validation.cross_check import cross_check, summary
-from validation.frame_text import pose_of
 from validation.output import inertia_json
-from validation.reference_table import route_statement
-from validation.result_file import read
-from validation.statement import Statement
+from validation.reference import statement
+from validation.reference.reference import cross_check, result_file_read, route_statement, summary
+from validation.reference.statement import Statement, pose_of
 
 BODY = Inertia.from_cog(33.0, [0.01, -0.02, 0.27], [[6.4, 0.11, -0.07], [0.11, 6.0, 0.05], [-0.07, 0.05, 0.8]])
 IDENTITY = Pose()
@@ -51,7 +48,7 @@ def statement_of(inertia: Inertia, about: np.ndarray, form: str, sign: str) -> d
     st.tuples(metre, metre, metre),
     st.tuples(radian, radian, radian),
     st.sampled_from(["cog", "first_moment"]),
-    st.sampled_from([stated_inertia.MATRIX_ENTRY, stated_inertia.POSITIVE_INTEGRAL]),
+    st.sampled_from([statement.MATRIX_ENTRY, statement.POSITIVE_INTEGRAL]),
 )
 def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_deviate(
     about: tuple[float, ...], origin: tuple[float, ...], turns: tuple[float, ...], form: str, sign: str
@@ -59,7 +56,7 @@ def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_devia
     rotation = rotation_about("z", turns[0]) @ rotation_about("x", turns[1]) @ rotation_about("y", turns[2])
     frame = Pose(position=np.array(origin), rotation=rotation)
     table = {"inertia": statement_of(BODY.placed(frame.inverse), np.array(about), form, sign)}
-    result = stated_inertia.read(table, "test", frame)
+    result = statement.read(table, "test", frame)
     # Rounding of moments of up to 33 kg (4 m)^2 = 500 kg m² in ten digits and more: 1e-10 kg m² is left.
     assert_allclose(result.inertia.parameters, BODY.parameters, rtol=0, atol=1e-10)
     check = cross_check(result, route_statement("occ", BODY))
@@ -69,7 +66,7 @@ def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_devia
 @pytest.mark.parametrize("coordinate", ["2.1e-149 m", "-3.1e-17 m", "0e400 m"])
 def test_a_coordinate_that_is_the_rounding_of_a_zero_is_a_zero_of_few_digits(coordinate: str) -> None:
     table = {"inertia": {"mass": "2 kg", "cog": [coordinate, "0 m", "0 m"]}}
-    stated = stated_inertia.read(table, "test", IDENTITY).values[1]
+    stated = statement.read(table, "test", IDENTITY).values[1]
     assert stated is not None
     assert stated.value == 0
     assert (stated.decimals or 0) <= 15
@@ -78,7 +75,7 @@ def test_a_coordinate_that_is_the_rounding_of_a_zero_is_a_zero_of_few_digits(coo
 def test_products_read_with_the_wrong_sign_deviate() -> None:
     table = {"inertia": statement_of(BODY, np.zeros(3), "cog", "matrix-entry")}
     table["inertia"]["products_sign"] = "positive-integral"
-    check = cross_check(stated_inertia.read(table, "test", IDENTITY), route_statement("occ", BODY))
+    check = cross_check(statement.read(table, "test", IDENTITY), route_statement("occ", BODY))
     assert {row.quantity for row in check.outside} >= {"PoI Θxy", "PoI Θxz", "PoI Θyz"}
 
 
@@ -91,7 +88,7 @@ def test_a_moment_about_a_distant_point_inherits_the_tolerance_of_the_cog() -> N
             "moments": ["3 +/- 1e-9 kg m²", "3 +/- 1e-9 kg m²", "1 +/- 1e-9 kg m²"],
         }
     }
-    values = stated_inertia.read(table, "test", IDENTITY).values
+    values = statement.read(table, "test", IDENTITY).values
     # I_cog = I - m z²: dI = 2 m z dz = 2 * 2 * 1 * 0.01.
     assert values[4] is not None
     assert_allclose([values[4].value, values[4].tolerance], [1.0, 0.04], rtol=1e-6)
@@ -100,7 +97,7 @@ def test_a_moment_about_a_distant_point_inherits_the_tolerance_of_the_cog() -> N
 
 def test_what_would_need_an_unstated_value_is_unstated() -> None:
     table = {"inertia": {"about": "0 0 1 m", "moments": ["3 kg m²", "3 kg m²", "1 kg m²"], "mass": "2 kg"}}
-    assert [v is None for v in stated_inertia.read(table, "test", IDENTITY).values] == [False] + [True] * 9
+    assert [v is None for v in statement.read(table, "test", IDENTITY).values] == [False] + [True] * 9
 
 
 def test_a_covariance_counts_what_its_values_share() -> None:
@@ -109,7 +106,7 @@ def test_a_covariance_counts_what_its_values_share() -> None:
     # Mass and first moment wrong by one common factor: the CoG does not move.
     direction = np.array([m, *BODY.first_moment, *np.zeros(6)])
     C = 1e-4 * np.outer(direction, direction) + 1e-18 * np.eye(10)
-    values = stated_inertia.read({**table, "covariance": C.tolist()}, "test", IDENTITY).values
+    values = statement.read({**table, "covariance": C.tolist()}, "test", IDENTITY).values
     assert values[0] is not None
     assert values[3] is not None
     assert_allclose(values[0].tolerance or 0, NORMAL_95 * 0.01 * m, rtol=1e-6)
@@ -119,7 +116,7 @@ def test_a_covariance_counts_what_its_values_share() -> None:
 def test_an_interval_counts_with_its_farther_end(tmp_path: Path) -> None:
     path = tmp_path / "r.toml"
     path.write_text('format = 1\n[inertia]\nmass = "10 kg"\n[interval95]\nmass = ["9.5 kg", "10.2 kg"]\n', encoding="utf-8")
-    mass = read(str(path), article="cuboid").statement.values[0]
+    mass = result_file_read(str(path), article="cuboid").statement.values[0]
     assert mass is not None
     assert_allclose(mass.tolerance or 0, 0.5, rtol=1e-12)  # rounding
 
@@ -136,7 +133,7 @@ def written(folder: Path, value: object) -> str:
 
 @pytest.mark.parametrize("value", [inertia_json(BODY), identified(), identified(interval95={"mass_kg": [32.0, 34.0]})])
 def test_what_massline_prints_can_be_handed_back(tmp_path: Path, value: dict[str, Any]) -> None:
-    result = read(written(tmp_path, value), article="clumod-1").statement
+    result = result_file_read(written(tmp_path, value), article="clumod-1").statement
     assert_allclose(result.inertia.parameters, BODY.parameters, rtol=0, atol=1e-12)  # rounding
 
 
@@ -144,11 +141,11 @@ def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
     value = identified(origin="F")
     name = written(tmp_path, value)
     with pytest.raises(BadInput, match="clumod-1 does not say where F is"):
-        read(name, article="clumod-1")
+        result_file_read(name, article="clumod-1")
     frame = Pose(position=np.array([0, 0, -0.045]))
-    assert read(name, article="clumod-1", frame=frame).statement.complete
+    assert result_file_read(name, article="clumod-1", frame=frame).statement.complete
     whole = written(tmp_path, {**value, "article": "fmd+clumod-1"})
-    assert read(whole, article="fmd+clumod-1").statement.complete
+    assert result_file_read(whole, article="fmd+clumod-1").statement.complete
 
 
 @pytest.mark.parametrize(
@@ -157,17 +154,17 @@ def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
 def test_a_result_about_another_article_is_refused(tmp_path: Path, about: object, against: str) -> None:
     name = written(tmp_path, identified(article=about))
     with pytest.raises(BadInput, match=f"about {about}, held against {against}") as caught:
-        read(name, article=against)
+        result_file_read(name, article=against)
     assert (caught.value.source, caught.value.field) == (name, "article")
 
 
 @pytest.mark.parametrize(("about", "against"), [("Disc", "disc"), ("fmd + disc", "fmd+disc"), ("rig", "some/Rig.step")])
 def test_a_result_about_the_same_article_in_other_letters_is_read(tmp_path: Path, about: str, against: str) -> None:
-    assert read(written(tmp_path, identified(article=about)), article=against).warnings == ()
+    assert result_file_read(written(tmp_path, identified(article=about)), article=against).warnings == ()
 
 
 def test_a_result_about_another_name_of_the_users_own_is_said(tmp_path: Path) -> None:
-    (warning,) = read(written(tmp_path, identified(article="rig")), article="my.step").warnings
+    (warning,) = result_file_read(written(tmp_path, identified(article="rig")), article="my.step").warnings
     assert "about rig, held against my.step" in warning
 
 
@@ -219,7 +216,7 @@ def test_a_file_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: s
     path = tmp_path / "r.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadInput) as caught:
-        read(str(path), article="cuboid")
+        result_file_read(str(path), article="cuboid")
     assert words in str(caught.value)
     assert str(path) in str(caught.value)
 
@@ -242,7 +239,7 @@ def test_json_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: str
     path = tmp_path / "r.json"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadInput) as caught:
-        read(str(path), article="cuboid")
+        result_file_read(str(path), article="cuboid")
     assert words in str(caught.value)
 
 
@@ -250,7 +247,7 @@ def checked(moments: list[str], products: list[str] | None) -> tuple[bool | None
     table: dict[str, Any] = {"mass": "33 kg", "cog": ["0 mm"] * 3, "moments": moments}
     if products is not None:
         table |= {"products": products, "products_sign": "matrix-entry"}
-    result: Statement = stated_inertia.read({"inertia": table}, "test", IDENTITY)
+    result: Statement = statement.read({"inertia": table}, "test", IDENTITY)
     check = cross_check(result, result)
     return check.physical, check.passed
 
@@ -266,7 +263,7 @@ def test_parameters_that_no_body_has_are_a_failed_check_not_bad_input() -> None:
 
 
 def test_the_papers_own_result_ships_as_a_result_file() -> None:
-    result = read("clumod-1-table2", article="clumod-1").statement
+    result = result_file_read("clumod-1-table2", article="clumod-1").statement
     assert [v is None for v in result.values] == [False] * 7 + [True] * 3
 
 

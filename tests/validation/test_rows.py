@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from validation.budget import Item, budget_table
-from validation.rows import Row, rounded, rows_json, rows_table
+from validation.classical.files import Item, budget_table
+from validation.reference.statement import Row, rounded, rows_json, rows_table
 
 CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"]
 
@@ -149,10 +149,10 @@ def test_a_budget_prints_its_unit_and_any_name_of_an_input() -> None:
 
 def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
     """Effects, rows of measurements and facts of a comparison go into the same programs."""
-    from validation.comparing.as_json import _fact
-    from validation.comparing.comparison import Beside
+    from validation.compare.compare import FactComparison
     from validation.effects.catalogue import FAMILIES
+    from validation.report.compare import _fact
 
     (of_effect,) = {size.unit for size in FAMILIES["air-inertia"].sizes}
-    fact = Beside(name="a period", unit="kg m²", predicted=1.0, measured=1.0, tolerance=0.1, sigma=0.0, nominal_sigma=0.0)
+    fact = FactComparison(name="a period", unit="kg m²", predicted=1.0, measured=1.0, tolerance=0.1, sigma=0.0, nominal_sigma=0.0)
     assert rows_json([moment()])[0]["unit"] == _fact(fact)["unit"] == of_effect == "kg m^2"

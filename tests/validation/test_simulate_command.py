@@ -15,9 +15,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification import campaign_file
-from validation import cli
+from validation.cli import main
 from validation.effects.catalogue import FAMILIES
-from validation.virtual_test import command, folders
+from validation.virtual_test import simulate
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -26,7 +26,7 @@ FAST = ("--octaves-per-minute", "240", "--band", "8", "32", "--rate", "256", "--
 
 def simulated(run: Run, *arguments: str) -> str:
     code, out, err = run("simulate", *arguments, *FAST)
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     return out
 
 
@@ -36,7 +36,7 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("simulate")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        assert cli.run(["simulate", "fmd+cuboid", "--out", "made", *FAST]) == cli.DONE
+        assert main.run(["simulate", "fmd+cuboid", "--out", "made", *FAST]) == main.DONE
     return folder
 
 
@@ -54,7 +54,7 @@ def truth(path: str) -> dict[str, Any]:
 
 def test_a_campaign_that_check_finds_nothing_wrong_with_and_its_truth_beside(run: Run) -> None:
     out = simulated(run, "fmd+disc+cuboid", "--out", "made", "--seed", "7", "--effect", "force-gain:fmd-z2=0.08")
-    assert run("check", "made")[0] == cli.DONE
+    assert run("check", "made")[0] == main.DONE
     assert sorted(path.name for path in Path().iterdir()) == ["made", "made.truth.json"]
     campaign = campaign_file.read("made")
     assert [one.name for one in campaign.runs] == ["x", "y", "z", "alpha", "beta", "gamma"]
@@ -84,7 +84,7 @@ def test_sealed_nothing_of_the_truth_is_beside_in_the_campaign_or_shown(run: Run
 
 def test_json_says_what_check_says_and_what_was_planted(run: Run) -> None:
     code, out, _ = run("simulate", "fmd+cuboid", "--out", "made", *FAST, "--json", "--effect", "gravity=0", "--levels", "1,0.5")
-    assert code == cli.DONE
+    assert code == main.DONE
     (one,) = json.loads(out)["campaigns"]
     checked = json.loads(run("check", "made", "--json")[1])
     assert [r["name"] for r in one["runs"]] == [r["name"] for r in checked["runs"]]
@@ -147,7 +147,7 @@ def test_without_tolerances_noise_and_hum_a_rigid_block_is_m_a(run: Run) -> None
 def test_what_would_be_a_dead_channel_is_refused(run: Run) -> None:
     silent = ("--tolerances", "off", "--noise", "off", "--mains", "off", "--cross", "0")
     code, _, err = run("simulate", "fmd+cuboid", "--out", "made", *silent, *FAST)
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "--noise: without noise, hum and cross motion nothing moves table-z1 in the run x" in err
     assert list(Path().iterdir()) == []
 
@@ -176,15 +176,15 @@ def test_patterns_have_their_runs(run: Run, pattern: tuple[str, ...], runs: int)
 
 
 def test_what_its_truth_vouches_for_is_made_again_and_nothing_else_is_touched(run: Run, made: Path) -> None:
-    before = folders.digests(made)
+    before = simulate.digests(made)
     simulated(run, "fmd+cuboid", "--out", "made")
-    assert folders.digests(made)["x.h5"] == before["x.h5"]
+    assert simulate.digests(made)["x.h5"] == before["x.h5"]
     simulated(run, "fmd+cuboid", "--out", "made", "--seed", "2")
-    assert folders.digests(Path("made"))["x.h5"] != before["x.h5"]
+    assert simulate.digests(Path("made"))["x.h5"] != before["x.h5"]
     assert "in place of the virtual test that was there" in run("simulate", "fmd+cuboid", "--out", "made", *FAST)[2]
     Path("made", "notes.txt").write_text("mine")
     code, out, err = run("simulate", "fmd+cuboid", "--out", "made", *FAST)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert "made: `--out`: it is there, and not empty, and no virtual test that its truth vouches for" in err
     assert Path("made", "notes.txt").read_text() == "mine"
 
@@ -199,15 +199,15 @@ def test_a_folder_that_is_not_as_its_truth_says_stays(run: Run, made: Path, brea
         Path("made.truth.json").unlink()
     else:
         Path("made.truth.json").write_text('{"kind": "virtual test", "files_sha256": {}}')
-    before = folders.digests(Path("made"))
-    assert run("simulate", "fmd+cuboid", "--out", "made", *FAST)[0] == cli.BAD_INPUT
-    assert folders.digests(Path("made")) == before
+    before = simulate.digests(Path("made"))
+    assert run("simulate", "fmd+cuboid", "--out", "made", *FAST)[0] == main.BAD_INPUT
+    assert simulate.digests(Path("made")) == before
 
 
 def test_a_file_that_is_no_truth_is_not_overwritten(run: Run) -> None:
     Path("thesis.json").write_text("[1]")
     code, _, err = run("simulate", "fmd+cuboid", "--out", "made", "--sealed", "thesis.json", *FAST)
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "thesis.json is there and is no truth of a virtual test" in err
     assert (Path("thesis.json").read_text(), Path("made").exists()) == ("[1]", False)
 
@@ -220,21 +220,21 @@ def test_interrupted_while_writing_nothing_is_left_half_written(
         (folder / "x.h5").write_text("half of i")
         raise interruption
 
-    monkeypatch.setattr(command.campaign_file, "write", half)
+    monkeypatch.setattr(campaign_file, "write", half)
     code, _, err = run("simulate", "fmd+cuboid", "--out", "made", *FAST)
-    assert code == (cli.INTERRUPTED if isinstance(interruption, KeyboardInterrupt) else cli.BAD_INPUT)
+    assert code == (main.INTERRUPTED if isinstance(interruption, KeyboardInterrupt) else main.BAD_INPUT)
     assert err.strip().startswith("massline: ")
     assert list(Path().iterdir()) == []
 
 
 def test_ctrl_c_ends_it_at_once_and_leaves_nothing(tmp_path: Path, keyboard: None) -> None:
-    entry = (sys.executable, "-P", "-c", "from validation.cli import main; main()")
+    entry = (sys.executable, "-P", "-c", "from validation.cli.main import main; main()")
     arguments = ("simulate", "fmd+clumod-4", "--out", "made", "--octaves-per-minute", "0.5", "--levels", "1,0.9,0.8")
     with subprocess.Popen([*entry, *arguments], cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8") as process:
         time.sleep(4.0)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
-    assert process.returncode == cli.INTERRUPTED, err
+    assert process.returncode == main.INTERRUPTED, err
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
 
@@ -284,7 +284,7 @@ def test_what_cannot_be_is_refused_before_anything_is_computed(run: Run, argumen
     if not says:
         arguments, says = [*arguments[:-1], str(Path().resolve().parents[-1] / "no" / "such" / "t.json")], "--sealed: "
     code, out, err = run("simulate", *arguments, "--out", "made")
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert says in err
     assert list(Path().iterdir()) == []
 
@@ -295,12 +295,12 @@ def test_a_file_or_a_full_folder_is_no_place_for_a_campaign(run: Run) -> None:
     Path("full", "data.csv").write_text("mine")
     for name, says in (("file", "it is a file"), ("full", "it is there, and not empty"), (".", "runs in this folder")):
         code, _, err = run("simulate", "fmd+cuboid", "--out", name, *FAST)
-        assert code == cli.BAD_INPUT
+        assert code == main.BAD_INPUT
         assert says in err
 
 
 def test_the_list_of_effects_names_every_family_and_needs_nothing_else(run: Run) -> None:
     code, out, _ = run("simulate", "--list-effects")
-    assert code == cli.DONE
+    assert code == main.DONE
     for name in (name for name, family in FAMILIES.items() if family.plant):
         assert f" {name}" in out

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
-from validation.statement import Stated, Statement, about_cog, inertia_of, seen_from
+from validation.reference.statement import Stated, Statement, about_cog, inertia_of, seen_from
 
 angle = st.floats(-3, 3)
 metre = st.floats(-2, 2)

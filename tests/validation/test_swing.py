@@ -10,12 +10,21 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
-from validation import pendulum_file
-from validation.measurement_file import read
-from validation.period import from_signal
-from validation.swing.record import Record, recorded, write
-from validation.swing.setup import DIED_AWAY, MOST_DAMPING, SMALL, Setup, require_recordable, suspended
-from validation.swing.shifts import simulated
+from validation.classical import pendulum as classical_pendulum
+from validation.classical.files import read
+from validation.classical.pendulum import from_signal
+from validation.classical.swing import (
+    DIED_AWAY,
+    MOST_DAMPING,
+    SMALL,
+    Record,
+    Setup,
+    recorded,
+    require_recordable,
+    simulated,
+    suspended,
+    write,
+)
 
 # the article of physics.md: three ropes of 2 m at s = 0.3 m
 BODY = Inertia.from_cog(47.23, np.zeros(3), np.diag([5.0, 6.0, 2.289]))
@@ -110,7 +119,7 @@ def test_every_effect_alone_adds_up_to_all_of_them_as_far_as_they_are_small() ->
 def test_what_is_written_is_read_and_reduced_to_what_was_told(tmp_path: Path) -> None:
     found = recorded(pendulum((0.3, 0.5), amplitude=0.1, rope_mass=0.2, links=2, noise=1e-3, seed=3))
     path = write(tmp_path, found.setup, found.swing, found.signal, found.decay)
-    again = pendulum_file.reduce(read(str(path), ("pendulum",)))
+    again = classical_pendulum.reduce(read(str(path), ("pendulum",)))
     assert again.results["Izz"].nominal_value == found.corrected
     assert set(again.terms["Izz"]) == {"amplitude", "damping", "rope-mass"}
     # the tolerance of the fit holds the truth: 1 mrad of noise

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from geometry.inertia import Inertia
-from validation import published
-from validation.reference_table import ReferenceTable, route_statement
-from validation.statement import QUANTITIES
-from validation.tables import as_json, comma_separated, grid, latex, markdown, text
+from validation.reference import published
+from validation.reference.reference import ReferenceTable, route_statement
+from validation.reference.statement import QUANTITIES
+from validation.report import document as report_document
+from validation.report import reference
 
 BODY = Inertia.from_cog(32.95, [0, 0, 0.2706], np.diag([6.42, 6.00, 0.77]))
 
@@ -60,7 +61,7 @@ DEVIATIONS = """\
 
 
 def test_table_2_in_markdown_reads_as_in_the_paper() -> None:
-    page = markdown.render(table())
+    page = report_document.markdown_render(table())
     assert f"\n\n{VALUES}\n{DEVIATIONS}\n" in page
     assert "- The paper contradicts itself" in page
     assert "- Tolerance of identified: assumed: the paper prints" in page
@@ -68,7 +69,7 @@ def test_table_2_in_markdown_reads_as_in_the_paper() -> None:
 
 @pytest.mark.parametrize("article", ["clumod-1", "clumod-4"])
 def test_no_printed_digit_is_lost_and_decimal_points_line_up(article: str) -> None:
-    shown = grid.values(table(article))
+    shown = report_document.values(table(article))
     for k, column in enumerate(zip(*shown.lines, strict=True)):
         points = {len(cell) - len(cell[cell.index(".") :]) for cell in column if "." in cell}
         assert k == 0 or len(points) == 1, column
@@ -80,14 +81,16 @@ def test_no_printed_digit_is_lost_and_decimal_points_line_up(article: str) -> No
 
 
 def test_what_rounds_to_zero_has_no_sign() -> None:
-    assert grid.number(-1e-9, 2) == "0.00"
-    assert grid.number(-0.006, 2) == "-0.01"
+    assert report_document.grid_number(-1e-9, 2) == "0.00"
+    assert report_document.grid_number(-0.006, 2) == "-0.01"
 
 
 @pytest.mark.parametrize("scale", [1e-13, 1e18])
 def test_what_is_very_large_or_small_has_an_exponent_and_its_points_still_line_up(scale: float) -> None:
     body = Inertia.from_cog(32.95 * scale, [0, 0, 0.2706], scale * np.diag([6.42, 6.00, 0.77]))
-    lines = grid.values(ReferenceTable(article="huge", columns={"occ": route_statement("occ", body)}, footnotes=())).lines
+    lines = report_document.values(
+        ReferenceTable(article="huge", columns={"occ": route_statement("occ", body)}, footnotes=())
+    ).lines
     assert float(lines[0][1]) == pytest.approx(32.95 * scale, rel=1e-5)
     assert max(len(cell.strip()) for _, cell in lines) <= len("3.29500e+19")
     assert len({cell.index(".") for _, cell in lines if "." in cell}) == 1
@@ -95,49 +98,52 @@ def test_what_is_very_large_or_small_has_an_exponent_and_its_points_still_line_u
 
 
 def test_ordinary_figures_of_one_kind_keep_their_decimals_beside_small_ones() -> None:
-    assert grid.number(8e-7, 7) == "0.0000008"
-    assert grid.number(9_999_999.0, 1) == "9999999.0"
+    assert report_document.grid_number(8e-7, 7) == "0.0000008"
+    assert report_document.grid_number(9_999_999.0, 1) == "9999999.0"
 
 
 def test_the_text_holds_the_same_cells_as_the_grid() -> None:
-    page = text.render(table())
-    for shown in (grid.values(table()), grid.deviations(table())):
+    page = report_document.text_render(table())
+    for shown in (report_document.values(table()), report_document.deviations(table())):
         for line in shown.lines:
             assert all(cell.strip() in page for cell in line)
 
 
 def test_decimal_points_line_up_in_the_text_too() -> None:
-    lines = [line for line in text.render(table()).splitlines() if "[" in line][:10]
+    lines = [line for line in report_document.text_render(table()).splitlines() if "[" in line][:10]
     starts = [[m.start() for m in re.finditer(r"\.", line)][:3] for line in lines[:7]]
     assert all(found == starts[0] for found in starts), "\n".join(lines)
 
 
 @pytest.mark.parametrize("width", [50, 80, 100, 160])
 def test_a_table_wider_than_the_terminal_goes_on_below_itself_and_loses_nothing(width: int) -> None:
-    page = text.render(table(), width)
+    page = report_document.text_render(table(), width)
     assert max(map(len, page.splitlines())) <= width
-    for shown in (grid.values(table()), grid.deviations(table())):
+    for shown in (report_document.values(table()), report_document.deviations(table())):
         assert [cell for line in shown.lines for cell in line[1:-1] if cell.strip() not in page] == []
-        for part in text.parts(shown, width):
+        for part in report_document.parts(shown, width):
             assert [line[0] for line in part.lines] == [line[0] for line in shown.lines]
-        again = [cell for part in text.parts(shown, width) for cell in part.header[1:]]
+        again = [cell for part in report_document.parts(shown, width) for cell in part.header[1:]]
         assert again == list(shown.header[1:])
     assert "…" not in page
 
 
 def test_a_single_column_has_no_deviations_and_no_note_on_them() -> None:
     alone = ReferenceTable(article="x", columns={"trimesh": route_statement("trimesh", BODY)})
-    assert len(grid.grids(alone)) == 1
-    assert grid.notes(alone) == ()
+    assert len(report_document.grids(alone)) == 1
+    assert report_document.notes(alone) == ()
 
 
 def test_markdown_shows_a_users_names_as_they_are() -> None:
-    assert markdown.escaped("a|b <c> _d_ *e* my_file_2.step Mass [kg]") == r"a\|b \<c> \_d\_ \*e\* my_file_2.step Mass \[kg\]"
-    assert "\n### clumod-1\n" in f"\n{markdown.render(table())}"
+    assert (
+        report_document.markdown_escaped("a|b <c> _d_ *e* my_file_2.step Mass [kg]")
+        == r"a\|b \<c> \_d\_ \*e\* my_file_2.step Mass \[kg\]"
+    )
+    assert "\n### clumod-1\n" in f"\n{report_document.markdown_render(table())}"
 
 
 def test_csv_has_one_line_for_each_stated_value() -> None:
-    lines = list(csv.DictReader(io.StringIO(comma_separated.render([table(), table("clumod-4")]))))
+    lines = list(csv.DictReader(io.StringIO(report_document.render([table(), table("clumod-4")]))))
     assert len(lines) == (10 + 7 + 7) * 2
     assert {line["unit"] for line in lines} == {"kg", "mm", "kg m^2"}
     theta_yy = next(x for x in lines if (x["article"], x["column"], x["quantity"]) == ("clumod-1", "identified", "moi_yy"))
@@ -146,7 +152,7 @@ def test_csv_has_one_line_for_each_stated_value() -> None:
 
 
 def test_latex_is_balanced_and_holds_only_what_every_engine_reads() -> None:
-    document = latex.document([latex.render(table()), latex.render(table("clumod-4"))])
+    document = report_document.document([report_document.latex_render(table()), report_document.latex_render(table("clumod-4"))])
     for name in ("document", "table", "tabular", "itemize"):
         assert document.count(rf"\begin{{{name}}}") == document.count(rf"\end{{{name}}}") > 0
     assert document.isascii()
@@ -158,7 +164,7 @@ def test_latex_is_balanced_and_holds_only_what_every_engine_reads() -> None:
 
 
 def test_latex_parts_a_figure_at_its_decimal_point_so_that_points_stand_below_each_other() -> None:
-    page = latex.render(table())
+    page = report_document.latex_render(table())
     assert r"CoG z [mm] & 270 & .600 & 270 & .60 & 283 & .61 $\pm$ 2.00 \\" in page
     assert r"CoG y [mm] & 0 & .00 mm & 0 & .0 & $-$5 & .45 mm & $-$2 & .7 & identified outside" in page
 
@@ -174,11 +180,11 @@ def test_latex_parts_a_figure_at_its_decimal_point_so_that_points_stand_below_ea
     ],
 )
 def test_latex_spells_out_what_it_would_read_or_set_otherwise(plain: str, spelled: str) -> None:
-    assert latex.escaped(plain) == spelled
+    assert report_document.escaped(plain) == spelled
 
 
 def test_json_keeps_the_contract_and_says_null_for_what_nobody_states() -> None:
-    value = json.loads(json.dumps(as_json.render(table()), allow_nan=False))
+    value = json.loads(json.dumps(reference.render(table()), allow_nan=False))
     assert set(value) >= {"routes", "published", "measured", "agree"}
     assert value["measured"] is None
     assert value["published"]["mass_kg"] == 32.95

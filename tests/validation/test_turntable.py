@@ -9,11 +9,10 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from validation.pictures.bodies import DrawnBody
-from validation.pictures.moving import MovingBody
-from validation.pictures.sensor_page import ARROW, DrawnSensor
-from validation.pictures.turntable import MARGIN, Turn, Turntable, turned
-from validation.pictures.view import fitted
+from validation.report.scenes.motion import MovingBody
+from validation.report.scenes.scene import DrawnBody, fitted
+from validation.report.scenes.sensors import ARROW, DrawnSensor
+from validation.report.scenes.turntable import MARGIN, Turn, Turntable, turned
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])

@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from geometry.quantities import exact, tagged
-from validation import crane_cog, weighing
-from validation.budget import itemised
-from validation.crane_cog import cog_height
-from validation.measurement_file import Fields
+from geometry.toml_file import exact, tagged
+from validation.classical import weigh
+from validation.classical.files import Fields, itemised
+from validation.classical.weigh import cog_height
 
 WEIGHING = """
 [balance]
@@ -46,7 +45,7 @@ def fields(text: str, more: str = "") -> Fields:
 
 
 def test_the_tolerance_of_a_weighing_is_resolution_digit_and_relative_error_in_quadrature() -> None:
-    mass = weighing.reduce(fields(WEIGHING)).results["mass"]
+    mass = weigh.reduce(fields(WEIGHING)).results["mass"]
     assert_allclose(mass.nominal_value, 47.40, rtol=1e-14)
     # gross and tare each: half of 20 g, and one digit of 20 g; once 0.05 % of the net mass
     assert_allclose(mass.std_dev, np.sqrt(2 * 0.01**2 + 2 * 0.02**2 + (0.0005 * 47.4) ** 2), rtol=1e-12)
@@ -54,12 +53,12 @@ def test_the_tolerance_of_a_weighing_is_resolution_digit_and_relative_error_in_q
 
 def test_repeating_a_weighing_averages_everything_but_the_relative_error() -> None:
     again = '[[reading]]\ngross = "48.62 kg"\ntare = "1.22 kg"\n' * 99
-    mass = weighing.reduce(fields(WEIGHING, again)).results["mass"]
+    mass = weigh.reduce(fields(WEIGHING, again)).results["mass"]
     assert_allclose(mass.std_dev, np.sqrt((2 * 0.01**2 + 2 * 0.02**2) / 100 + (0.0005 * 47.4) ** 2), rtol=1e-9)
 
 
 def test_scatter_of_the_readings_is_an_item_of_its_own() -> None:
-    mass = weighing.reduce(fields(WEIGHING, '[[reading]]\ngross = "48.82 kg"\ntare = "1.22 kg"\n')).results["mass"]
+    mass = weigh.reduce(fields(WEIGHING, '[[reading]]\ngross = "48.82 kg"\ntare = "1.22 kg"\n')).results["mass"]
     scatter = {item.name: item.contribution for item in itemised(mass)}["scatter of the readings"]
     assert_allclose(scatter, 0.1, rtol=1e-3)  # two readings 0.2 kg apart: 0.2/sqrt(2)/sqrt(2), times the gain 1
 
@@ -68,8 +67,8 @@ AIR = 'air_density = "1.2 kg/m^3"\nweights_density = "8000 kg/m^3"\narticle_dens
 
 
 def test_buoyancy_is_off_until_it_is_asked_for_and_balances_the_forces_then() -> None:
-    off = weighing.reduce(fields(WEIGHING, "[buoyancy]\n" + AIR))
-    on = weighing.reduce(fields(WEIGHING, "[buoyancy]\napply = true\n" + AIR))
+    off = weigh.reduce(fields(WEIGHING, "[buoyancy]\n" + AIR))
+    on = weigh.reduce(fields(WEIGHING, "[buoyancy]\napply = true\n" + AIR))
     shown, mass = off.results["mass"].nominal_value, on.results["mass"].nominal_value
     # in air, weights of the shown mass and the article pull alike
     assert_allclose(mass - 1.2 * mass / 2700, shown - 1.2 * shown / 8000, rtol=1e-14)
@@ -96,19 +95,19 @@ def test_the_lever_recovers_the_cog_of_a_body_whose_statics_are_solved_numerical
 
 def test_without_offsets_the_inclination_does_not_matter() -> None:
     level, leaning = (
-        crane_cog.reduce(fields(CRANE, f'inclination = "{angle}"')).results["cog_z"] for angle in ("0 deg", "20 +/- 5 deg")
+        weigh.crane_cog_reduce(fields(CRANE, f'inclination = "{angle}"')).results["cog_z"] for angle in ("0 deg", "20 +/- 5 deg")
     )
     assert_allclose([leaning.nominal_value, leaning.std_dev], [level.nominal_value, level.std_dev], rtol=1e-13)
 
 
 def test_with_offsets_the_tolerance_of_the_inclination_counts() -> None:
-    reduced = crane_cog.reduce(fields(CRANE, 'inclination = "0 +/- 1 deg"\nsupport_offset = "-100 mm"'))
+    reduced = weigh.crane_cog_reduce(fields(CRANE, 'inclination = "0 +/- 1 deg"\nsupport_offset = "-100 mm"'))
     part = {item.name: item.contribution for item in itemised(reduced.results["cog_z"])}["inclination"]
     assert_allclose(part, 30.12 / 47.4 * 0.1 * np.radians(1), rtol=1e-12)
 
 
 def test_the_rope_carries_what_the_balance_does_not() -> None:
-    reduced = crane_cog.reduce(fields('gravity = "10 m/s^2"\n' + CRANE))
+    reduced = weigh.crane_cog_reduce(fields('gravity = "10 m/s^2"\n' + CRANE))
     assert_allclose(reduced.results["rope_force"].nominal_value, 172.8, rtol=1e-13)
 
 
@@ -142,7 +141,7 @@ def test_tolerances_of_the_lever_are_those_of_monte_carlo() -> None:
 def test_bad_weighings_are_refused_in_words(old: str, new: str, words: str) -> None:
     assert old in WEIGHING
     with pytest.raises(BadInput) as refusal:
-        weighing.reduce(fields(WEIGHING.replace(old, new)))
+        weigh.reduce(fields(WEIGHING.replace(old, new)))
     assert words in str(refusal.value)
 
 
@@ -160,5 +159,5 @@ def test_bad_weighings_are_refused_in_words(old: str, new: str, words: str) -> N
 def test_bad_crane_tests_are_refused_in_words(old: str, new: str, words: str) -> None:
     assert old in CRANE
     with pytest.raises(BadInput) as refusal:
-        crane_cog.reduce(fields(CRANE.replace(old, new)))
+        weigh.crane_cog_reduce(fields(CRANE.replace(old, new)))
     assert words in str(refusal.value)

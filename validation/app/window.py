@@ -6,26 +6,92 @@ on FD. Whatever comes later to standard input is nothing: it is held open so tha
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
+import re
 import sys
+import tempfile
+from collections.abc import Awaitable, Callable, Mapping
+from functools import cache
+from html import escape
 from pathlib import Path
 from secrets import token_hex
-from typing import Any
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
-from validation.app import lifeline, shell
-from validation.app.asked import Opened
-from validation.app.entry import same
-from validation.app.headers import DOOR_SECRET, NEVER_KEPT
+from geometry.errors import BadInput, CheckFailed
+from validation.app import options, panels, state, workers
+from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
+from validation.app.server import same
+from validation.app.session import LARGEST, MOST, Handed
+from validation.app.state import WindowState, keep
+from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry, unit
+
+if TYPE_CHECKING:
+    from aiohttp import BodyPartReader, web
+
+
+# The HTML that a window begins with: trame's own client under our title, without a script inside the page.
+#
+# trame's `index.html` forbids zooming and holds an inline script, which the policy of `headers` rightly stops.
+
+
+SERVED = "__massline"
+"""Under which the files of `www` are served."""
+
+WWW = Path(__file__).with_name("www")
+
+SHELL = """<!doctype html>
+<html lang="en" data-app-name="massline" data-launcher-retry="[]">
+  <head>
+    <meta charset="utf-8">
+    <meta name="viewport" content="width=device-width, initial-scale=1">
+    <meta name="color-scheme" content="light dark">
+    <title>massline</title>
+    <link rel="icon" href="{served}/icon.svg" type="image/svg+xml">
+    <link rel="stylesheet" href="{style}">
+    <link rel="stylesheet" href="{served}/start.css">
+    <script src="vue.global.js"></script>
+    <script src="{served}/start.js" data-module="{module}"></script>
+  </head>
+  <body>
+    <noscript>The workbench needs JavaScript, which is switched off in this browser.</noscript>
+    <div id="app"><p class="begins" role="status">The workbench begins ...</p></div>
+  </body>
+</html>
+"""
+
+
+def html(client: Path) -> str:
+    """The first page, around the client in the folder `client` that trame brings.
+
+    Raises
+    ------
+    LookupError : that client is laid out otherwise than the locked version.
+    """
+    text = (client / "index.html").read_text(encoding="utf-8")
+    return SHELL.format(
+        served=SERVED,
+        module=_found(r'<script type="module"[^>]* src="([^"]+)"', text),
+        style=_found(r'rel="stylesheet"[^>]* href="([^"]+)"', text),
+    )
+
+
+def _found(pattern: str, text: str) -> str:
+    match = re.search(pattern, text)
+    if match is None:
+        raise LookupError(f"trame's index.html holds nothing like {pattern}")
+    return escape(match[1])
 
 
 def main(folder: Path, told: int) -> None:
     """Serve the window whose state lives in `folder`; the port goes out on the file descriptor `told`."""
     said = json.loads(_first_line())
-    lifeline.tied()
+    options.tied()
     begun = said["opened"]
     band = begun["band"]
-    opened = Opened(
+    opened = StartOptions(
         **begun
         | {
             "data": tuple(begun["data"]),
@@ -37,17 +103,15 @@ def main(folder: Path, told: int) -> None:
     _serve(folder, opened, said["secret"], told)
 
 
-def _serve(folder: Path, opened: Opened, secret: str, told: int) -> None:
+def _serve(folder: Path, opened: StartOptions, secret: str, told: int) -> None:
     from trame.app import get_server
-
-    from validation.app import page, routes
 
     key = token_hex(32)  # nothing that begins with a dash: it becomes an argument
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
-    bench = page.build(server, folder, opened)
+    bench = build(server, folder, opened)
     server.controller.on_server_bind.add(lambda bound: _guard(bound.app, secret, _session(folder.name, key)))
-    server.controller.on_server_bind.add(lambda bound: routes.add(bound.app, bench))
+    server.controller.on_server_bind.add(lambda bound: add(bound.app, bench))
     server.controller.on_server_ready.add(lambda **_: _tell(told, server.port))
     server.start(
         port=0,
@@ -70,7 +134,7 @@ def _guard(app: Any, secret: str, session: dict[str, str]) -> None:
     from aiohttp import web
     from trame_client.module import vue3
 
-    first = shell.html(Path(vue3.www))
+    first = html(Path(vue3.www))
 
     @web.middleware
     async def guarded(request: web.Request, handler: Any) -> web.StreamResponse:
@@ -99,6 +163,315 @@ def _first_line() -> bytes:
             raise SystemExit("the door is gone")
         line += some
     return line
+
+
+# The page of a window: its template, what it shows at first, and what each of its buttons does.
+
+
+PARTS = ("open", "work", "scene", "standing", "missing", "effect", "ladder")
+"""Of the template, each replacing its name in capitals."""
+
+WIDE = "($vuetify.display.width >= 1700)"
+"""When the structure has room of its own, as in massline.css."""
+
+SCHEMES = {"system": "light", "light": "dark", "dark": "system"}
+"""What follows what, when the button for the colours is pressed."""
+
+COLOURS = {
+    "light": {"primary": "#20507f", "surface": "#ffffff", "background": "#eef1f5"},
+    "dark": {"primary": "#8fc1f3", "surface": "#171b22", "background": "#0f1217", "on-primary": "#0f1217"},
+}
+
+Handler = Callable[..., Awaitable[None]]
+
+
+def build(server: Any, folder: Path, opened: StartOptions) -> WindowState:
+    """Lay out the page of `server`, and let it begin when the server runs."""
+    from trame.ui.vuetify3 import VAppLayout
+
+    files, name = {SERVED: str(WWW)}, SERVED
+    scripts = [f"{name}/{one}.js" for one in ("keys", "massline")]
+    own = {"serve": files, "scripts": scripts, "styles": [f"{name}/massline.css"], "vue_use": ["massline"]}
+    server.enable_module(own)
+    bench = WindowState(state=server.state, folder=folder, opened=opened)
+    server.state.update(first_state())
+    themes = {name: {"dark": name == "dark", "colors": colours} for name, colours in COLOURS.items()}
+    with VAppLayout(server, vuetify_config={"theme": {"themes": themes}}) as layout:
+        layout.root.clear()
+    server.state.trame__template_main = template()
+    server.state.trame__template_error = ENDED
+    for name, handler in HANDLERS.items():
+        server.controller.trigger(name)(_heard(bench, handler))
+    server.controller.on_server_ready.add(lambda **_: bench.begin(panels.first(bench)))
+    return bench
+
+
+def template() -> str:
+    """The whole page, of its parts."""
+    folder = WWW / "page"
+    text = (folder / "frame.html").read_text(encoding="utf-8")
+    for part in PARTS:
+        text = text.replace(part.upper(), (folder / f"{part}.html").read_text(encoding="utf-8"))
+    return text.replace("WIDE", WIDE)
+
+
+ENDED = """<main class="begins" role="alert"><h1>The workbench has ended</h1><p>Its process was stopped, or the machine slept.
+Load the page again; if nothing answers, start <code>massline app</code> again.</p></main>"""
+"""In place of the page when its server is gone."""
+
+
+def first_state() -> dict[str, Any]:
+    """What an empty page shows; every name that the template asks for is here."""
+    return {
+        "trame__title": "massline",
+        "trame__favicon": None,
+        "screen": "open",
+        "title": "",
+        "scheme": "system",
+        "dark": False,
+        "job": None,
+        "opening": False,
+        "failure": "",
+        "ready": None,
+        "unsaved": False,
+        "examples": panels.listed(),
+        "models": [],
+        "model_path": "",
+        "data_paths": "",
+        "hold_out": "",
+        "band": "",
+        "faults": {"model": [], "data": [], "options": []},
+        "compared": False,
+        "errors": [],
+        "before": {},
+        "worst": [],
+        "remarks": [],
+        "campaigns": [],
+        "campaign": "",
+        "signs": list(SIGNS),
+        "entries": [[_entry(i, j) for j in range(6)] for i in range(6)],
+        "peaks": [["" for _ in range(6)] for _ in range(6)],
+        "tints": [[0 for _ in range(6)] for _ in range(6)],
+        "load": 2,
+        "motion": 2,
+        "marked": None,
+        "fig_overlay": {},
+        "live": None,
+        "fig_map": {},
+        "map_kind": "channels",
+        "runs": [],
+        "run": -1,
+        "modes": [],
+        "mode": panels.AT_REST,
+        "view": "",
+        "view_label": "",
+        "view_note": "",
+        "view_far": "",
+        "tab": "structure",
+        "part": "fails",
+        "big": "",
+        "verdict": None,
+        "ranking": [],
+        "effects": [],
+        "effect": None,
+        "rungs": [],
+        "undoable": False,
+        "step": "",
+        "fig_ladder": None,
+        "fig_inertia": None,
+    }
+
+
+async def _dark(bench: WindowState, dark: bool) -> None:
+    if bench.state.dark != bool(dark):
+        bench.state.dark = bool(dark)
+        bench.state.flush()
+        if bench.compared is not None:
+            await panels.redrawn(bench)
+
+
+async def _scheme(bench: WindowState) -> None:
+    bench.state.scheme = SCHEMES[bench.state.scheme]
+
+
+async def _tab(bench: WindowState, name: str) -> None:
+    bench.state.tab = str(name)
+
+
+async def _part(bench: WindowState, name: str) -> None:
+    bench.state.part = str(name)
+
+
+async def _enlarge(bench: WindowState, name: str) -> None:
+    bench.state.big = "" if bench.state.big == name else str(name)
+
+
+async def _seen(bench: WindowState) -> None:
+    bench.state.failure, bench.state.ready = "", None
+
+
+async def _another(bench: WindowState) -> None:
+    panels.another(bench)
+
+
+async def _compare(bench: WindowState) -> None:
+    from validation.app import panels
+
+    state.start(bench, workers.COMPARE, panels.stands)
+
+
+async def _diagnose(bench: WindowState) -> None:
+    from validation.app import panels
+
+    state.start(bench, workers.DIAGNOSE, panels.diagnosing_shown)
+
+
+HANDLERS: Mapping[str, Handler] = {
+    "dark": _dark,
+    "scheme": _scheme,
+    "tab": _tab,
+    "part": _part,
+    "enlarge": _enlarge,
+    "seen": _seen,
+    "another": _another,
+    "example": panels.example,
+    "open": panels.paths,
+    "cancel": state.cancel,
+    "compare": _compare,
+    "entry": panels.entry,
+    "marked": panels.marked,
+    "cell": panels.cell,
+    "spot": panels.spot,
+    "campaign": panels.campaign,
+    "map": panels.show_map,
+    "run": panels.show_run,
+    "mode": panels.mode,
+    "diagnose": _diagnose,
+    "effect": panels.chosen,
+    "drag": panels.drag,
+    "size": panels.size,
+    "add": panels.add,
+    "undo": panels.undo,
+    "rung": panels.go,
+    "report": panels.report,
+    "figures": panels.figures,
+}
+"""By the name under which the template triggers it."""
+
+
+def _heard(bench: WindowState, handler: Handler) -> Callable[..., Awaitable[None]]:
+    async def heard(*arguments: Any) -> None:
+        await bench.told(handler(bench, *arguments))
+        if handler is not panels.drag:  # which keeps what it comes to at rest
+            keep(bench)
+
+    return heard
+
+
+def _entry(load: int, motion: int) -> str:
+    return f"{entry(load, motion)}: {LOADS[load]} by {MOTIONS[motion]}, in {unit(load, motion)}"
+
+
+# What a window serves beside its page: pictures, downloads, and the way in for dropped files.
+
+
+CHUNK = 2**20
+
+
+def add(app: Any, bench: WindowState) -> None:
+    """Put the routes into the window's server."""
+
+    async def view(request: web.Request) -> web.Response:
+        return await _view(request, bench)
+
+    async def saved(request: web.Request) -> web.Response:
+        return _saved(request, bench)
+
+    async def files(request: web.Request) -> web.Response:
+        return await _files(request, bench)
+
+    app.router.add_get("/plotly.js", _plotly)
+    app.router.add_get("/view.jpg", view)
+    app.router.add_get("/save/{name}", saved)
+    app.router.add_post("/files", files)
+
+
+async def _plotly(_: web.Request) -> web.Response:
+    from aiohttp import web
+
+    body = await asyncio.to_thread(_library)
+    return web.Response(body=body, content_type="text/javascript", charset="utf-8", headers={"Cache-Control": "max-age=86400"})
+
+
+@cache
+def _library() -> bytes:
+    """plotly.js, of the version to which the figures belong."""
+    from validation.report.charts.style import library
+
+    return library().encode()
+
+
+async def _view(request: web.Request, bench: WindowState) -> web.Response:
+    from aiohttp import web
+
+    try:
+        body = await bench.drawn(panels.picture, bench, dict(request.query))
+    except (ValueError, LookupError, CheckFailed) as error:
+        return web.Response(status=404, text=f"massline: {error}", headers=NEVER_KEPT)
+    return web.Response(body=body, content_type="image/jpeg", headers=NEVER_KEPT)
+
+
+def _saved(request: web.Request, bench: WindowState) -> web.Response:
+    from aiohttp import web
+
+    name = request.match_info["name"]
+    try:
+        body, kind = panels.content(bench, name)
+    except (LookupError, BadInput):
+        return web.Response(status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT)
+    # Always a download: a report has scripts of its own, which are not this page's.
+    headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{panels.SAVING_BESIDE.get(name, name)}"'}
+    return web.Response(body=body, content_type=kind, headers=headers)
+
+
+async def _files(request: web.Request, bench: WindowState) -> web.Response:
+    """Files as the page sends them, each part named like its file, folders included; the desk says what becomes of names."""
+    from aiohttp import web
+
+    with tempfile.TemporaryDirectory(dir=bench.folder, prefix="arriving-") as folder:
+        try:
+            files = await _parts(request, Path(folder))
+        except ValueError as error:
+            return web.Response(status=413, text=f"massline: {error}")
+        await bench.told(panels.arrived(bench, files))
+    return web.Response(text="")
+
+
+async def _parts(request: web.Request, folder: Path) -> list[Handed]:
+    from aiohttp import BodyPartReader
+
+    found: list[Handed] = []
+    room = LARGEST
+    async for part in await request.multipart():
+        if len(found) == MOST:
+            raise ValueError(f"more than {MOST} files were dropped; drop the folder of one series.")
+        kept = folder / str(len(found))
+        if not isinstance(part, BodyPartReader):
+            raise ValueError("a file is expected in every part.")
+        room -= await _written(part, kept, room)
+        found.append(Handed(name=unquote(part.name or ""), content=kept))
+    return found
+
+
+async def _written(part: BodyPartReader, kept: Path, room: int) -> int:
+    size = 0
+    with kept.open("wb") as file:
+        while chunk := await part.read_chunk(CHUNK):
+            size += len(chunk)
+            if size > room:
+                raise ValueError(f"the files are larger than {LARGEST // 2**30} GB together; open them by their path instead.")
+            await asyncio.to_thread(file.write, chunk)
+    return size
 
 
 if __name__ == "__main__":

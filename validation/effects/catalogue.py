@@ -5,15 +5,171 @@ A file is a family when it holds a `FAMILY`. The catalogue of a process only gro
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+import sys
+import tokenize
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import cache, wraps
+from hashlib import sha256
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from inspect import getsourcefile, ismodule
+from linecache import getline
+from math import isfinite, isnan
 from pathlib import Path
-from types import MappingProxyType
+from traceback import extract_tb
+from types import MappingProxyType, ModuleType
+from typing import Any
 
-from validation.effects import own
-from validation.effects.family import Family
+import numpy as np
+
+from geometry.errors import BadInput
+from geometry.toml_file import nearest
+from validation.effects.effect import (
+    ACCELEROMETER,
+    BODY_STAGE,
+    CHANNEL,
+    CHANNEL_STAGE,
+    COVER,
+    FIXED,
+    FMD,
+    FORCE,
+    NOISE_STAGE,
+    OPENED,
+    PART,
+    PARTS,
+    PERIOD_STAGE,
+    PLACE,
+    SIDES,
+    STAGES,
+    STRUCTURE,
+    STRUCTURE_STAGE,
+    TABLE,
+    Change,
+    Family,
+    SizeSpec,
+    Vocabulary,
+    built_in_places,
+)
+from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, NoiseModel, PendulumSwing
+
+# A user's own effects: a folder of small files, each with a `FAMILY`, read without a trace in the folder.
+#
+# What a user's code does wrong is said in words, with the line of the user's file that did it - when the file is read and
+# whenever its equation is asked.
+
+
+def files(directory: Path) -> tuple[Path, ...]:
+    """The files of effects in `directory`, by name; what begins with an underscore is none.
+
+    Raises
+    ------
+    BadInput : no such folder, or no file in it.
+    """
+    if not directory.is_dir():
+        problem = "it is a file" if directory.exists() else "there is no such folder"
+        raise BadInput(source=str(directory), field="--effects-from", problem=problem, remedy="Name a folder of effects")
+    found = tuple(sorted(path.resolve() for path in directory.glob("*.py") if not path.name.startswith("_")))
+    if not found:
+        problem = "it holds no file of an effect, *.py"
+        remedy = "Write one: docs/effects.md shows how, examples/effects holds two"
+        raise BadInput(source=str(directory), field="--effects-from", problem=problem, remedy=remedy)
+    return found
+
+
+def own_family(path: Path) -> Family:
+    """The `FAMILY` of the file at `path`, whose code runs once; its equation and plant answer in words when they fail.
+
+    Raises
+    ------
+    BadInput : it is no Python, it fails, or it holds no `Family` of that name.
+    """
+    module = _executed(path)
+    if not hasattr(module, "FAMILY"):
+        raise BadInput(source=str(path), field="FAMILY", problem="is missing", remedy="Write FAMILY = Family(name=..., ...)")
+    return of(module.FAMILY, str(path))
+
+
+def of(value: object, file: str) -> Family:
+    """`value`, which must be a family, with the functions of `file` guarded.
+
+    Raises
+    ------
+    BadInput : it is something else.
+    """
+    if not isinstance(value, Family):
+        problem = f"must be a validation.effects.effect.Family, found {type(value).__name__}"
+        raise BadInput(source=file, field="FAMILY", problem=problem, remedy="Write FAMILY = Family(name=..., ...)")
+    change = value.change if value.change is None else guarded(value.change, file, "change")
+    plant = value.plant if value.plant is None else _guarded_plant(value.plant, file)
+    return replace(value, change=change, plant=plant)
+
+
+def guarded(function: Callable[..., Any], file: str, what: str) -> Callable[..., Any]:
+    """`function` of the user's `file`, whose errors become words; `what` is the field that holds it."""
+
+    @wraps(function)
+    def call(*arguments: Any) -> Any:
+        try:
+            return function(*arguments)
+        except BadInput:
+            raise
+        except Exception as error:
+            raise in_words(error, file, what) from None
+
+    return call
+
+
+def in_words(error: BaseException, file: str, what: str) -> BadInput:
+    """`error` that code of `file` raised, with the line where it happened."""
+    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    line = _line(error, file)
+    number = f"line {line}, `{getline(file, line).strip()}`, " if line else ""
+    return BadInput(source=file, field=what, problem=f"{number}raised {said}", remedy="Correct the file")
+
+
+def _line(error: BaseException, file: str) -> int:
+    if isinstance(error, SyntaxError) and error.filename == file:
+        return error.lineno or 0
+    return next((one.lineno or 0 for one in reversed(extract_tb(error.__traceback__)) if one.filename == file), 0)
+
+
+def _guarded_plant(plant: Callable[[Any], Any], file: str) -> Callable[[Any], Any]:
+    planted = guarded(plant, file, "plant")
+
+    def call(named: Any) -> Any:
+        effect = planted(named)
+        if not is_dataclass(effect) or isinstance(effect, type):
+            problem = f"must return an Effect of validation.virtual_test.plan, found {type(effect).__name__}"
+            raise BadInput(source=file, field="plant", problem=problem, remedy="Write plant=at(...) of validation.effects.plants")
+        made = {one.name: getattr(effect, one.name) for one in fields(effect)}
+        return replace(effect, **{name: guarded(one, file, "plant") for name, one in made.items() if callable(one)})
+
+    return call
+
+
+def _executed(path: Path) -> ModuleType:
+    """The module at `path`. Compiled here, since an import would leave its cache in the folder."""
+    file = str(path)
+    name = f"massline_effect_{sha256(file.encode()).hexdigest()[:12]}"
+    module = ModuleType(name)
+    module.__file__ = file
+    sys.modules[name] = module
+    try:
+        with tokenize.open(file) as source:
+            code = compile(source.read(), file, "exec", dont_inherit=True)
+        with redirect_stdout(sys.stderr):  # standard output belongs to the command
+            exec(code, module.__dict__)
+    except OSError:
+        del sys.modules[name]
+        raise
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise in_words(error, file, "") from None
+    return module
+
 
 GROUP = "massline.effects"
 """Of the entry points by which an installed package brings families: modules with a `FAMILY`, or families themselves."""
@@ -84,12 +240,12 @@ def load(directory: str | Path) -> tuple[Family, ...]:
 
     Raises
     ------
-    BadInput : no such folder, a file without a family, or one that is not whole (`validation.effects.sound`); then none of the
+    BadInput : no such folder, a file without a family, or one that is not whole (`validation.effects.catalogue`); then none of the
         folder's is added.
     """
-    paths = own.files(Path(directory))
+    paths = files(Path(directory))
     new = [path for path in paths if path not in _files]
-    found = [(path, own.family(path)) for path in new]
+    found = [(path, own_family(path)) for path in new]
     added: list[Path] = []
     try:
         for path, family in found:
@@ -104,7 +260,6 @@ def load(directory: str | Path) -> tuple[Family, ...]:
 
 
 def _add(family: Family, source: str) -> None:
-    from validation.effects.sound import require_usable, require_whole
 
     require_whole(family, FAMILIES, SOURCES, source)
     _found[family.name], _sources[family.name] = family, source
@@ -136,10 +291,687 @@ def add_installed(points: Iterator[EntryPoint]) -> None:
         try:
             value = point.load()
         except Exception as error:
-            raise own.in_words(error, source, GROUP) from None
+            raise in_words(error, source, GROUP) from None
         file = (getsourcefile(value) if ismodule(value) else None) or source
-        _add(own.of(getattr(value, "FAMILY", value), file), source)
+        _add(of(getattr(value, "FAMILY", value), file), source)
 
 
 _found.update({family.name: family for family in _built_in()})
 add_installed(iter(entry_points(group=GROUP)))
+
+
+# Whether the fields of a family that somebody brings hold what they must: words, numbers, tuples, functions.
+
+
+Rule = tuple[Callable[[Any], bool], str]
+"""What a field must be, and how that is said."""
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and not isnan(value)
+
+
+def _words(value: Any) -> bool:
+    return isinstance(value, tuple) and all(isinstance(one, str) and one for one in value)
+
+
+def _sizes(value: Any) -> bool:
+    return isinstance(value, tuple) and all(isinstance(one, SizeSpec) for one in value)
+
+
+def _by_target(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(isinstance(one, str) and _sizes(value[one]) for one in value)
+
+
+def _callable(value: Any) -> bool:
+    return value is None or callable(value)
+
+
+TEXT: Rule = (lambda value: isinstance(value, str), "text")
+FLAG: Rule = (lambda value: isinstance(value, bool), "True or False")
+NUMBER: Rule = (_number, "a number")
+FUNCTION: Rule = (_callable, "a function")
+TEXTS: Rule = (_words, 'a tuple of texts, ("one",) where there is one')
+
+OF_FAMILY: Mapping[str, Rule] = MappingProxyType(
+    {
+        **dict.fromkeys(("name", "side", "what", "example", "stage", "equation", "confirmed_by", "reference", "sentence"), TEXT),
+        **dict.fromkeys(("targets", "mistaken_for"), TEXTS),
+        "optional": FLAG,
+        "sizes": (_sizes, "a tuple of Size, (Size(...),) where there is one"),
+        "varying": (_by_target, "a mapping from a target to a tuple of Size"),
+        "tolerance": NUMBER,
+        **dict.fromkeys(("change", "plant"), FUNCTION),
+    }
+)
+
+OF_SIZE: Mapping[str, Rule] = MappingProxyType(
+    {
+        **dict.fromkeys(("unit", "key"), TEXT),
+        **dict.fromkeys(("low", "high", "null", "plausible"), NUMBER),
+        "default": (lambda value: value is None or _number(value), "a number, or None"),
+        **dict.fromkeys(("whole", "logarithmic"), FLAG),
+    }
+)
+
+
+def require_form(family: Family, source: str) -> None:
+    """Refuse a field that holds something else than it must.
+
+    Raises
+    ------
+    BadInput : the file (`source`), the field, and what was found.
+    """
+    _require(family, OF_FAMILY, "", source)
+    for sizes in (family.sizes, *family.varying.values()):
+        for size in sizes:
+            _require(size, OF_SIZE, "sizes.", source)
+        if len({size.key for size in sizes}) < len(sizes):
+            problem = "two of them have the same key"
+            raise BadInput(source=source, field="sizes", problem=problem, remedy='Give each its own, Size(key="m", ...)')
+
+
+def _require(noun: Any, rules: Mapping[str, Rule], where: str, source: str) -> None:
+    for field, (holds, words) in rules.items():
+        value = getattr(noun, field)
+        if not holds(value):
+            raise BadInput(
+                source=source, field=f"{where}{field}", problem=f"must be {words}, found {value!r}", remedy="Correct it"
+            )
+
+
+# ``ID=VALUE`` and ``ID=key:number,key:number``: an effect as a user writes it, checked against the catalogue.
+#
+# parse("force-gain:fmd-z2=0.08")
+# parse("accelerometer-position:cover-z3:x=0.01")
+# parse("appendage:z=m:0.05,f:21,zeta:0.01")
+# parse("polarity:fmd-z2")
+
+
+MISTAKEN_UNIT = "unit"
+"""The family whose value may be a word."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Named:
+    """An effect of the catalogue by its name, with its size.
+
+    Attributes
+    ----------
+    family : a key of `FAMILIES`
+    targets : where it acts, in the order of the identifier
+    values : in SI by key, the empty key for a number that stands alone; empty for a mistake that has no size
+    """
+
+    family: str
+    targets: tuple[str, ...] = ()
+    values: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "targets", tuple(self.targets))
+        object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
+
+    @property
+    def id(self) -> str:
+        """``family:target``, as in the catalogue."""
+        return ":".join((self.family, *self.targets))
+
+    @property
+    def target(self) -> str:
+        """The first target; empty where there is none."""
+        return self.targets[0] if self.targets else ""
+
+    @property
+    def value(self) -> float:
+        """The number that stands alone; 1 for a mistake that has no size."""
+        return self.values.get("", 1.0)
+
+    @property
+    def what(self) -> str:
+        """The family in a few words."""
+        return FAMILIES[self.family].what
+
+    @property
+    def sizes(self) -> tuple[SizeSpec, ...]:
+        """What the catalogue says of its values."""
+        return FAMILIES[self.family].sizes_at(self.targets)
+
+    @property
+    def fitted_sizes(self) -> tuple[SizeSpec, ...]:
+        """Those of them that a fit looks for."""
+        return tuple(size for size in self.sizes if size.plausible > 0)
+
+    @property
+    def unit(self) -> str:
+        """Of the number that stands alone; empty where there is none."""
+        return next((size.unit for size in self.sizes if not size.key), "")
+
+    def __str__(self) -> str:
+        written = ",".join(f"{key}:{value:.9g}" if key else f"{value:.9g}" for key, value in self.values.items())
+        return f"{self.id}={written}" if written else self.id
+
+
+def parse(text: str, words: Vocabulary | None = None, *, source: str = "--effect") -> Named:
+    """The effect that `text` names.
+
+    Parameters
+    ----------
+    words : channels and places that there are; those of the virtual tests where nothing is said
+    source : where the text stands, for messages
+
+    Raises
+    ------
+    BadInput : an unknown family or target, with the nearest; a target too many or too few; a value that is missing, surplus, no
+        number, or of a size that is no physics.
+    """
+    words = Vocabulary(places=built_in_places()) if words is None else words
+    name, equals, value = (part.strip() for part in text.partition("="))
+    family, *targets = (part.strip() for part in name.split(":"))
+    known = _family(family, source)
+    _require_targets(known, name, targets, words, source)
+    sizes = known.sizes_at(tuple(targets))
+    if equals and not value:
+        raise _refused(source, name, "its value is missing", known)
+    if family == MISTAKEN_UNIT and value:
+        value = _as_factor(value, targets[0], words, name, source)
+    values = _values(name, value, known, sizes, source)
+    return Named(family=family, targets=tuple(targets), values=values)
+
+
+def parse_all(texts: Sequence[str], words: Vocabulary | None = None, *, source: str = "--effect") -> tuple[Named, ...]:
+    """The effects that `texts` name, each one once.
+
+    Raises
+    ------
+    BadInput : see `parse`; one of them stands there twice.
+    """
+    found: dict[str, Named] = {}
+    for text in texts:
+        effect = parse(text, words, source=source)
+        if effect.id in found:
+            problem = "is given twice"
+            raise BadInput(source=source, field=effect.id, problem=problem, remedy="Keep one of them, with the whole size")
+        found[effect.id] = effect
+    return tuple(found.values())
+
+
+def _family(name: str, source: str) -> Family:
+    if name not in FAMILIES:
+        remedy = f"{nearest(name, FAMILIES)}`massline effects` lists all of them; your own come with --effects-from DIR"
+        raise BadInput(source=source, field=name, problem=f"no effect is called {name!r}", remedy=remedy)
+    return FAMILIES[name]
+
+
+def _require_targets(family: Family, name: str, targets: list[str], words: Vocabulary, source: str) -> None:
+    kinds = family.targets
+    if not len(kinds) - family.optional <= len(targets) <= len(kinds):
+        wanted = " and ".join(kinds) or "no target"
+        raise _refused(source, name, f"it acts on {wanted}, found {':'.join(targets) or 'none'}", family)
+    for kind, target in zip(kinds, targets, strict=False):
+        legal = words.legal(kind)
+        if legal is not None and target not in legal:
+            _refuse_target(family, name, kind, target, legal, source)
+    if len(set(targets)) < len(targets) and len(set(kinds)) < len(kinds):
+        raise _refused(source, name, f"{targets[0]} is named twice", family)
+
+
+def _refuse_target(family: Family, name: str, kind: str, target: str, legal: tuple[str, ...], source: str) -> None:
+    near = nearest(target, legal)
+    remedy = f"{near}Known are {', '.join(legal)}" if legal else "Leave it out"
+    raise BadInput(source=source, field=name, problem=f"no {kind} is called {target!r}", remedy=remedy)
+
+
+def _values(name: str, text: str, family: Family, sizes: tuple[SizeSpec, ...], source: str) -> dict[str, float]:
+    by_key = {size.key: size for size in sizes}
+    values: dict[str, float] = {}
+    for part in text.split(",") if text else ():
+        key, colon, number = (piece.strip() for piece in part.rpartition(":"))
+        if key not in by_key or bool(colon) != bool(key):
+            raise _refused(source, name, _surplus(part.strip(), by_key), family)
+        if key in values:
+            raise _refused(source, name, f"{key or 'its value'} is given twice", family)
+        values[key] = _sane(source, name, number, by_key[key], family)
+    missing = [size for size in sizes if size.key not in values and size.default is None]
+    if missing:
+        raise _refused(source, name, f"its {missing[0].key or 'value'} [{missing[0].unit}] is missing", family)
+    return {size.key: values.get(size.key, size.default or 0.0) for size in sizes}
+
+
+def _surplus(part: str, sizes: Mapping[str, SizeSpec]) -> str:
+    if not sizes:
+        return f"it is there or not and has no value, found {part!r}"
+    expected = ", ".join(f"{key}:number" if key else "a number" for key in sizes)
+    return f"its value is {expected}, found {part!r}"
+
+
+def _sane(source: str, name: str, text: str, size: SizeSpec, family: Family) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise _refused(source, name, f"a number in SI units is expected, found {text!r}", family) from None
+    what = f"{size.key} [{size.unit}]" if size.key else f"its size [{size.unit}]"
+    if not isfinite(value) or (size.whole and value != round(value)) or not size.low <= value <= size.high:
+        limits = f"{size.low:g} or {size.high:g}" if size.whole else f"between {size.low:g} and {size.high:g}"
+        problem = f"{what} must be {limits}, found {text}"
+        raise BadInput(source=source, field=name, problem=problem, remedy=f"Check its unit; for example {family.example}")
+    return value
+
+
+def _as_factor(text: str, channel: str, words: Vocabulary, name: str, source: str) -> str:
+    """`text`, and where it is a unit of what `channel` measures, the factor by which numbers in it differ from SI."""
+    from identification.campaign import UNITS
+
+    measured = ("force", "moment") if channel in (words.forces or ()) else ("acceleration",)
+    quantities = measured if words.forces is not None else tuple(UNITS)
+    sizes = {unit: size for quantity in quantities for unit, size in UNITS[quantity].items()}
+    if text in sizes:
+        return repr(1 / sizes[text])
+    if text[:1].isalpha() and not text.lower().startswith(("nan", "inf")):
+        problem = f"neither a factor nor a unit of {channel}, found {text!r}"
+        raise BadInput(source=source, field=name, problem=problem, remedy=f"{nearest(text, sizes)}Known are {', '.join(sizes)}")
+    return text
+
+
+def _refused(source: str, name: str, problem: str, family: Family) -> BadInput:
+    return BadInput(source=source, field=name, problem=problem, remedy=f"Write for example {family.example}")
+
+
+# Stages to try an equation on, and the sizes at which it must change nothing.
+#
+# The stages are those of no test: small, of figures that were drawn once, with every name that the catalogue knows.
+
+
+BASE, OWN, LINES = 6, 3, 5
+ROUNDING = 1e-12
+"""Relative, of the largest entry: what an equation may change by rounding alone."""
+
+
+def null_values(family: Family, targets: tuple[str, ...], example: Mapping[str, float]) -> dict[str, float] | None:
+    """The sizes of no effect: the first at its `null`, all others as in the `example`; None for one that has no size."""
+    sizes = family.sizes_at(targets)
+    return {**example, sizes[0].key: sizes[0].null} if sizes else None
+
+
+def unchanged(before: Any, after: Any) -> bool:
+    """Whether two stages are alike to rounding; coordinates that were added may stand there, if nothing drives them."""
+    return all(_alike(getattr(before, one.name), getattr(after, one.name)) for one in fields(before))
+
+
+def arrays(before: Any, after: Any) -> Iterator[tuple[str, Any, Any]]:
+    """By name, every array of two stages of one kind, those in mappings one by one."""
+    for one in fields(before):
+        was, now = getattr(before, one.name), getattr(after, one.name)
+        pairs = (
+            [(one.name, was, now)]
+            if not isinstance(was, Mapping)
+            else [(f"{one.name}[{key!r}]", was[key], now.get(key)) for key in was]
+        )
+        yield from ((name, old, new) for name, old, new in pairs if isinstance(old, np.ndarray) and old.dtype.kind in "fc")
+
+
+def tried(stage: str) -> Any:
+    """A stage to try an equation on; its arrays cannot be written to."""
+    return _TRIED[stage]()
+
+
+def _alike(before: Any, after: Any) -> bool:
+    if isinstance(before, Mapping):
+        return before.keys() == after.keys() and all(_alike(before[key], after[key]) for key in before)
+    if not isinstance(before, np.ndarray):
+        return bool(before == after or np.isclose(before, after, rtol=ROUNDING, atol=0))
+    there = np.asarray(after)
+    if there.ndim != before.ndim or any(n < m for n, m in zip(there.shape, before.shape, strict=True)):
+        return False
+    padded = np.zeros(there.shape, dtype=np.result_type(there, before))
+    inside = tuple(slice(n) for n in before.shape)
+    padded[inside] = before
+    grown = np.array(there)
+    if there.shape != before.shape and there.ndim == 2:
+        own = [k for k in range(max(there.shape)) if k >= max(before.shape) and k < min(there.shape)]
+        grown[own, own] = 0.0  # what an added coordinate is by itself
+    return bool(np.allclose(grown, padded, rtol=0, atol=ROUNDING * max(float(np.max(np.abs(padded), initial=0.0)), 1e-300)))
+
+
+def _drawn(*shape: int) -> Any:
+    return _frozen(np.random.default_rng(sum(shape)).standard_normal(shape))
+
+
+def _complex(*shape: int) -> Any:
+    return _frozen(_drawn(*shape) + 1j * _drawn(*shape, 1)[..., 0])
+
+
+def _frozen(values: Any) -> Any:
+    made = np.array(values)
+    made.setflags(write=False)
+    return made
+
+
+def _positive(n: int, scale: float) -> Any:
+    A = _drawn(n, n)
+    return _frozen(scale * (A @ A.T + n * np.eye(n)))
+
+
+@cache
+def _matrices() -> Matrices:
+    n = BASE + OWN
+    held = np.zeros((n, n))
+    held[BASE:, BASE:] = _positive(OWN, 1e5)
+    return Matrices(
+        base=BASE,
+        mass=_positive(n, 2.0),
+        stiffness=held,
+        viscous=1e-3 * held,
+        structural=1e-2 * held,
+        places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(built_in_places())},
+        parts={name: _frozen(held / len(PARTS)) for name in (*PARTS, "upper-short-silicone")},
+        cog=np.array([0.01, -0.02, 0.3]),
+    )
+
+
+@cache
+def _mounted() -> MountedDynamicMass:
+    return MountedDynamicMass(
+        frequency=_frozen(np.linspace(10.0, 11.0, LINES)),
+        matrix=_complex(LINES, 6, 6),
+        seat=_frozen([0.01, 0.02, 0.05]),
+        cog=_frozen([0.01, -0.02, 0.3]),
+        amplitude=_frozen([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+        sweep_rate=2 / 60,
+        block=14.5,
+    )
+
+
+@cache
+def _reading() -> ChannelResponse:
+    channels = (*TABLE, *COVER, *FMD)
+    return ChannelResponse(
+        frequency=_frozen(np.linspace(10.0, 11.0, LINES)),
+        channels=channels,
+        rows=_complex(LINES, len(channels), 6),
+        amplitude=_frozen(1.0 + np.abs(_drawn(LINES, len(channels)))),
+        peak=_frozen(np.full(len(channels), 5.0)),
+    )
+
+
+@cache
+def _floor() -> NoiseModel:
+    channels = (*TABLE, *COVER, *FMD)
+    return NoiseModel(
+        frequency=_frozen(np.linspace(10.0, 11.0, LINES)),
+        channels=channels,
+        quantities=tuple("force" if name in FMD else "acceleration" for name in channels),
+        deviation=_frozen(np.full((LINES, len(channels)), 0.1)),
+        per_rms=_frozen(np.full(len(channels), 0.5)),
+        hum=_frozen(np.full((LINES, len(channels)), 0.01)),
+    )
+
+
+@cache
+def _swing() -> PendulumSwing:
+    return PendulumSwing(period=2.1, mass=47.0, inertia=2.3, ropes=3, length=2.0, radii=_frozen([0.3, 0.3, 0.3]))
+
+
+_TRIED = {
+    STRUCTURE_STAGE: _matrices,
+    BODY_STAGE: _mounted,
+    CHANNEL_STAGE: _reading,
+    NOISE_STAGE: _floor,
+    PERIOD_STAGE: _swing,
+}
+
+
+# Where an effect acts: a structural one wherever its part or its place exists, and nowhere else.
+#
+# Virtual tests and predictions ask the same rule, so that what a model leaves out is what nobody planted.
+
+
+OF_PARTS = ("part", "part with a layer")
+
+
+@dataclass(frozen=True, kw_only=True)
+class There:
+    """What one set-up has.
+
+    Attributes
+    ----------
+    article : what stands on the cover plate; empty for an FMD alone
+    parts : of its structure; none of a rigid one
+    places : by name, on it
+    channels : that were recorded; None where all that an effect can name are
+    """
+
+    article: str = ""
+    parts: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
+    channels: tuple[str, ...] | None = None
+
+
+def acts(named: Named, there: There) -> bool:
+    """Whether the effect `named` has something to act on; one whose place may be left out, and is, acts on all."""
+    if is_local(named):
+        return named.target in known(named, there) if named.targets else bool(known(named, there))
+    return _is_recorded(named, there) and (not on_article(named) or bool(there.article))
+
+
+def known(named: Named, there: There) -> tuple[str, ...]:
+    """What `named` could act on, of a family that acts on a part or a place."""
+    return there.parts if of_parts(named) else there.places
+
+
+def is_local(named: Named) -> bool:
+    """Whether it acts on a part or a place."""
+    return of_parts(named) or FAMILIES[named.family].targets[:1] == (PLACE,)
+
+
+def of_parts(named: Named) -> bool:
+    """Whether it acts on a part of the structure."""
+    return FAMILIES[named.family].targets[:1] in {(kind,) for kind in OF_PARTS}
+
+
+def on_article(named: Named) -> bool:
+    """Whether it needs something that stands on the cover plate."""
+    return (FAMILIES[named.family].side == STRUCTURE and named.family != "gravity") or named.family == "friction"
+
+
+def _is_recorded(named: Named, there: There) -> bool:
+    pairs = zip(FAMILIES[named.family].targets, named.targets, strict=False)
+    asked = [target for kind, target in pairs if kind in (CHANNEL, FORCE, ACCELEROMETER)]
+    return there.channels is None or all(target in there.channels for target in asked)
+
+
+# Whether a family that somebody brings is whole: all that every command needs, and an equation that keeps its promises.
+
+
+WORDS = {
+    "what": "say in a few words what it is",
+    "sentence": "say what it means to somebody who never heard of it; {target} stands for its target",
+    "equation": "write it in one line, as in a paper",
+    "confirmed_by": "say what would confirm it in the laboratory",
+    "reference": "say where the equation comes from",
+}
+"""What every family must say, and how."""
+
+KINDS = (*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART)
+NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
+def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[str, str], source: str) -> None:
+    """Refuse a family that lacks something, or has a name that is taken.
+
+    Raises
+    ------
+    BadInput : its file (`source`), the field, what was found, and what to write.
+    """
+    require_form(family, source)
+    _require_name(family.name, known, sources, source)
+    for field, remedy in WORDS.items():
+        if not getattr(family, field).strip():
+            raise _sound_refused(source, field, "is missing", f"{field}=...: {remedy}")
+    _require_word(family.side, SIDES, "side", source)
+    _require_word(family.stage, STAGES, "stage", source)
+    for kind in family.targets:
+        _require_word(kind, KINDS, "targets", source)
+    for size in dict.fromkeys((*family.sizes, *(one for sizes in family.varying.values() for one in sizes))):
+        _require_size(size, source)
+    _require_equation(family, source)
+
+
+def require_usable(family: Family, source: str) -> None:
+    """Refuse a family of the catalogue whose example cannot be typed, or whose equation breaks a promise.
+
+    Raises
+    ------
+    BadInput : as in `require_whole`.
+    """
+
+    try:
+        example = parse(family.example.split(", or ")[0])
+    except BadInput as error:
+        raise _sound_refused(source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy) from None
+    if example.family != family.name:
+        raise _sound_refused(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
+    if family.change is None:
+        return
+    trial = FamilyTrial(change=family.change, example=example, source=source)
+    require_kept(trial, family.stage, null_values(family, example.targets, example.values))
+
+
+def _require_name(name: str, known: Mapping[str, Family], sources: Mapping[str, str], source: str) -> None:
+    if not NAME.fullmatch(name):
+        raise _sound_refused(
+            source, "name", f"must be lower-case words joined by -, found {name!r}", "Write for example rope-slack"
+        )
+    if name in known:
+        where = sources.get(name, "massline itself")
+        raise _sound_refused(source, "name", f"an effect called {name!r} is there already, from {where}", "Choose another name")
+
+
+def _require_word(word: str, words: tuple[str, ...], field: str, source: str) -> None:
+    if word not in words:
+        remedy = f"{nearest(word, words)}Known are {', '.join(words)}"
+        raise _sound_refused(source, field, f"must be one of those known, found {word!r}", remedy)
+
+
+def _require_size(size: SizeSpec, source: str) -> None:
+    what = f"sizes ({size.key})" if size.key else "sizes"
+    if not size.unit.strip():
+        raise _sound_refused(source, what, "its unit is missing", 'Give it in SI, "1" for a ratio')
+    if not (isfinite(size.low) and isfinite(size.high) and size.low < size.high):
+        raise _sound_refused(source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them")
+    if not (isfinite(size.plausible) and size.plausible >= 0):
+        raise _sound_refused(source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation")
+
+
+def _require_equation(family: Family, source: str) -> None:
+    if family.stage == OPENED:
+        problem = "is opened, and no parameter of a laboratory has its name"
+        raise _sound_refused(
+            source, "stage", problem, f"Name what it changes, one of {', '.join(STAGES[:-1])}, and give `change`"
+        )
+    if family.change is None:
+        raise _sound_refused(source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage")
+
+
+def _sound_refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+
+
+# An equation tried before it is taken: what kind of stage it returns, of what shape, and whether it keeps its promises.
+#
+# At the null size it changes nothing. On channels it is linear in the rows; what it adds to matrices does not depend on them.
+# Derivatives by all other parameters pass through it on the strength of that.
+
+
+ADDED_TO = ("mass", "stiffness", "viscous", "structural")
+SAME = 1e-9
+"""Relative, of the largest entry: rounding of a product."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FamilyTrial:
+    """The equation of a family at its example.
+
+    Attributes
+    ----------
+    change : the equation
+    example : targets and sizes
+    source : the file, for messages
+    """
+
+    change: Change
+    example: Named
+    source: str
+
+    def on(self, stage: Any, values: Mapping[str, float] | None = None) -> Any:
+        """What the equation makes of `stage`, at the example's sizes or at others.
+
+        Raises
+        ------
+        BadInput : it is no stage of that kind, or does not fit the one that came in.
+        """
+        found = self.change(stage, self.example.targets, self.example.values if values is None else values)
+        if type(found) is not type(stage):
+            problem = f"must return the changed {type(stage).__name__}, found {type(found).__name__}"
+            raise self.refused(problem, "Return dataclasses.replace(stage, ...)")
+        for name, was, now in arrays(stage, found):
+            needed = _grown(was.shape, stage, found)
+            if np.shape(now) != needed:
+                problem = f"leaves `{name}` of shape {np.shape(now)}, where {needed} is needed"
+                raise self.refused(problem, "Return arrays of the shape that came in")
+            if not np.all(np.isfinite(now)):
+                raise self.refused(f"leaves values in `{name}` that are no numbers", "Correct the equation")
+        return found
+
+    def refused(self, problem: str, remedy: str) -> BadInput:
+        """What is wrong with the equation."""
+        return BadInput(source=self.source, field="change", problem=problem, remedy=remedy)
+
+
+def require_kept(trial: FamilyTrial, stage: str, null: Mapping[str, float] | None) -> None:
+    """Refuse an equation of `stage` that breaks a promise; `null` are the sizes of no effect.
+
+    Raises
+    ------
+    BadInput : as `Trial.on`, or which promise is broken.
+    """
+    if stage not in STAGES[:-1]:
+        raise trial.refused(f"changes {stage!r}, which is no stage", f"Known are {', '.join(STAGES[:-1])}")
+    before = tried(stage)
+    after = trial.on(before)
+    if null is not None and not unchanged(before, trial.on(before, null)):
+        sizes = ", ".join(f"{key or 'size'} {value:g}" for key, value in null.items())
+        raise trial.refused(f"changes something at {sizes}, where there is no effect", "Correct it, or `null`")
+    if stage == CHANNEL_STAGE:
+        _require_linear(trial, before, after)
+    if stage == STRUCTURE_STAGE:
+        _require_adding(trial, before, after)
+
+
+def _require_linear(trial: FamilyTrial, before: Any, after: Any) -> None:
+    turned = 2.0 * np.exp(0.7j)
+    twice = trial.on(replace(before, rows=turned * before.rows))
+    if not _trial_alike(twice.rows, turned * after.rows):
+        problem = "is not linear in `rows`: derivatives could not pass through it"
+        raise trial.refused(problem, "Multiply rows, or add one to another; take levels from `amplitude`")
+
+
+def _require_adding(trial: FamilyTrial, before: Any, after: Any) -> None:
+    other = trial.on(replace(before, **{name: 1.5 * getattr(before, name) for name in ADDED_TO}))
+    n = len(before.mass)
+    for name in ADDED_TO:
+        was, shift = getattr(before, name), getattr(other, name) - getattr(after, name)
+        if not _trial_alike(shift[:n, :n], 0.5 * was):
+            problem = f"adds to `{name}` what depends on the matrices that are there: derivatives could not pass it"
+            raise trial.refused(problem, "Build what is added of `places`, `parts` and `cog`")
+
+
+def _trial_alike(found: Any, expected: Any) -> bool:
+    return bool(np.allclose(found, expected, rtol=0, atol=SAME * float(np.max(np.abs(expected)))))
+
+
+def _grown(shape: tuple[int, ...], before: Any, after: Any) -> tuple[int, ...]:
+    """`shape` with the coordinates that matrices have gained; nothing else may grow."""
+    if not isinstance(before, Matrices):
+        return shape
+    k = len(before.mass)
+    return tuple(len(after.mass) if n == k else n for n in shape)

@@ -11,17 +11,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
-    from validation.effects.identifiers import Named
-    from validation.virtual_test.hooks import Effect
+    from validation.effects.catalogue import Named
+    from validation.virtual_test.plan import PlantedEffect
+
 
 Place = Literal["chain", "parts", "rig", "signals", "record"]
-"""Those of `validation.virtual_test.hooks.Effect`."""
+"""Those of `validation.virtual_test.plan.PlantedEffect`."""
 
 Maker = Callable[["Named"], Callable[[Any], Any]]
 """Given the effect with its size, the change at its place."""
 
 
-def at(place: Place, maker: Maker | str) -> Callable[[Named], Effect]:
+def at(place: Place, maker: Maker | str) -> Callable[[Named], PlantedEffect]:
     """The plant that changes a virtual test at `place`.
 
     Parameters
@@ -31,11 +32,11 @@ def at(place: Place, maker: Maker | str) -> Callable[[Named], Effect]:
     return partial(_planted, place, maker)
 
 
-def _planted(place: Place, maker: Maker | str, named: Named) -> Effect:
-    from validation.virtual_test.hooks import Effect
+def _planted(place: Place, maker: Maker | str, named: Named) -> PlantedEffect:
+    from validation.virtual_test.plan import PlantedEffect
 
     changes: dict[str, Any] = {place: _made(maker)(named)}
-    return Effect(id=named.id, value=dict(named.values), **changes)
+    return PlantedEffect(id=named.id, value=dict(named.values), **changes)
 
 
 def _made(maker: Maker | str) -> Maker:

@@ -7,12 +7,32 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.articles import NAMES, built_in
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
-from geometry.frames import Pose
-from validation.flexible.model import Asked, Flexible
+from geometry.frames import Array, Pose
+from validation.flexible.model import Flexible, FlexibleOptions
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Curves:
+    """The answer: a dynamic mass for each model, all on the same lines about the same point.
+
+    Attributes
+    ----------
+    about : name of the reference point
+    rigid : (6, 6) rigid mass matrix about it, of the first model
+    apart : how far each further model is from the first
+    """
+
+    article: str
+    about: str
+    models: tuple[Flexible, ...]
+    masses: tuple[DynamicMass, ...]
+    rigid: Array
+    apart: tuple[tuple[Apart, ...], ...]
+    warnings: tuple[str, ...]
+
 
 BAND = (4.0, 32.0)
 STEP = 0.05
@@ -85,7 +105,7 @@ def reference_point(about: str, article: str) -> tuple[str, Array]:
         seat = built_in("fmd").seat or Pose()
         on_fmd = article.split("+")[0] == "fmd" and set(article.split("+")) <= set(NAMES)
         return about, np.zeros(3) if on_fmd else seat.inverse.position
-    from validation.frame_text import position
+    from validation.reference.statement import position
 
     try:
         return "point", position(about, "--about", "")
@@ -101,7 +121,7 @@ def dynamic_mass(model: Flexible, frequency: Array, about: Array) -> DynamicMass
     return modal(model.modes, frequency).about(about)
 
 
-def beyond_the_modes(model: Flexible, high: float, asked: Asked) -> str:
+def beyond_the_modes(model: Flexible, high: float, asked: FlexibleOptions) -> str:
     """A sentence when the band reaches beyond the last mode that was kept; empty when it does not."""
     kept = model.modes.frequency
     if len(kept) < asked.count or not len(kept) or high <= kept[-1]:

@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.damping import DEFAULT_RATIO, Damping, equivalent_ratio, per_mode
 from fem.modes import Modes
-from fem.users_model.reading import is_model, load
-from geometry import keys
-from geometry.article import Article
+from fem.user_model.reading import is_model, load
+from geometry import toml_file
+from geometry.article import Article, Box, Part, Placed
 from geometry.articles import built_in, changes_of
 from geometry.articles.dimensions import load as load_dimensions
 from geometry.errors import BadInput
-from validation import article_reference
-from validation.article_reference import is_file, require_use
+from geometry.frames import Array, Integers
+from validation.model.setups import is_file
+from validation.reference import reference
+from validation.reference.reference import require_use
 
 if TYPE_CHECKING:
     from fem.structure import Structure
     from geometry.user_article import UserArticle
+
 
 MODELS = ("beam", "solid", "exudyn")
 
@@ -33,7 +38,7 @@ MOST_MODES = 500
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class FlexibleOptions:
     """How a flexible model is to be made.
 
     Attributes
@@ -44,7 +49,7 @@ class Asked:
     joints : whether local solid models correct the joints of Clumod's beams
     cells : whether the FMD's load cells are springs, of assumed stiffness
     material, unit : of the user's own CAD
-    changes : the user's own dimensions of built-in articles, see `validation.changed`
+    changes : the user's own dimensions of built-in articles, see `validation.reference.reference`
     """
 
     count: int = 20
@@ -115,7 +120,7 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
         )
     if is_model(name) or is_model(model):
         return OWN
-    keys.one_of(model, MODELS, source=f"article {name}", where=option)
+    toml_file.one_of(model, MODELS, source=f"article {name}", where=option)
     if not is_file(name):
         built_in(name)
         return model
@@ -133,7 +138,7 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     return model
 
 
-def require_used(name: str, models: Collection[str], asked: Asked) -> None:
+def require_used(name: str, models: Collection[str], asked: FlexibleOptions) -> None:
     """Refuse what was `asked` for of the article `name` and none of `models` can use.
 
     Raises
@@ -152,7 +157,7 @@ def require_used(name: str, models: Collection[str], asked: Asked) -> None:
         for option in (option for option, value in given.items() if value):
             raise BadInput(source=option, problem=f"{name} is a model that states its own", remedy="Leave it out")
         return
-    require_use([name], article_reference.Asked(unit=asked.unit, material=asked.material, changes=asked.changes))
+    require_use([name], reference.ArticleOptions(unit=asked.unit, material=asked.material, changes=asked.changes))
     for option, wanted, part in (("--joints", asked.joints, "clumod"), ("--cells", asked.cells, "fmd")):
         if wanted and (not {"beam", "exudyn"} & set(models) or part not in name):
             raise BadInput(
@@ -168,7 +173,7 @@ def require_used(name: str, models: Collection[str], asked: Asked) -> None:
         )
 
 
-def flexible(name: str, model: str, asked: Asked) -> Flexible:
+def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
     """The `model` of the article `name` with the modes asked for; either may be a file with a model of the user's own.
 
     Raises
@@ -179,32 +184,32 @@ def flexible(name: str, model: str, asked: Asked) -> Flexible:
     return _MAKERS[known](model if is_model(model) else name, asked)
 
 
-def _beam(name: str, asked: Asked) -> Flexible:
-    from fem import beam
+def _beam(name: str, asked: FlexibleOptions) -> Flexible:
+    from fem.beam import articles
 
     changes = changes_of(name, asked.changes)
-    found = _solved(name, "beam", beam.structure(name, changes, **_frame(name, asked)), built_in(name, changes), asked)
+    found = _solved(name, "beam", articles.structure(name, changes, **_frame(name, asked)), built_in(name, changes), asked)
     return replace(found, notes=(*_frame_notes(asked), *found.notes))
 
 
-def _frame(name: str, asked: Asked) -> dict[str, Any]:
+def _frame(name: str, asked: FlexibleOptions) -> dict[str, Any]:
     """What is added to the beams of a built-in article."""
-    from fem import beam, crossing
+    from fem.beam import articles
 
-    added: dict[str, Any] = {"cells": beam.load_cells(changes_of("fmd", asked.changes))} if asked.cells else {}
+    added: dict[str, Any] = {"cells": articles.load_cells(changes_of("fmd", asked.changes))} if asked.cells else {}
     if asked.joints:
-        clumod = next(part for part in name.split("+") if part in beam.BLADES)
-        added["joints"] = crossing.joints(beam.BLADES[clumod], load_dimensions("clumod", changes_of(clumod, asked.changes)))
+        clumod = next(part for part in name.split("+") if part in articles.BLADES)
+        added["joints"] = articles.joints(articles.BLADES[clumod], load_dimensions("clumod", changes_of(clumod, asked.changes)))
     return added
 
 
-def _frame_notes(asked: Asked) -> tuple[str, ...]:
+def _frame_notes(asked: FlexibleOptions) -> tuple[str, ...]:
     joints = "Joints of Clumod corrected by local solid models of its crossings and of the mast's foot."
     cells = "Load cells of the FMD as springs of assumed stiffness; the base is below them."
     return (*([joints] if asked.joints else []), *([cells] if asked.cells else []))
 
 
-def _solid(name: str, asked: Asked) -> Flexible:
+def _solid(name: str, asked: FlexibleOptions) -> Flexible:
     from fem.solid import model
 
     article = _users_article(name, asked) if is_file(name) else built_in(name, changes_of(name, asked.changes))
@@ -213,11 +218,11 @@ def _solid(name: str, asked: Asked) -> Flexible:
     return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
 
 
-def _exudyn(name: str, asked: Asked) -> Flexible:
-    from fem.flexible_body import articles
+def _exudyn(name: str, asked: FlexibleOptions) -> Flexible:
+    from fem.exudyn import linear
 
     changes = changes_of(name, asked.changes)
-    modes = articles.modes(name, asked.count, changes, **_frame(name, asked))
+    modes = linear.modes(name, asked.count, changes, **_frame(name, asked))
     own = "Modes of exudyn's own beam elements, by its own eigen-solution, extrapolated from two meshes."
     return Flexible(
         article=name,
@@ -238,13 +243,13 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
 
 
-def _users_article(name: str, asked: Asked) -> UserArticle:
+def _users_article(name: str, asked: FlexibleOptions) -> UserArticle:
     from geometry import user_article
 
     return user_article.load(name, unit=asked.unit, material=asked.material)
 
 
-def _own(path: str, asked: Asked) -> Flexible:
+def _own(path: str, asked: FlexibleOptions) -> Flexible:
     found = load(path)
     if isinstance(found.model, Modes):
         return Flexible(
@@ -258,9 +263,9 @@ def _own(path: str, asked: Asked) -> Flexible:
         raise BadInput(source=path, field=error.field, problem=error.problem, remedy=error.remedy) from None  # it is the file's
 
 
-def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: Asked) -> Flexible:
+def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: FlexibleOptions) -> Flexible:
     if model == "solid":
-        from fem.solid.solved import fixed_base  # remembers what takes minutes
+        from fem.solid.model import fixed_base  # remembers what takes minutes
     else:
         from fem.modes import fixed_base
 
@@ -270,7 +275,7 @@ def _solved(name: str, model: str, structure: Structure, drawn: Article | UserAr
     )
 
 
-def _damping_notes(structure: Structure, modes: Modes, asked: Asked) -> tuple[str, ...]:
+def _damping_notes(structure: Structure, modes: Modes, asked: FlexibleOptions) -> tuple[str, ...]:
     if asked.damping is not None:
         return ()
     if structure.loss_factors and structure.part_stiffness:
@@ -279,4 +284,94 @@ def _damping_notes(structure: Structure, modes: Modes, asked: Asked) -> tuple[st
     return (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
 
 
-_MAKERS: Mapping[str, Callable[[str, Asked], Flexible]] = {"beam": _beam, "solid": _solid, "exudyn": _exudyn, OWN: _own}
+_MAKERS: Mapping[str, Callable[[str, FlexibleOptions], Flexible]] = {"beam": _beam, "solid": _solid, "exudyn": _exudyn, OWN: _own}
+
+
+# Are two models of the same body? A comparison of different ones says so before anything else.
+
+
+SAME = 0.01
+"""Share by which the masses of two models of one article may differ."""
+
+
+def another_body(first: Flexible, second: Flexible) -> str:
+    """A sentence with the masses of both where they differ by more than `SAME`; empty where they do not."""
+    masses = [float(model.modes.rigid_mass[0, 0]) for model in (first, second)]
+    if abs(masses[1] - masses[0]) <= SAME * max(masses):
+        return ""
+    said = " and ".join(
+        f"{mass:.4g} kg ({one.model} model of {one.article})" for mass, one in zip(masses, (first, second), strict=True)
+    )
+    return f"These are different bodies: {said}; what follows compares them all the same."
+
+
+# Which models of an article are set side by side.
+
+
+DEFAULT = "beam"
+"""The model of an article for which none is asked."""
+
+
+def chosen(name: str, model: str | None, against: str | None = None) -> tuple[str, ...]:
+    """The models of the article `name` that are set side by side; `model` is None where the user gave none.
+
+    Raises
+    ------
+    BadInput : a model asked for of a file that is one itself, or the same model twice.
+    """
+    if model is not None and is_model(name):
+        raise BadInput(
+            source=name,
+            field="--model",
+            problem=f"the file is a model of your own already, of which no {model} model can be made",
+            remedy="Leave it out; to set both side by side name the article first and your model behind --against",
+        )
+    first = DEFAULT if model is None else model
+    if against is None:
+        return (first,)
+    same_file = is_model(first) and is_model(against) and Path(first).resolve() == Path(against).resolve()
+    if not is_model(name) and (against == first or same_file):
+        raise BadInput(
+            source=name,
+            field="--against",
+            problem=f"the {against} model would stand beside itself",
+            remedy=f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own",
+        )
+    return first, against
+
+
+# Which part a point of a model belongs to. Beams' nodes lie on axes, not in material: primitives are asked without voids.
+
+
+_LAYER = re.compile(r"-(?:bottom|silicone|top)$")
+"""Bodies of a sandwich, which move as one blade."""
+
+
+def family(part: str) -> str:
+    """The name under which a part is spoken of: the layers of a sandwich are one blade."""
+    return _LAYER.sub("", part)
+
+
+def distance(part: Part, points: Array) -> Array:
+    """How far `points` (n, 3) [m] lie outside the solids of `part`, voids filled; (n,) [m], 0 inside."""
+    own = part.pose.inverse.apply(points)
+    return np.asarray(np.min([_outside(placed, own) for placed in part.shape.solids], axis=0))
+
+
+def nearest_part(article: Article, points: Array) -> Integers:
+    """Index (n,) of the counted part that each of `points` (n, 3) [m] lies in or next to, the smallest of several."""
+    parts = article.counted_parts
+    by_size = sorted(range(len(parts)), key=lambda k: sum(placed.primitive.volume for placed in parts[k].shape.solids))
+    # Rounded, so that the surfaces of two parts in contact are equally near and the smaller part comes first.
+    distances = np.array([np.round(distance(parts[k], points), 7) for k in by_size])
+    return np.asarray(np.take(by_size, np.argmin(distances, axis=0)), dtype=np.intp)
+
+
+def _outside(placed: Placed, points: Array) -> Array:
+    own = placed.pose.inverse.apply(points)
+    primitive = placed.primitive
+    if isinstance(primitive, Box):
+        beyond = np.maximum(np.abs(own) - np.asarray(primitive.size) / 2, 0)
+        return np.asarray(np.linalg.norm(beyond, axis=1))
+    radial = np.maximum(np.hypot(own[:, 0], own[:, 1]) - primitive.diameter / 2, 0)
+    return np.asarray(np.hypot(radial, np.maximum(np.abs(own[:, 2]) - primitive.height / 2, 0)))

@@ -17,19 +17,17 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
-from validation.effects.reach import There, acts
-from validation.effects.stages import Matrices, Reading
-from validation.engine.measured import Measured
-from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
-from validation.models.model import Added
-from validation.prediction import applied, condensation, scatter
-from validation.prediction.carried import structure
+from geometry.frames import Array
+from validation.effects.catalogue import FAMILIES, There, acts
+from validation.effects.effect import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
+from validation.effects.stages import ChannelResponse, Matrices
+from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
+from validation.model.model import Added
+from validation.prediction import dynamic_mass, series
+from validation.prediction import effects as prediction_effects
+from validation.prediction.dynamic_mass import structure
 from validation.prediction.nuisances import Nuisances
 
 GAIN = 0.02
@@ -55,7 +53,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AcceleranceTest:
-    """A model of one accelerance test: a `validation.engine.prediction.Prediction`.
+    """A model of one accelerance test: a `validation.estimation.problem.Prediction`.
 
     Attributes
     ----------
@@ -104,7 +102,7 @@ class AcceleranceTest:
         """
         known = {**offsets, **self._opened[1]}
         f = self.measured.frequency if lines is None else self.measured.frequency[lines]
-        effects = applied.at(self.effects, known)
+        effects = prediction_effects.at(self.effects, known)
         if not derivatives:
             effects = tuple(replace(one, fixed=True) for one in effects)
         moving = bool(derivatives)
@@ -122,8 +120,8 @@ class AcceleranceTest:
         """(r, n, c, 1) and its derivatives by parameter."""
         matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
         rows, forces = (_rows(matrices, points) for points in (self.responses, self.drives))
-        answered = condensation.accelerance(matrices, f, rows, forces)
-        moved = condensation.tangents(answered, tangents)
+        answered = dynamic_mass.accelerance(matrices, f, rows, forces)
+        moved = dynamic_mass.transfer_tangents(answered, tangents)
         return _by_run(answered.matrix), {name: _by_run(change) for name, change in moved.items()}
 
     def _read(
@@ -135,8 +133,8 @@ class AcceleranceTest:
         if derivatives:
             tangents |= _by_gain(A, gains, self._gains)
         none = np.zeros((len(f), len(self.measured.channels)))
-        reading = Reading(frequency=f, channels=self.measured.channels, rows=scale * A, amplitude=none)
-        reading, tangents = applied.channels(reading, tangents, effects)
+        reading = ChannelResponse(frequency=f, channels=self.measured.channels, rows=scale * A, amplitude=none)
+        reading, tangents = prediction_effects.channels(reading, tangents, effects)
         return reading.rows, tangents
 
     @property
@@ -148,8 +146,8 @@ class AcceleranceTest:
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
         gains = [Parameter(name=name, unit="1", tolerance=self.gain) for name in self._gains if self.gain > 0]
-        left, given = applied.opened([*self.structure.parameters, *gains], self.effects)
-        return (*left, *applied.parameters(self.effects)), given
+        left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
+        return (*left, *prediction_effects.parameters(self.effects)), given
 
 
 def measured(
@@ -162,7 +160,7 @@ def measured(
     band: tuple[float, float] | None = None,
     share: float = 0.0,
 ) -> Measured:
-    """The data set of a test; its noise is estimated from the scatter of the lines (`validation.prediction.scatter`).
+    """The data set of a test; its noise is estimated from the scatter of the lines (`validation.prediction.series`).
 
     Parameters
     ----------
@@ -183,13 +181,13 @@ def measured(
         judged=np.ones(len(channels), dtype=bool),
         frequency=f[kept],
         values=values[:, kept],
-        noise=np.hypot(scatter.noise(f, values), share * np.abs(values))[:, kept],
+        noise=np.hypot(series.noise(f, values), share * np.abs(values))[:, kept],
         inputs=np.ones((len(values), int(kept.sum()), 1), dtype=np.complex128),
     )
 
 
 def _rows(matrices: Matrices, points: Sequence[Point]) -> Array:
-    return np.array([condensation.along(matrices, point.place, point.direction) for point in points])
+    return np.array([dynamic_mass.along(matrices, point.place, point.direction) for point in points])
 
 
 def _by_run(matrix: ComplexArray) -> ComplexArray:

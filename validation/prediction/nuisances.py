@@ -16,19 +16,143 @@ there is nothing else to move, and the modes have it all.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import MOTIONS
+from geometry.frames import Array, Integers
 from validation.effects.stages import Matrices
-from validation.engine.parameter import DECLARED, STRUCTURAL, WITHIN, Parameter
-from validation.engine.prediction import Offsets
-from validation.models.model import StructureTolerances
-from validation.prediction import damping_law
-from validation.prediction.matrices import sheet
-from validation.prediction.tangent import FIELDS, Tangent, of_arrays
+from validation.estimation.problem import DECLARED, STRUCTURAL, WITHIN, Offsets, Parameter
+from validation.model.model import StructureTolerances
+from validation.prediction.structure import sheet
+
+# `Tangent`: how reduced matrices change with one parameter, on the few coordinates that do.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tangent:
+    """d `Matrices` / d offset of one parameter.
+
+    Attributes
+    ----------
+    at : (s,) the coordinates concerned; coordinates that later effects append need no change here
+    mass, stiffness, viscous, structural : (s, s)
+    parts : by name (k, k), where the share of a part changes
+    crossing : position in `at` of the coordinate whose row and column alone change; None where more may
+    """
+
+    at: Integers
+    mass: Array
+    stiffness: Array
+    viscous: Array
+    structural: Array
+    parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    crossing: int | None = None
+
+
+FIELDS = ("mass", "stiffness", "viscous", "structural")
+
+
+def of_arrays(
+    size: int, parts: Mapping[str, Array] = MappingProxyType({}), crossing: int | None = None, **changes: Array
+) -> Tangent:
+    """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change.
+
+    Parameters
+    ----------
+    crossing : the coordinate whose row and column alone change, if there is one
+    """
+    moving = np.zeros(size, dtype=bool)
+    for change in changes.values():
+        moving |= np.any(change != 0, axis=0) | np.any(change != 0, axis=1)
+    at = np.flatnonzero(moving)
+    nothing = np.zeros((len(at), len(at)))
+    where = None if crossing is None or not moving[crossing] else int(np.searchsorted(at, crossing))
+    mass, stiffness, viscous, structural = (changes[name][np.ix_(at, at)] if name in changes else nothing for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts, crossing=where)
+
+
+def between(before: Matrices, after: Matrices, step: float) -> Tangent:
+    """(after - before) / step."""
+    changes = {name: (getattr(after, name) - getattr(before, name)) / step for name in FIELDS}
+    parts = {name: (share - before.parts[name]) / step for name, share in after.parts.items() if share is not before.parts[name]}
+    return of_arrays(len(before.mass), {name: change for name, change in parts.items() if np.any(change)}, **changes)
+
+
+def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
+    """The sum of both, on matrices of `size`."""
+    whole = {name: full(one, name, size) + full(other, name, size) for name in FIELDS}
+    return of_arrays(size, {**one.parts, **other.parts}, None, **whole)
+
+
+def full(tangent: Tangent, name: str, size: int) -> Array:
+    """The field `name` of `tangent` on all coordinates, (size, size)."""
+    whole = np.zeros((size, size))
+    whole[np.ix_(tangent.at, tangent.at)] = getattr(tangent, name)
+    return whole
+
+
+# Whether the losses of a structure follow its displacement or its velocity: nobody knows, and beside a resonance it matters.
+#
+# Structural damping S and viscous damping that is equal to it at every resonance, C_rs = S_rs / sqrt(omega_r omega_s), take the
+# same off every peak, and differ by (1 - omega / omega_r) of themselves beside it. Real joints and layers lie in between (L.
+# Gaul, Mechanical Systems and Signal Processing 13 (1999), 473). So a share p of what is structural is taken for viscous:
+#
+#     S' = (1 - p) S ,        C' = C + p W S W ,        W = diag(omega_r^-1/2) of the nominal modes.
+
+
+NAME = "damping-law"
+"""Of the share; one for all structures of a series."""
+
+
+def parameter(tolerance: float) -> Parameter:
+    """The share p, which is 0 in the model as it stands."""
+    return Parameter(name=NAME, unit="1", tolerance=tolerance, kind=DECLARED, within=WITHIN * tolerance)
+
+
+def applied(
+    matrices: Matrices, tangents: Mapping[str, Tangent], nominal: Matrices, offsets: Offsets, *, derivatives: bool
+) -> tuple[Matrices, dict[str, Tangent]]:
+    """`matrices` with the share of `offsets`, their `tangents` behind it, and that by the share.
+
+    Parameters
+    ----------
+    nominal : the matrices at offset 0 and without effects, whose modes say at which frequency the two dampings agree
+    derivatives : whether any are wanted
+    """
+    share, W = offsets.get(NAME, 0.0), _weights(nominal, len(matrices.mass))
+    turned = W[:, None] * matrices.structural * W
+    found = dict(tangents)
+    if share:
+        found = {name: _behind(tangent, share, W) for name, tangent in found.items()}
+    if derivatives:
+        found[NAME] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * _own(W, W))
+    left = matrices.structural * (1 - share * _own(W, W))
+    return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
+
+
+def _weights(nominal: Matrices, size: int) -> Array:
+    """(size,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses."""
+    W, own = np.zeros(size), slice(nominal.base, len(nominal.mass))
+    square = np.diag(nominal.stiffness)[own] / np.diag(nominal.mass)[own]
+    W[own] = np.where(square > 0, square, np.inf) ** -0.25
+    return W
+
+
+def _behind(tangent: Tangent, share: float, W: Array) -> Tangent:
+    if not np.any(tangent.structural):
+        return tangent
+    at = W[tangent.at]
+    left = tangent.structural * (1 - share * _own(at, at))
+    return replace(tangent, structural=left, viscous=tangent.viscous + share * at[:, None] * tangent.structural * at)
+
+
+def _own(one: Array, other: Array) -> Array:
+    """1 where both coordinates lose by this law, 0 elsewhere."""
+    return np.outer(one > 0, other > 0).astype(np.float64)
+
 
 NEIGHBOURS = 0.1
 """Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
@@ -64,7 +188,7 @@ class Nuisances:
         parts = self.nominal.parts if len(self.frequency) else ()
         made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
         made += [_declared(f"loss:{part}", of.damping) for part in self.lossy]
-        made += [damping_law.parameter(of.damping_law)] if self.has_law else []
+        made += [parameter(of.damping_law)] if self.has_law else []
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
@@ -104,7 +228,7 @@ class Nuisances:
         now = _now(self, offsets)
         if not derivatives:
             return now.matrices, {}
-        own = (one.name for one in self.parameters if one.name != damping_law.NAME)
+        own = (one.name for one in self.parameters if one.name != NAME)
         return now.matrices, {name: _tangent(self, now, name) for name in own}
 
 

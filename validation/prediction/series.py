@@ -12,33 +12,297 @@ as well, and to the modes of a configuration. A structural effect acts wherever 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from identification.campaign import Campaign
-from identification.measurement_chain import Chain
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, PROCESSING, STRUCTURE_STAGE
-from validation.effects.reach import acts
-from validation.effects.stages import Floor, Reading
-from validation.engine.measured import Measured
-from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Conveyed, Lines, Offsets, Predicted, Wanted
-from validation.models.model import Added, Model
-from validation.prediction import applied, fmd, nuisances
-from validation.prediction import measured as data
-from validation.prediction.amplitude import Drive, drives
-from validation.prediction.carried import Carried
-from validation.prediction.laboratory import laboratory
-from validation.prediction.laboratory import parameters as parameters_of_chain
-from validation.prediction.set_up import Standing, moving_part, standing
+from geometry.frames import Array
+from identification.campaign import Campaign, Processing, Run
+from identification.chain import Chain, chain
+from identification.chain import Parameter as OfChain
+from identification.spectra import noise as spectra_noise
+from identification.spectra.line_spectra import Spectra
+from identification.spectra.of_campaign import SAME_LINE, grid, spectra
+from identification.spectra.peak_hold import hann
+from validation.effects.catalogue import FAMILIES, acts
+from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
+from validation.effects.stages import ChannelResponse, NoiseModel, leak
+from validation.estimation.problem import (
+    DECLARED,
+    IDENTIFIED,
+    SENSOR,
+    WITHIN,
+    Change,
+    Conveyed,
+    Lines,
+    Measured,
+    Offsets,
+    Parameter,
+    Predicted,
+    Wanted,
+)
+from validation.model.model import Added, Model
+from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import effects as prediction_effects
+from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, drives
+from validation.prediction.structure import MountedArticle, mounted_article, moving_part
+
+# The measurement chain of one campaign as a model knows it, in the engine's words.
+
+
+HELD = 1.0
+"""Standard deviation by which the chain opens what an effect needs; `validation.prediction.effects.opened` says which it has."""
+
+
+KINDS = {"fmd-compliance": IDENTIFIED, "cell-stiffness": DECLARED}
+"""What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
+load and how far they give; the former within what is declared of the cells."""
+
+
+def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Chain:
+    """The chain of `campaign`, with every parameter open that `effects` need.
+
+    Raises
+    ------
+    BadInput : as `identification.chain.chain`.
+    """
+    drawn = _chain(model, campaign, {})
+    needed = [one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED]
+    overrides = {name: HELD for name in needed if name in drawn.possible}
+    return _chain(model, campaign, overrides) if overrides else drawn
+
+
+def parameters(of: Chain) -> tuple[Parameter, ...]:
+    """What may move of a chain. What is offset by its logarithm is 1 + its relative change there."""
+    return tuple(_parameter(one) for one in of.parameters)
+
+
+def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> Chain:
+    return chain(campaign.table, model.tolerances, stiffness=model.cell_stiffness, gravity=campaign.gravity, overrides=overrides)
+
+
+def _parameter(one: OfChain) -> Parameter:
+    return Parameter(
+        name=one.name,
+        unit=one.unit,
+        tolerance=one.tolerance,
+        kind=KINDS.get(one.family, SENSOR),
+        within=WITHIN * one.tolerance if KINDS.get(one.family) == DECLARED else inf,
+        nominal=1.0 if one.logarithmic else one.nominal,
+        logarithmic=one.logarithmic,
+        above=one.nominal - 1.0 if one.logarithmic else 0.0,
+    )
+
+
+# Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
+#
+# A run says what it drives, or its level does. Only lines that every run drives are kept, since all runs share one grid.
+
+
+WELL_ABOVE = 10.0
+"""Level over known noise of the channel that sees most, from which a line is driven. Of 22 channels of pure noise the largest
+reaches about 3 at the worst of a thousand lines."""
+
+Chosen = npt.NDArray[np.bool_]
+
+OTHERWISE = "--band decides otherwise"
+
+
+def stated_drives(campaign: Campaign) -> tuple[float, float] | None:
+    """(low, high) [Hz] that all runs that state what they drive have in common; None where none does.
+
+    Raises
+    ------
+    BadInput : they have no line in common.
+    """
+    ends = {run.name: found for run in campaign.runs if (found := _ends(run)) is not None}
+    if not ends:
+        return None
+    low, high = max(of[0] for of in ends.values()), min(of[1] for of in ends.values())
+    lines = lines_of(campaign)
+    if not low < high or not np.any(_between(lines, low, high)):
+        said = ", ".join(f"{name} drives {of[0]:g} to {of[1]:g} Hz" for name, of in ends.items())
+        raise BadInput(
+            source=campaign.source,
+            field="run.excitation",
+            problem=f"all runs together drive none of the lines from {lines[0]:g} to {lines[-1]:g} Hz: {said}",
+            remedy="Correct start_hz and stop_hz, or choose the lines with --band LOW HIGH",
+        )
+    return low, high
+
+
+def outside(campaign: Campaign, band: tuple[float, float] | None) -> tuple[str, ...]:
+    """A sentence about the lines that `stated` leaves out; none where it leaves out none."""
+    lines = lines_of(campaign)
+    if band is None or (left := int(np.sum(~_between(lines, *band)))) == 0:
+        return ()
+    low, high = band
+    of = f"{left} of the {len(lines)} lines of {campaign.source}, {lines[0]:g} to {lines[-1]:g} Hz, are left out"
+    return (f"{of}: all of its runs together drive {low:g} to {high:g} Hz, as they state; {OTHERWISE}",)
+
+
+def by_level(campaign: Campaign, found: Spectra, groups: Sequence[Sequence[int]]) -> tuple[Chosen, tuple[str, ...]]:
+    """(n,) lines of `found` that stand well above the noise in every run that states nothing, and what is to be said.
+
+    Parameters
+    ----------
+    groups : columns of channels, in each of which the line must show: forces, accelerations
+    """
+    silent = [k for k, run in enumerate(campaign.runs) if _ends(run) is None]
+    every = np.ones(len(found.frequency), dtype=bool)
+    if not silent:
+        return every, ()
+    loud = np.all([_above(found, silent, columns) for columns in groups if len(columns)], axis=(0, 1))
+    names = _some([campaign.runs[k].name for k in silent])
+    if not np.any(loud):
+        said = f"no line stands {WELL_ABOVE:g} times above the noise in every run, and {names} state nothing of what they drive"
+        return every, (f"of {campaign.source} all lines are kept: {said}",)
+    if np.all(loud):
+        return every, ()
+    kept = found.frequency[loud]
+    which = f"{int(np.sum(~loud))} of {len(loud)} lines of {campaign.source}"
+    left = f"{which} are left out, {kept[0]:g} to {kept[-1]:g} Hz remain"
+    why = f"there the level is below {WELL_ABOVE:g} times the noise in {names}, which state nothing of what they drive"
+    return loud, (f"{left}: {why}; {OTHERWISE}",)
+
+
+def lines_of(campaign: Campaign) -> Array:
+    """(n,) [Hz] of the files, or those of the campaign's processing."""
+    recorded = next(iter(campaign.recordings.values()), None)
+    there = None if recorded is None else recorded.frequency
+    return grid(campaign) if there is None else there[there > 0]
+
+
+def _ends(run: Run) -> tuple[float, float] | None:
+    """(low, high) [Hz] of what a run states to drive."""
+    return None if run.excitation is None else run.excitation.band
+
+
+def _between(lines: Array, low: float, high: float) -> Chosen:
+    slack = SAME_LINE * (high - low)
+    return np.asarray((lines >= low - slack) & (lines <= high + slack))
+
+
+def _above(found: Spectra, runs: Sequence[int], columns: Sequence[int]) -> Chosen:
+    """(r, n) whether the best channel of `columns` stands well above its noise; noise that is not known counts as none."""
+    chosen = np.ix_(runs, range(len(found.frequency)), columns)
+    return np.asarray(np.any(np.abs(found.values[chosen]) > WELL_ABOVE * found.noise[chosen], axis=2))
+
+
+def _some(names: Sequence[str], most: int = 6) -> str:
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+# From a campaign to `Measured`: the complex lines of the channels that the chain predicts; forces are judged.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Made:
+    """Spectra as the engine wants them.
+
+    Attributes
+    ----------
+    measured : the data set
+    method : by which they were made
+    remarks : which lines were left out, and why
+    """
+
+    measured: Measured
+    method: str
+    remarks: tuple[str, ...] = ()
+
+
+def measured(
+    campaign: Campaign,
+    of: Chain,
+    name: str,
+    *,
+    band: tuple[float, float] | None = None,
+    method: str = "full-record",
+    lines: npt.ArrayLike | None = None,
+    progress: Progress | None = None,
+) -> Made:
+    """The data set `name` of `campaign`; where neither `band` nor `lines` are given, at the lines that every run drives.
+
+    Raises
+    ------
+    BadInput : as `identification.spectra.of_campaign.spectra`; runs that drive no line in common.
+    """
+    if band is not None or lines is not None:
+        found = spectra(campaign, method=method, band=band, frequency=lines, progress=progress)
+        return Made(measured=_measured(campaign, found, of, name), method=found.method, remarks=found.warnings)
+    stated = stated_drives(campaign)
+    found = spectra(campaign, method=method, band=stated, progress=progress)
+    kept, left = by_level(campaign, found, _groups(of))
+    return Made(
+        measured=_measured(campaign, found.at(kept), of, name),
+        method=found.method,
+        remarks=(*found.warnings, *outside(campaign, stated), *left),
+    )
+
+
+def names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
+    """What the data sets are called: after their folders, or after what was tested where there is none; each its own."""
+    called: list[str] = []
+    for one in campaigns:
+        stem = Path(one.source).name if Path(one.source).is_dir() else one.article
+        same = [f"{stem}-{k}" for k in range(2, len(campaigns) + 2)]
+        called.append(next(name for name in (stem, *same) if name not in called))
+    return tuple(called)
+
+
+def per_rms(campaign: Campaign, method: str) -> Array:
+    """(r,) standard deviation of a line for broadband noise of 1 SI unit rms in the record; zeros of stored spectra."""
+    recorded = [campaign.recordings[run.name] for run in campaign.runs]
+    rates = np.array([one.sampling_rate or 0.0 for one in recorded])
+    if not np.all(rates > 0):
+        return np.zeros(len(recorded))
+    density = (1 / rates)[:, None, None]
+    if method == "full-record":
+        return spectra_noise.of_full_record(density, np.array([one.duration for one in recorded])).ravel()
+    return spectra_noise.of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
+
+
+def mains_hum(frequency: Array, quantities: Sequence[str], method: str) -> Array:
+    """(n, c) what the mains' ordinary hum leaves at the lines of a full record; empty of other spectra, where it is not known."""
+    from validation.virtual_test.plan import MAINS
+
+    if method != "full-record":
+        return np.zeros((0, 0))
+    ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
+    return np.outer(leak(frequency), ordinary)
+
+
+def _groups(of: Chain) -> tuple[list[int], list[int]]:
+    """Columns of what is judged, and of what the inputs are estimated from."""
+    forces = [of.columns[k] for k in of.forces.columns]
+    return forces, [column for column in of.columns if column not in forces]
+
+
+def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:
+    columns = list(of.columns)
+    return Measured(
+        name=name,
+        configuration=campaign.article,
+        hardware=campaign.hardware,
+        runs=found.runs,
+        axes=found.axes,
+        channels=of.names,
+        judged=np.isin(np.arange(len(columns)), of.forces.columns),
+        frequency=found.frequency,
+        values=found.values[:, :, columns],
+        noise=found.noise[:, :, columns],
+        noise_scatter=found.noise_scatter,
+        noise_spread=found.noise_spread,
+    )
+
 
 Progress = Callable[[float], None]
 
@@ -62,7 +326,7 @@ def predictions(
 
     Parameters
     ----------
-    band : (low, high) [Hz] of the lines; by default what all runs drive, see `validation.prediction.driven`
+    band : (low, high) [Hz] of the lines; by default what all runs drive, see `validation.prediction.series`
     method : of `identification.campaign.METHODS`, for time histories
     lines : (n,) [Hz]; by default those of the campaign's processing, or of its files, within the band
     progress : called with the share done
@@ -73,13 +337,13 @@ def predictions(
     """
     _require_one_hardware(campaigns)
     found = []
-    for k, (campaign, name) in enumerate(zip(campaigns, data.names(campaigns), strict=True)):
+    for k, (campaign, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
         found.append(_tested(model, campaign, name, band, method, lines, _share(progress, k, len(campaigns))))
     return tuple(SeriesPrediction(tested=one, effects=model.effects) for one in found)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Tested:
+class TestedCampaign:
     """One campaign, as far as no effect changes it.
 
     Attributes
@@ -97,13 +361,13 @@ class Tested:
     model: Model
     campaign: Campaign
     measured: Measured
-    carried: Carried
-    drives: tuple[Drive, ...]
+    carried: SupportedDynamicMass
+    drives: tuple[BaseDrive, ...]
     per_rms: Array
     method: str = "full-record"
     remarks: tuple[str, ...] = ()
 
-    def on(self, runs: Sequence[str]) -> Tested:
+    def on(self, runs: Sequence[str]) -> TestedCampaign:
         """Of the runs named alone."""
         kept = [k for k, run in enumerate(self.measured.runs) if run in runs]
         chosen = tuple(self.drives[k] for k in kept)
@@ -112,7 +376,7 @@ class Tested:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SeriesPrediction:
-    """A model of one campaign of a series: a `validation.engine.prediction.Prediction`.
+    """A model of one campaign of a series: a `validation.estimation.problem.Prediction`.
 
     Attributes
     ----------
@@ -120,7 +384,7 @@ class SeriesPrediction:
     effects : of the model, in the order in which they act; those that reach nothing here do nothing here
     """
 
-    tested: Tested
+    tested: TestedCampaign
     effects: tuple[Added, ...] = ()
 
     @property
@@ -157,14 +421,14 @@ class SeriesPrediction:
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         rows = self._chain.rows(theta, frequency)[1]
         still = np.zeros((len(frequency), len(self._chain.names)))
-        reading = Reading(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
-        return self._written(reading, {}, applied.at(self._reaching, at))[0].rows
+        reading = ChannelResponse(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
+        return self._written(reading, {}, prediction_effects.at(self._reaching, at))[0].rows
 
     def moved(self, offsets: Offsets, lines: Lines | None = None) -> dict[str, tuple[ComplexArray, ComplexArray]]:
         """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
         beyond those of a rigid article."""
         at = self._at(offsets)
-        return self.tested.carried.moved(at, applied.at(self._reaching, at), self._lines(lines))
+        return self.tested.carried.moved(at, prediction_effects.at(self._reaching, at), self._lines(lines))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
@@ -203,19 +467,19 @@ class SeriesPrediction:
         carried, model = self.tested.carried, self.tested.model
         own = [
             *(() if carried.nuisances is None else carried.nuisances.parameters),
-            *fmd.parameters(carried.moving, model.fmd_tolerance),
-            *parameters_of_chain(self._chain),
+            *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
+            *parameters(self._chain),
         ]
-        left, given = applied.opened(own, self._reaching)
+        left, given = prediction_effects.opened(own, self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
-        return (*left, *applied.parameters(equations)), given
+        return (*left, *prediction_effects.parameters(equations)), given
 
     @cached_property
-    def _variants(self) -> tuple[tuple[Drive, tuple[int, ...]], ...]:
+    def _variants(self) -> tuple[tuple[BaseDrive, tuple[int, ...]], ...]:
         """Runs that are read alike: all of them, unless an effect asks how they were driven."""
         drives = self.tested.drives
         if not any(_asks(one) for one in self._reaching):
-            return ((Drive(), tuple(range(len(drives)))),)
+            return ((BaseDrive(), tuple(range(len(drives)))),)
         return tuple((drive, (k,)) for k, drive in enumerate(drives))
 
     def _lines(self, lines: Lines | None) -> Array:
@@ -225,16 +489,16 @@ class SeriesPrediction:
         return {**offsets, **self._opened[1]}
 
     def _carried(
-        self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: bool
+        self, at: Offsets, frequency: Array, drive: BaseDrive, *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        effects, every = applied.at(self._reaching, at), self.measured.frequency
+        effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
         if not any(_looks_around(one) for one in effects):
             return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
         H, changes = self.tested.carried.at(at, effects, every, drive, derivatives=derivatives)
         chosen = np.searchsorted(every, frequency)
         return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
-    def _read(self, at: Offsets, frequency: Array, drive: Drive, *, derivatives: Wanted) -> Predicted:
+    def _read(self, at: Offsets, frequency: Array, drive: BaseDrive, *, derivatives: Wanted) -> Predicted:
         """What the channels read of runs that were driven by `drive`."""
         H, structural = self._carried(at, frequency, drive, derivatives=bool(derivatives))
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
@@ -249,40 +513,40 @@ class SeriesPrediction:
             for name, derivative in zip(names, of_chain, strict=True):
                 changes[name] = Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
-        reading = Reading(
+        reading = ChannelResponse(
             frequency=frequency,
             channels=self._chain.names,
             rows=rows,
             amplitude=np.abs(rows @ drive.amplitude),
             peak=np.abs(rows @ drive.nominal).max(axis=0, initial=0.0),
         )
-        reading, changes = self._written(reading, changes, applied.at(self._reaching, at))
+        reading, changes = self._written(reading, changes, prediction_effects.at(self._reaching, at))
         for name in self._opened[1]:
             changes.pop(name, None)
         return Predicted(rows=reading.rows, changes=changes)
 
     def _written(
-        self, reading: Reading, changes: dict[str, Change | Conveyed], effects: Sequence[Added]
-    ) -> tuple[Reading, dict[str, Change | Conveyed]]:
+        self, reading: ChannelResponse, changes: dict[str, Change | Conveyed], effects: Sequence[Added]
+    ) -> tuple[ChannelResponse, dict[str, Change | Conveyed]]:
         """What the file holds of what the channels read."""
-        if applied.channels_pass(effects):
-            written, own = applied.channels(reading, {}, effects)
+        if prediction_effects.channels_pass(effects):
+            written, own = prediction_effects.channels(reading, {}, effects)
             return written, {**changes, **{name: _changing(rows) for name, rows in own.items()}}
         every = tuple(range(len(reading.channels)))
         tangents = {name: _on(change, every) for name, change in changes.items()}
-        written, tangents = applied.channels(reading, tangents, effects)
+        written, tangents = prediction_effects.channels(reading, tangents, effects)
         return written, {name: _changing(rows) for name, rows in tangents.items()}
 
     def _noise(self, at: Offsets, lines: Lines | None, frequency: Array) -> Array | None:
         """(r, n, c) where an effect on it acts."""
-        effects, of = [one for one in applied.at(self._reaching, at) if _stage(one) == NOISE_STAGE], self.measured
+        effects, of = [one for one in prediction_effects.at(self._reaching, at) if _stage(one) == NOISE_STAGE], self.measured
         if not effects:
             return None
         chosen = of.noise if lines is None else of.noise[:, lines]
         quantities = tuple(self.tested.campaign.table.channels[k].quantity for k in self._chain.columns)
-        hum, found = data.hum(frequency, quantities, self.tested.method), []
+        hum, found = mains_hum(frequency, quantities, self.tested.method), []
         for deviation, per_rms in zip(chosen, self.tested.per_rms, strict=True):
-            floor = Floor(
+            floor = NoiseModel(
                 frequency=frequency,
                 channels=of.channels,
                 quantities=quantities,
@@ -305,29 +569,31 @@ def _tested(
     method: str,
     lines: npt.ArrayLike | None,
     progress: Progress | None,
-) -> Tested:
-    stands = standing(model, campaign)
+) -> TestedCampaign:
+    stands = mounted_article(model, campaign)
     of = laboratory(model, campaign, ())
-    made = data.measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
+    made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
     driven = drives(campaign, made.method)
-    return Tested(
+    return TestedCampaign(
         model=model,
         campaign=replace(campaign, recordings={}),
         measured=made.measured,
-        carried=carried(model, campaign, stands),
+        carried=supported_dynamic_mass(model, campaign, stands),
         drives=tuple(driven[run] for run in made.measured.runs),
-        per_rms=data.per_rms(campaign, made.method),
+        per_rms=per_rms(campaign, made.method),
         method=made.method,
         remarks=made.remarks,
     )
 
 
-def carried(model: Model, campaign: Campaign, stands: Standing) -> Carried:
+def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArticle) -> SupportedDynamicMass:
     """What the cells carry in `campaign`, in which `stands` stands on the cover plate."""
     of_structure = None
     if stands.matrices is not None:
         of_structure = nuisances.of(campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure)
-    return Carried(standing=stands, moving=moving_part(model), exact=model.fmd_tolerance == 0, nuisances=of_structure)
+    return SupportedDynamicMass(
+        standing=stands, moving=moving_part(model), exact=model.fmd_tolerance == 0, nuisances=of_structure
+    )
 
 
 def _joined(found: Sequence[Predicted], order: npt.NDArray[np.int64], noise: Array | None) -> Predicted:
@@ -384,3 +650,58 @@ def _require_one_hardware(campaigns: Sequence[Campaign]) -> None:
             problem=f"one model holds for one FMD and its sensors, found {listed}",
             remedy="Compare campaigns of one hardware at a time, each with a model of its own",
         )
+
+
+# Noise of lines that brought no records along, from the lines themselves.
+#
+# First, what is left when each line is compared with the mean of its neighbours. A response function is smooth over three lines
+# but for its resonances, noise is not: of y_k - (y_k-1 + y_k+1) / 2 noise of variance sd² makes 3/2 sd². The median over a
+# stretch of lines does not notice a resonance that is narrow beside it; the bent skirts of a high one make the noise look larger
+# there, not smaller. A complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for
+# such medians).
+#
+# Second, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Rayleigh, The
+# Theory of Sound, 1877, chapter 5), so that two runs measured the same number. What they differ by grows with what is read.
+
+
+AROUND = 1.0
+"""[Hz] to either side of a line over which the median is taken; a resonance is far narrower."""
+
+FEWEST = 7
+"""Lines that such a stretch must hold."""
+
+_OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
+
+
+def repeatability(accelerances: npt.ArrayLike) -> float:
+    """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r), run j driven where channel j reads.
+
+    Raises
+    ------
+    ValueError : another shape, or one run alone.
+    """
+    A = np.asarray(accelerances, dtype=np.complex128)
+    r = len(A)
+    if A.ndim != 3 or A.shape[2] != r or r < 2:
+        raise ValueError(f"`accelerances` must be (r, n, r) with two runs or more, found {A.shape}")
+    pairs = [(A[j, :, i], A[i, :, j]) for i in range(r) for j in range(i)]
+    apart = [np.abs(one - other) / np.hypot(np.abs(one), np.abs(other)) for one, other in pairs]
+    return float(np.median(np.concatenate(apart)) / np.sqrt(np.log(2)))
+
+
+def noise(frequency: npt.ArrayLike, values: npt.ArrayLike, around: float = AROUND) -> Array:
+    """Standard deviation (r, n, c) of the complex noise of `values` (r, n, c) at `frequency` (n,) [Hz], E|noise|² = sd².
+
+    Raises
+    ------
+    ValueError : fewer than `FEWEST` lines lie within `around` of some line.
+    """
+    from scipy.ndimage import median_filter
+
+    f, y = np.asarray(frequency, dtype=np.float64), np.asarray(values, dtype=np.complex128)
+    width = 2 * round(around / float(np.median(np.diff(f)))) + 1 if len(f) > 1 else 1
+    if width < FEWEST or len(f) < width:
+        raise ValueError(f"`frequency` must hold {FEWEST} lines within {around:g} Hz of each line, found a spacing for {width}")
+    left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
+    left = np.concatenate([left[:, :1], left, left[:, -1:]], axis=1)
+    return np.asarray(_OF_MEDIAN * median_filter(left, size=(1, width, 1), mode="nearest"))

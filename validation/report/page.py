@@ -2,43 +2,260 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+import os
+import shlex
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from importlib.metadata import version as version_metadata
 from importlib.resources import files
 from pathlib import Path
+from platform import platform, python_version
+from tempfile import TemporaryDirectory
 
-from geometry.atomic import write_text
-from validation.report.figures import Figures
-from validation.report.markup import Safe, joined, tag
-from validation.report.nouns import Report
-from validation.report.sections import (
-    articles,
-    condition,
-    dynamic_mass,
-    inertia,
-    ladder,
-    missing,
-    modes,
-    provenance,
-    sensors,
-    summary,
-    title,
-    where,
-)
+import click
+
+from geometry.atomic import write_text, write_with
+from geometry.errors import BadInput, CheckFailed
+from identification.campaign import METHODS
+from validation.classical.files import Reduction, read
+from validation.compare.compare import Comparison, compared
+from validation.compare.spots import text
+from validation.diagnose import diagnose, diagnosis
+from validation.diagnose.diagnose import require_runs
+from validation.diagnose.diagnosis import Diagnosis
+from validation.effects.catalogue import SOURCES
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT, percent
+from validation.history.history import Body, HistoryPosition, Source, digest, history_position
+from validation.identify.identify import REDUCED
+from validation.model.model import Model
+from validation.model.setups import FMD, above_fmd
+from validation.output import require_ending, require_file, stages
+from validation.reference.reference import file_name
+from validation.reference.statement import QUANTITIES, rounded
+from validation.report import compare, flexible, history, identify, reference
+from validation.report import diagnose as report_diagnose
+from validation.report.diagnose import plain
+from validation.report.document import Column, Figures, Safe, joined, table, tag, worded
+from validation.report.identify import campaign_part
+from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, section, verdict
+from validation.report.reference import article_part
+from validation.study import CompareOptions as Compared
+from validation.study import Data, ready
+
+# Where everything comes from: versions, settings, inputs with their digests, the model, and the command line.
+
+
+SEEDS = "none: the same data give the same answer (of a simulated campaign the seed stands in its own description)"
+"""Of the random numbers behind figures of this page."""
+
+
+def provenance_html(report: Report, figures: Figures) -> Safe:
+    """The section."""
+    made = report.provenance
+    settings = {"random numbers": SEEDS, **made.settings}
+    if report.diagnosis is not None:
+        settings |= {f"diagnosis: {key}": value for key, value in report.diagnosis.settings.items() if key != "random_numbers"}
+    return section(
+        "provenance",
+        "Provenance",
+        tag("p", "Command line: ", tag("code", made.command)) if made.command else None,
+        _pairs("Versions", "program", "version", made.versions),
+        table(
+            "Inputs",
+            [Column(head="file or folder", words=True), Column(head="SHA-256", words=True)],
+            [[one.path, tag("code", one.digest)] for one in made.inputs],
+            note="Of a campaign: of its description and all of its signals.",
+        ),
+        _pairs("Settings", "setting", "value", {key: _text(value) for key, value in settings.items()}),
+        tag("details", tag("summary", "The model file"), tag("pre", made.model_text)) if made.model_text else None,
+    )
+
+
+def _pairs(caption: str, key: str, value: str, pairs: Mapping[str, str]) -> Safe:
+    columns = [Column(head=key, words=True), Column(head=value, words=True)]
+    return joined(table(caption, columns, [[name, said] for name, said in pairs.items()]))
+
+
+def _text(value: object) -> str:
+    said = plain(value)
+    if isinstance(said, dict):
+        return "; ".join(f"{key or 'any other'}: {_text(one)}" for key, one in said.items())
+    if isinstance(said, list):
+        return ", ".join(map(_text, said)) or "none"
+    return said if isinstance(said, str) else json.dumps(said)
+
+
+# Five sentences: what was held against what, how well it fits, where it fails, what is missing, and what the article weighs.
+
+
+RAW = "From the raw records alone, which know no effect: "
+"""Before what was identified without the model."""
+
+
+def summary_html(report: Report, figures: Figures) -> Safe:
+    """The section."""
+    said = (_data(report), _errors(report), _worst(report), _missing(report), _inertia(report))
+    return section("summary", "Summary", tag("ol", *(tag("li", one) for one in said), class_="summary"))
+
+
+def _data(report: Report) -> Safe:
+    maps, classical = report.comparison.maps, len(report.classical)
+    runs, lines = sum(len(one.runs) for one in maps), sum(len(one.runs) * len(one.frequency) for one in maps)
+    low, high = min(one.frequency[0] for one in maps), max(one.frequency[-1] for one in maps)
+    files = f" and {classical} classical measurement{'s' if classical != 1 else ''}" if classical else ""
+    many = f"{len(maps)} campaign{'s' if len(maps) != 1 else ''}"
+    where = f"{lines} lines between {low:.4g} and {high:.4g} Hz"
+    return joined(f"{report.comparison.title} was held against {many} of {runs} runs{files}: {where}.")
+
+
+def _errors(report: Report) -> Safe:
+    _, plain, _, held = report.comparison.errors
+    of = report.comparison.evaluation
+    told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
+    if of.held_out is None:
+        return joined(told, verdict(plain.verdict), ".")
+    seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
+    return joined(told, verdict(plain.verdict), seen, verdict(plain.verdict if held.verdict == GOOD else held.verdict), ".")
+
+
+def _worst(report: Report) -> Safe:
+    spots = report.comparison.worst
+    if not spots or spots[0].sigma < STANDS_OUT:
+        peak = f", the worst spot being at {spots[0].sigma:.1f} sigma" if spots else ""
+        return joined(f"Nowhere does it fail by more than chance{peak} ", verdict(GOOD), ".")
+    return joined("It fails most at ", tag("em", text(spots[0], len(report.comparison.maps))), " ", verdict(FAILED), ".")
+
+
+def _missing(report: Report) -> Safe:
+    found = report.diagnosis
+    if found is None:
+        return joined(f"What is missing was not looked for: {report.not_diagnosed or 'nobody asked'}.")
+    then = f" Next measurement: {found.next_measurement.rstrip('.')}." if found.next_measurement else ""
+    return joined(diagnosis.headline(found), then)
+
+
+def _inertia(report: Report) -> Safe:
+    known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
+    alone = [part for part, article in known if article.split("+")[0] != FMD]
+    told = [_identified(part) for part in alone or [part for part, _ in known]]
+    raw = joined(RAW, *_between(told), ".") if told else joined("No inertia was identified from the raw records.")
+    if report.identified:
+        lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
+        return joined(
+            f"Identified {lead}: ", *_between([_corrected(one) for one in report.identified]), ". ", raw, _uncorrected(report)
+        )
+    why = f" With the effects of the model no inertia was identified: {report.not_identified}" if report.not_identified else ""
+    return joined(raw, why, _uncorrected(report))
+
+
+def _uncorrected(report: Report) -> Safe:
+    """That what was diagnosed is not in the model yet."""
+    there = set(report.comparison.effects)
+    found = [one.id for one in report.diagnosis.accepted if one.id not in there] if report.diagnosis is not None else []
+    told = (
+        f" Nothing of this knows {diagnosis.listed(found)} yet, which the model lacks: `massline add` adds it." if found else ""
+    )
+    return worded(told)
+
+
+def _corrected(body: Body) -> Safe:
+    """Mass, CoG and moments with their intervals beside the model's, and how many of the ten values lie outside."""
+    mass = _beside(body, slice(0, 1))
+    within = verdict("within", GOOD) if abs(body.distance[0]) <= body.half_width[0] else verdict("outside", DOUBTFUL)
+    beyond = int((abs(body.distance) > body.half_width).sum())
+    of_ten = f"{beyond} of the ten values outside" if beyond else "all ten values inside"
+    rest = f"; CoG {_beside(body, slice(1, 4))}; moments about it {_beside(body, slice(4, 7))}; {of_ten} their intervals"
+    return joined(f"{body.article} weighs {mass}, ", within, rest)
+
+
+def _beside(body: Body, which: slice) -> str:
+    """Some of the ten with half their 95 % intervals, and the model's."""
+    values, half, model = (one[which] * QUANTITIES[which][0].per_si for one in (body.values, body.half_width, body.reference))
+    told = ", ".join(f"{rounded(x, h)} ± {rounded(h, h)}" for x, h in zip(values, half, strict=True))
+    own = ", ".join(rounded(x, h) for x, h in zip(model, half, strict=True))
+    return f"{told} {QUANTITIES[which][0].unit} (95 %), the model {own}"
+
+
+def _between(parts: list[Safe]) -> list[str]:
+    return [piece for k, one in enumerate(parts) for piece in ([one] if k == 0 else ["; ", one])]
+
+
+def _identified(part: CampaignPart) -> Safe:
+    found = part.findings
+    if found is None:
+        return Safe("")
+    best, mass = found.result, QUANTITIES[0]
+    value, half = float(best.values[0]) * mass.per_si, float(best.half_width[0]) * mass.per_si
+    carried = ", the FMD's moving part included," if found.article.split("+")[0] == FMD else ""
+    told = f"{found.article}{carried} weighs {rounded(value, half)} ± {rounded(half, half)} kg ({best.identified.way}, 95 %)"
+    doubted = joined(", ", verdict(DOUBTFUL), f" since {found.doubts[0]}") if found.doubts else None
+    known = None if part.reference is None else part.reference.values[0]
+    if known is None:
+        return joined(told, doubted)
+    within = abs(value - known.value * mass.per_si) <= half + (known.tolerance or 0.0) * mass.per_si
+    drawn = f", drawn {known.value * mass.per_si:.4g} kg, "
+    return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", DOUBTFUL), doubted)
+
+
+# The title block: what this is about, who made it of what and when, and where somebody signs.
+
+
+def title_html(report: Report, figures: Figures) -> Safe:
+    """The head of the page."""
+    rows = [tag("tr", tag("th", name, scope="row"), tag("td", said)) for name, said in _rows(report)]
+    signed = (_line("prepared by", report.provenance.by), _line("checked by"), _line("released by, date"))
+    return tag(
+        "header",
+        tag("p", "massline · report of a model and its measurements", class_="kind"),
+        tag("h1", report.comparison.title),
+        tag("table", tag("tbody", *rows), class_="facts"),
+        tag("div", *signed, class_="signatures"),
+        id="top",
+    )
+
+
+def _rows(report: Report) -> Iterator[tuple[str, str]]:
+    made = report.provenance
+    yield "model", report.comparison.source
+    yield "articles", ", ".join(dict.fromkeys(part.campaign.article for part in report.campaigns))
+    yield (
+        "campaigns",
+        "; ".join(_campaign(part.campaign.title, part.campaign.source, len(part.campaign.runs)) for part in report.campaigns),
+    )
+    if report.classical:
+        yield "classical", "; ".join(one.title for one in report.classical)
+    if report.comparison.effects:
+        yield "effects in it", ", ".join(report.comparison.effects)
+    yield "date", made.when
+    yield "made with", f"massline {made.versions.get('massline', '')}{', by ' + made.by if made.by else ''}"
+
+
+def _campaign(title: str, source: str, runs: int) -> str:
+    return f"{title} ({source}, {runs} run{'s' if runs != 1 else ''})"
+
+
+def _line(what: str, name: str = "") -> Safe:
+    return tag("div", tag("span", name, class_="signed"), tag("span", what, class_="what"))
+
 
 Section = Callable[[Report, Figures], Safe]
 
 SECTIONS: tuple[tuple[str, str, Section], ...] = (
-    ("summary", "Summary", summary.html),
-    ("articles", "Articles and reference", articles.html),
-    ("modes", "Modes", modes.html),
-    ("sensors", "Sensors", sensors.html),
-    ("dynamic-mass", "Dynamic mass", dynamic_mass.html),
-    ("condition", "Condition number", condition.html),
-    ("inertia", "Identified inertia", inertia.html),
-    ("where", "Where it fails", where.html),
-    ("missing", "What is missing", missing.html),
-    ("ladder", "The ladder", ladder.html),
-    ("provenance", "Provenance", provenance.html),
+    ("summary", "Summary", summary_html),
+    ("articles", "Articles and reference", reference.html),
+    ("modes", "Modes", flexible.html),
+    ("sensors", "Sensors", compare.sensors_html),
+    ("dynamic-mass", "Dynamic mass", compare.dynamic_mass_html),
+    ("condition", "Condition number", compare.html),
+    ("inertia", "Identified inertia", identify.html),
+    ("where", "Where it fails", compare.where_html),
+    ("missing", "What is missing", report_diagnose.html),
+    ("ladder", "The ladder", history.html),
+    ("provenance", "Provenance", provenance_html),
 )
 """Name, heading in the table of contents, and what writes it, in the order of the page."""
 
@@ -75,7 +292,7 @@ def html(report: Report, progress: Progress | None = None) -> str:
         tell(heading, k / len(SECTIONS))
         if made := write_section(report, figures):
             parts.append((name, heading, made))
-    main = tag("main", title.html(report, figures), *(made for _, _, made in parts))
+    main = tag("main", title_html(report, figures), *(made for _, _, made in parts))
     body = tag(
         "body",
         _bar(),
@@ -118,3 +335,384 @@ def _script(figures: Figures) -> Safe:
 
 def _resource(name: str) -> str:
     return files("validation.report").joinpath(name).read_text(encoding="utf-8")
+
+
+# A `Report` from results that are there. What it still lacks is found here: articles by themselves, sensors, identified inertia.
+#
+# comparison = compared(model, data, ...)                      # validation.compare
+# report = assembled(model, data, comparison, diagnosis=found, standing=at, provenance=...)
+# page.write(report, Path("out/report.html"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class How:
+    """With what everything was computed.
+
+    Attributes
+    ----------
+    band : [Hz]; None for that of the campaigns
+    method : how spectra are made
+    """
+
+    band: tuple[float, float] | None = None
+    method: str = "full-record"
+
+
+def assembled(
+    model: Model,
+    data: Data,
+    comparison: Comparison,
+    *,
+    provenance: Provenance,
+    how: How | None = None,
+    identified: Sequence[Body] = (),
+    not_identified: str = "",
+    diagnosis: Diagnosis | None = None,
+    not_diagnosed: str = "",
+    standing: HistoryPosition | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """The report of `comparison`, with everything that can be told of its articles and campaigns by themselves.
+
+    What cannot be made is left out, with the reason in its part: a user's own FE model has no drawing, a campaign of fewer than
+    six runs no identified inertia.
+
+    Parameters
+    ----------
+    model, data : of `comparison`
+    identified, not_identified : inertia with the effects of the model, or why there is none (see `validation.report.identify`)
+    diagnosis : of the same; None leaves the section with the reason `not_diagnosed`
+    standing : of the model file
+
+    Raises
+    ------
+    OSError : a file cannot be read any more.
+    """
+    how, tell = how or How(), progress or (lambda what, share: None)
+    classical = reductions(data.classical)
+    names = tuple(dict.fromkeys(name for one in data.campaigns if (name := above_fmd(one.article))))
+    count = len(names) + len(data.campaigns)
+    articles: list[ArticlePart] = []
+    campaigns: list[CampaignPart] = []
+    for name in names:
+        tell(name, len(articles) / count)
+        articles.append(article_part(name, model, comparison, classical))
+    for one in data.campaigns:
+        tell(Path(one.source).name, (len(articles) + len(campaigns)) / count)
+        campaigns.append(campaign_part(one, data.campaigns, model, how.band, how.method))
+    return Report(
+        model=model,
+        comparison=comparison,
+        provenance=provenance,
+        articles=tuple(articles),
+        campaigns=tuple(campaigns),
+        identified=tuple(identified),
+        not_identified=not_identified,
+        classical=classical,
+        diagnosis=diagnosis,
+        not_diagnosed=not_diagnosed,
+        standing=standing,
+    )
+
+
+def reductions(names: Sequence[str]) -> tuple[Reduction, ...]:
+    """The measurement files `names`, reduced as `massline weigh`, `cog` and `pendulum` do it.
+
+    Raises
+    ------
+    BadInput : one of them cannot be used.
+    """
+    found = []
+    for name in names:
+        file = read(name, tuple(REDUCED))
+        found.append(REDUCED[file.text("kind")](file))
+    return tuple(found)
+
+
+# A browser of the Chromium family without a window: where it lies, and how it is started so that it asks nobody for anything.
+#
+# Whoever starts one, the tests and the benchmarks among them, starts it with `flags`.
+
+
+BROWSER = "MASSLINE_BROWSER"
+"""The environment variable that names a browser."""
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
+
+PATIENCE = 30.0
+"""[s] that a browser has to say its version."""
+
+
+def browser_path() -> str:
+    """The path of a browser that prints.
+
+    Raises
+    ------
+    BadInput : there is none, or `MASSLINE_BROWSER` names none.
+    """
+    named = os.environ.get(BROWSER)
+    if named is not None:
+        found = shutil.which(named)
+        if found is None:
+            remedy = "Name a browser of the Chromium family, or unset it"
+            raise BadInput(source=BROWSER, problem=f"no program is called {named!r}", remedy=remedy)
+        return found
+    found = next((there for name in NAMES if (there := shutil.which(name))), None)
+    if found is None:
+        raise BadInput(
+            source="browser",
+            problem=f"none is on the path, looked for {', '.join(NAMES)}",
+            remedy=f"Install one (Debian: apt-get install chromium), or name another in {BROWSER}",
+        )
+    return found
+
+
+def version(program: str) -> str:
+    """What the browser `program` says of itself; its path where it says nothing."""
+    try:
+        done = subprocess.run([program, "--version"], capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return program
+    return done.stdout.strip() or program
+
+
+def flags() -> tuple[str, ...]:
+    """What it is started with: nothing asked of anybody, and its sandbox kept wherever it can be.
+
+    As root, which is what one is in a container, it refuses to start in its sandbox.
+    """
+    root = hasattr(os, "geteuid") and os.geteuid() == 0
+    return (
+        *(("--no-sandbox",) if root else ()),
+        "--disable-gpu",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+    )
+
+
+# The page on paper: a browser of the Chromium family prints it, without a window and without a network.
+
+
+PDF_PATIENCE = 180.0
+"""[s] after which a browser that does not end is ended."""
+
+BUDGET = 60_000
+"""[ms] of the page's own time within which every figure is drawn."""
+
+
+def print_to(page: Path, path: Path, program: str) -> None:
+    """Print the report `page` to the PDF file `path`, whole or not at all.
+
+    Raises
+    ------
+    CheckFailed : the browser does not print.
+    OSError : `path` cannot be written.
+    """
+    write_with(path, lambda temporary: _print(page, temporary, program))
+
+
+def _print(page: Path, path: Path, program: str) -> None:
+    with TemporaryDirectory() as profile:
+        made = Path(profile) / "page.pdf"
+        done = _run([program, *_options(profile, made), f"{page.resolve().as_uri()}#paper"])
+        if not made.exists() or made.stat().st_size == 0:
+            raise CheckFailed(f"{program} did not print the report: {done or 'it said nothing'}")
+        shutil.copyfile(made, path)
+
+
+def _options(profile: str, made: Path) -> tuple[str, ...]:
+    """Without a window, a profile of its own, nothing asked of anybody."""
+    return (
+        "--headless",
+        *flags(),
+        "--disable-extensions",
+        f"--user-data-dir={profile}/profile",
+        f"--virtual-time-budget={BUDGET}",
+        "--no-pdf-header-footer",
+        "--generate-pdf-document-outline",
+        f"--print-to-pdf={made}",
+    )
+
+
+def _run(words: list[str]) -> str:
+    """The last thing that the browser said.
+
+    Raises
+    ------
+    CheckFailed : it does not end by itself.
+    """
+    try:
+        done = subprocess.run(words, capture_output=True, encoding="utf-8", errors="replace", timeout=PDF_PATIENCE, check=False)
+    except subprocess.TimeoutExpired:
+        raise CheckFailed(f"{words[0]} did not print the report within {PDF_PATIENCE:g} s") from None
+    return next((line for line in reversed(done.stderr.splitlines()) if line.strip()), "")
+
+
+# `massline report` from options to output: read, compare, diagnose, assemble, write, print.
+
+
+PROGRAMS = (
+    *("massline", "numpy", "scipy", "plotly", "pyvista", "vtk", "matplotlib", "exudyn", "pin", "cadquery", "cadquery-ocp"),
+    *("trimesh", "gmsh", "scikit-fem", "h5py", "libigl", "networkx", "pillow", "pint", "pyuff", "pyyeti", "tomlkit"),
+    "uncertainties",
+)
+"""Whose versions stand in the report, beside Python's: every library that reads, computes or draws what is on it."""
+
+NOT_ASKED = "--no-diagnosis"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """The options as typed.
+
+    Attributes
+    ----------
+    compared : model, data, and what `massline compare` is asked
+    diagnosis : whether to look for what is missing
+    out : where the page goes; None for a name after the model's, under out/
+    pdf : whether to print it as well
+    by : who makes it
+    command : the command line
+    """
+
+    compared: Compared
+    diagnosis: bool = True
+    out: Path | None = None
+    pdf: bool = False
+    by: str = ""
+    command: str = ""
+
+
+def answer(asked: ReportOptions) -> None:
+    """Write what is `asked`, and say where it is.
+
+    Raises
+    ------
+    BadInput : something that was asked cannot be used; no browser where one is to print.
+    CheckFailed : a fit that does not converge; a browser that does not print.
+    OSError : a file cannot be written.
+    """
+    path = place(asked)
+    program = browser_path() if asked.pdf else ""
+    report = reported(asked)
+    with stages("writing", quiet=False) as told:
+        write(report, path, told)
+    click.echo(f"massline: wrote {path}.", err=True)
+    if program:
+        printed = path.with_suffix(".pdf")
+        with stages("printing", quiet=False):
+            print_to(path, printed, program)
+        click.echo(f"massline: wrote {printed}.", err=True)
+
+
+def place(asked: ReportOptions) -> Path:
+    """Where the page goes.
+
+    Raises
+    ------
+    BadInput : a place where nothing can be written, or an ending that is not .html.
+    """
+    if asked.out is None:
+        path = Path("out") / f"{file_name(Path(asked.compared.model).stem)}-report.html"
+        path.parent.mkdir(exist_ok=True)
+        return path
+    require_ending(asked.out, (".html", ".htm"), "a report", "out/report.html")
+    require_file(asked.out, "--out")
+    return asked.out
+
+
+def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
+    """The report that `asked` leads to.
+
+    Raises
+    ------
+    BadInput, CheckFailed : see `answer`.
+    """
+    question = asked.compared
+    with stages("reading", quiet=quiet) as told:
+        model, data = ready(question, told)
+        at = history_position(Path(question.model)) if Path(question.model).is_file() else None
+    with stages("comparing", quiet=quiet) as told:
+        comparison = compared(model, data, question.hold_out, told, band=question.band, method=question.method)
+    with stages("diagnosing", quiet=quiet) as told:
+        found, why = _diagnosis(asked, model, data, told) if asked.diagnosis else (None, NOT_ASKED)
+    with stages("identifying and drawing", quiet=quiet) as told:
+        bodies, missing = identify.identified(question, model, data, comparison, at, told)
+        return assembled(
+            model,
+            data,
+            comparison,
+            provenance=provenance(asked),
+            how=How(band=question.band, method=question.method),
+            identified=bodies,
+            not_identified=missing,
+            diagnosis=found,
+            not_diagnosed=why,
+            standing=at,
+            progress=told,
+        )
+
+
+def _diagnosis(
+    asked: ReportOptions, model: Model, data: Data, told: Callable[[str, float], None]
+) -> tuple[Diagnosis | None, str]:
+    """What is missing; or None, and why nothing can be said."""
+    question = asked.compared
+    try:
+        require_runs(data.campaigns)
+        bench = diagnose.bench(model, data, hold_out=question.hold_out, band=question.band, method=question.method, progress=told)
+        return diagnose.diagnosed(bench, progress=told), ""
+    except (BadInput, CheckFailed) as error:
+        return None, str(error)
+
+
+def provenance(asked: ReportOptions) -> Provenance:
+    """Where a report of what is `asked` comes from, at this moment.
+
+    Raises
+    ------
+    OSError : a file cannot be read.
+    """
+    question = asked.compared
+    return Provenance(
+        when=datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
+        by=asked.by,
+        command=asked.command or command_line(question, diagnosis=asked.diagnosis),
+        versions=_versions(asked),
+        inputs=inputs((question.model, *question.data, *_own_effects())),
+        settings={
+            "method": question.method,
+            "band_hz": question.band or "what all runs drive",
+            "held out": question.hold_out or "each run in turn",
+            "effects of the user's own": [f"{name} ({source})" for name, source in SOURCES.items()],
+        },
+        model_text=Path(question.model).read_text(encoding="utf-8") if Path(question.model).is_file() else "",
+    )
+
+
+def command_line(of: Compared, *, effects_from: Sequence[str] = (), diagnosis: bool = True) -> str:
+    """What is typed for a report of `of`."""
+    words = ["massline", "report", of.model, *of.data]
+    words += [word for name in of.hold_out for word in ("--hold-out", name)]
+    words += [] if of.band is None else ["--band", *(f"{end:g}" for end in of.band)]
+    words += [] if of.method == METHODS[0] else ["--method", of.method]
+    words += [word for folder in effects_from for word in ("--effects-from", folder)]
+    return shlex.join([*words, *([] if diagnosis else [NOT_ASKED])])
+
+
+def _versions(asked: ReportOptions) -> dict[str, str]:
+    found = {**{name: version_metadata(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
+    return {**found, "browser that prints": version(browser_path())} if asked.pdf else found
+
+
+def _own_effects() -> tuple[str, ...]:
+    """Files of code that take part in every figure."""
+    return tuple(source for source in SOURCES.values() if Path(source).is_file())
+
+
+def inputs(paths: Sequence[str]) -> tuple[Source, ...]:
+    """Files and campaign folders with their digests; those of effects are files of code."""
+    return tuple(Source(path=path, digest=digest(path)) for path in paths)

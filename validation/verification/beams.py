@@ -11,15 +11,16 @@ from functools import partial
 
 import numpy as np
 
-from fem.frame import Member, Plan, assemble
-from fem.section import Section, rectangle, tube
+from fem.beam.elements import Section, rectangle, sandwich, tube
+from fem.beam.frame import Frame, Member, Plan, assemble
+from fem.exudyn.linear import modes_of_plan
+from fem.modes import Modes
 from fem.structure import Structure
-from geometry.arrays import Array
-from geometry.frames import rigid_transformation_6
-from geometry.materials import Material
-from validation.verification import closed_form_beams as closed
+from geometry.article import Material
+from geometry.frames import Array, rigid_transformation_6
+from validation.verification import closed_forms
 from validation.verification.check import Check, Error, Found, Mesh, once, order
-from validation.verification.solutions import frequencies
+from validation.verification.closed_forms import frequencies
 
 FAMILY = "Beam elements"
 
@@ -93,14 +94,14 @@ def rod_constants(section: Section, motion: str) -> tuple[float, float]:
 def closed_form(section: Section, length: float, motion: str, clamped: bool, count: int) -> Array:
     """The same frequencies without elements."""
     if motion == BENDING:
-        beam = closed.Beam(
+        beam = closed_forms.Beam(
             length=length, bending=section.bending_y, shear=section.shear_z, mass=section.mass, rotary=section.rotary_y
         )
         if not np.isfinite(section.shear_z):
-            return (closed.euler_bernoulli_cantilever if clamped else closed.euler_bernoulli_free)(beam, count)
-        return (closed.timoshenko_cantilever if clamped else closed.timoshenko_free)(beam, count)
+            return (closed_forms.euler_bernoulli_cantilever if clamped else closed_forms.euler_bernoulli_free)(beam, count)
+        return (closed_forms.timoshenko_cantilever if clamped else closed_forms.timoshenko_free)(beam, count)
     stiffness, inertia = rod_constants(section, motion)
-    return closed.rod_fixed_free(np.sqrt(stiffness / inertia), length, count)
+    return closed_forms.rod_fixed_free(np.sqrt(stiffness / inertia), length, count)
 
 
 MODES = 3
@@ -203,4 +204,158 @@ CHECKS: tuple[Check, ...] = (
     _rate("Round rod in torsion, mode 1: order of convergence", LINEAR, TWISTED, 2, 1),
     _zero("Rigid motions: force per stiffness and motion", "a rigid body is not strained", 1e-12, _rigid_motion),
     _zero("Rigid mass matrix of two elements", "rod with the section's rotary inertia, closed form", 1e-12, _rigid_inertia),
+)
+
+
+# Rows about exudyn as the independent route: its own beams and its own eigen-solution, no element of ours.
+#
+# Exudyn's beam is geometrically exact with linear shapes; `fem.exudyn` solves a mesh and one twice as fine and
+# extrapolates.
+
+
+EXUDYN_BEAMS_FAMILY = "Exudyn"
+
+EXUDYN_BEAMS_ELEMENTS = {Mesh.FAST: 10, Mesh.FINE: 20}
+EXUDYN_BEAMS_MODES = 8
+MOVES = 0.01
+"""Effective mass or inertia along an axis, as a share of the whole, from which a mode counts as moving along it."""
+
+AXIS = {BENDING: 2, TENSION: 0, TORSION: 3}
+"""Of the base: along z, along the bar, about the bar."""
+
+
+@once
+def _exudyn_beams_modes(section: Section, mesh: Mesh) -> Modes:
+    """Modes of a bar along x, `STOCKY` long, clamped at its start."""
+    numbers = tuple(range(EXUDYN_BEAMS_ELEMENTS[mesh] + 1))
+    member = Member(nodes=numbers, section=section, z_axis=np.array([0.0, 0.0, 1.0]))
+    nodes = np.linspace([0, 0, 0], [STOCKY, 0, 0], len(numbers))
+    return modes_of_plan(Plan(nodes=nodes, carriers=numbers, members=(member,)), EXUDYN_BEAMS_MODES)
+
+
+def _exudyn_beams_mode(section: Section, motion: str, number: int, mesh: Mesh) -> Found:
+    modes, axis = _exudyn_beams_modes(section, mesh), AXIS[motion]
+    moving = modes.effective_mass[:, axis] > MOVES * modes.rigid_mass[axis, axis]
+    reference = closed_form(section, STOCKY, motion, True, number)[number - 1]
+    return Found(float(reference), float(modes.frequency[moving][number - 1]))
+
+
+def _exudyn_beams_row(what: str, source: str, section: Section, motion: str, number: int) -> Check:
+    find = partial(_exudyn_beams_mode, section, motion, number)
+    return Check(family=EXUDYN_BEAMS_FAMILY, what=f"Exudyn's beams: {what}", source=source, unit="Hz", bar=1e-3, find=find)
+
+
+EXUDYN_BEAMS_CHECKS: tuple[Check, ...] = (
+    *(_exudyn_beams_row(f"cantilever, 6 heights long, mode {k}", TRANSCENDENTAL, RECTANGLE, BENDING, k) for k in (1, 2, 3)),
+    _exudyn_beams_row("rod in tension, mode 1", "c / (4 L), c² = E / rho", ROD, TENSION, 1),
+    _exudyn_beams_row("round rod in torsion, mode 1", "c / (4 L), c² = G / rho", ROD, TORSION, 1),
+)
+
+
+# Rows about the sandwich element: a simply supported beam of two faces and a soft layer, after Mead and Markus.
+#
+# With w = W sin(k x) the slip follows as a cosine, and the layer acts as a spring in series with the faces' stretching: per
+# width, the bending stiffness at the wave number k is
+#
+#     B(k) = E t³ / 6 + E t d² / 2 * g / (1 + g),    g = 2 G_c / (E t s k²),    d = t + s,
+#
+# from two loose faces at short waves to the bonded section at long ones (Ross, Ungar and Kerwin 1959; Mead and Markus, J. Sound
+# Vib. 10, 1969, 163-175). A loss factor of the layer makes G_c complex; to first order a mode has of it the share of its energy
+# that the layer stores, d ln B / d ln G_c.
+
+
+SANDWICH_FAMILY = "Sandwich beam"
+LAYER = Material(name="silicone", density=1100.0, youngs_modulus=3e6, poisson_ratio=0.49)
+LENGTH, WIDTH, THICKNESS, LAYER_THICKNESS = 1.0, 0.06, 4.5e-3, 0.5e-3
+"""[m]"""
+
+SANDWICH_ELEMENTS = {Mesh.FAST: 16, Mesh.FINE: 32}
+Z, BETA = 2, 4
+
+
+def stiffness(k: float, shear_modulus: complex) -> complex:
+    """B(k) times the width [N m²]."""
+    t, s = (THICKNESS - LAYER_THICKNESS) / 2, LAYER_THICKNESS
+    g = 2 * shear_modulus / (207e9 * t * s * k**2)
+    return WIDTH * (207e9 * t**3 / 6 + 207e9 * t * (t + s) ** 2 / 2 * g / (1 + g))
+
+
+def shear_modulus() -> float:
+    """Of the layer [Pa]."""
+    return 3e6 / (2 * (1 + 0.49))
+
+
+def sandwich_closed_form(number: int) -> float:
+    """Frequency [Hz] of mode `number`."""
+    k = number * np.pi / LENGTH
+    mass = WIDTH * (STEEL.density * (THICKNESS - LAYER_THICKNESS) + LAYER.density * LAYER_THICKNESS)
+    return float(k**2 / (2 * np.pi) * np.sqrt(abs(stiffness(k, shear_modulus())) / mass))
+
+
+def layer_share(number: int) -> float:
+    """Share of the strain energy of mode `number` that the layer stores [1]."""
+    k, step = number * np.pi / LENGTH, 1e-30
+    B = stiffness(k, shear_modulus() * (1 + 1j * step))  # a complex step: the derivative without a difference
+    return float(B.imag / B.real / step)
+
+
+@once
+def _sandwich_modes(mesh: Mesh) -> tuple[Array, Array]:
+    """Frequencies [Hz] and the layer's share of the energy of each mode."""
+    from scipy.linalg import eigh
+
+    frame = _beam(SANDWICH_ELEMENTS[mesh])
+    free = _free(frame)
+    K, M = sum(frame.stiffness.values(), np.zeros_like(frame.mass))[free], frame.mass[free]
+    squares, shapes = eigh(K, M, subset_by_index=[0, MODES - 1])
+    stored = np.einsum("ir,ij,jr->r", shapes, frame.stiffness["layer"][free], shapes)
+    return np.sqrt(squares) / (2 * np.pi), stored / squares
+
+
+def _beam(elements: int) -> Frame:
+    section = sandwich(WIDTH, THICKNESS, LAYER_THICKNESS, STEEL, LAYER, ("bottom", "layer", "top"))
+    nodes, numbers = np.linspace([0, 0, 0], [LENGTH, 0, 0], elements + 1), tuple(range(elements + 1))
+    member = Member(nodes=numbers, section=section, z_axis=np.array([0.0, 0.0, 1.0]))
+    return assemble(Plan(nodes=nodes, carriers=numbers, members=(member,)))
+
+
+def _free(frame: Frame) -> tuple[Array, ...]:
+    """Deflection but for the ends, rotation in the plane, and every slip."""
+    nodes = len(frame.moving)
+    bending = [6 * node + dof for node in range(nodes) for dof in (Z, BETA) if dof == BETA or 0 < node < nodes - 1]
+    kept = np.array([*bending, *range(6 * nodes, len(frame.mass))])
+    return np.ix_(kept, kept)
+
+
+def _frequency(number: int, mesh: Mesh) -> Found:
+    return Found(sandwich_closed_form(number), float(_sandwich_modes(mesh)[0][number - 1]))
+
+
+def _share(number: int, mesh: Mesh) -> Found:
+    return Found(layer_share(number), float(_sandwich_modes(mesh)[1][number - 1]))
+
+
+SOURCE = "Mead and Markus (1969), simply supported"
+
+SANDWICH_CHECKS: tuple[Check, ...] = tuple(
+    check
+    for k in range(1, MODES + 1)
+    for check in (
+        Check(
+            family=SANDWICH_FAMILY,
+            what=f"Simply supported sandwich, mode {k}",
+            source=f"{SOURCE}; without rotary inertia",
+            unit="Hz",
+            bar=5e-4,
+            find=partial(_frequency, k),
+        ),
+        Check(
+            family=SANDWICH_FAMILY,
+            what=f"Simply supported sandwich, mode {k}: energy in the layer",
+            source=SOURCE,
+            unit="",
+            bar=2e-3,
+            find=partial(_share, k),
+        ),
+    )
 )

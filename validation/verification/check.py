@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache, wraps
+from importlib import import_module
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from validation.output import plain_unit
-from validation.progress import counted
+from validation.output import counted, plain_unit
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -64,7 +64,7 @@ class Check:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Result:
+class CheckResult:
     """A check with what it found."""
 
     check: Check
@@ -100,13 +100,13 @@ class Result:
         }
 
 
-def run(checks: Iterable[Check], mesh: Mesh = Mesh.FAST, *, quiet: bool = True) -> list[Result]:
+def run(checks: Iterable[Check], mesh: Mesh = Mesh.FAST, *, quiet: bool = True) -> list[CheckResult]:
     """Every check done, in order. What several of them share is computed once, and computed anew in the next run."""
     listed = list(checks)
     announced = counted([check.what for check in listed], "checking", quiet=quiet)
     forget()
     try:
-        return [Result(check=check, found=check.find(mesh)) for check, _ in zip(listed, announced, strict=True)]
+        return [CheckResult(check=check, found=check.find(mesh)) for check, _ in zip(listed, announced, strict=True)]
     finally:
         forget()
 
@@ -134,3 +134,27 @@ def order(sizes: Iterable[float], errors: Iterable[float]) -> float:
     import numpy as np
 
     return float(np.polyfit(np.log(list(sizes)), np.log(np.abs(list(errors))), 1)[0])
+
+
+FAMILIES = {
+    "beams": "beam elements",
+    "sandwich": "sandwich beam",
+    "solids": "solid elements",
+    "essentials": "patch test, rigid body, units",
+    "plates": "NAFEMS plates",
+    "rods": "an article meshed by gmsh",
+    "dynamic-mass": "dynamic mass",
+    "exudyn": "exudyn's own beams",
+    "time": "base excitation in time",
+    "pendulum": "rope pendulum",
+}
+"""Families by the name that the command takes, in the order of the table."""
+
+_MODULES = {"time": "base_excitation", "pendulum": "rope_pendulum", "dynamic-mass": "dynamic_mass", "exudyn": "exudyn_beams"}
+"""Where the module of this package is not called like its family."""
+
+
+def checks(*families: str) -> tuple[Check, ...]:
+    """The rows of `families`, of all when none is named."""
+    chosen = families or tuple(FAMILIES)
+    return tuple(check for family in chosen for check in import_module(f"{__name__}.{_MODULES.get(family, family)}").CHECKS)

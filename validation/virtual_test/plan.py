@@ -6,16 +6,125 @@ the article and on the run as well.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from math import isfinite
 from types import MappingProxyType
+from typing import TypeVar
 
+import numpy as np
+
+from fem.base_excitation.response import Response
+from fem.base_excitation.rig import Rig
 from fem.damping import Damping
-from geometry import keys
+from geometry import toml_file
 from geometry.errors import BadInput
-from geometry.tolerances import Tolerances
-from validation.virtual_test.hooks import Effect
+from geometry.frames import Array
+from geometry.inertia import Inertia
+from geometry.sensors import Channel, ChannelTable, Tolerances
+from validation.virtual_test.layout import CELLS, ChainTruth, Layout, stream
+
+# `Effect`: what is different from an ordinary laboratory, as changes at five places of a virtual test.
+#
+#     chain     the drawn measurement chain, before anything is computed
+#     parts     what was drawn for the parts of the structure
+#     rig       what stands on the table, before it is driven
+#     signals   what the sensors read, at the rate of the simulation: before delays, anti-alias filter and noise
+#     record    what the recorder got, at its own rate: noise and mains are in, and units are what the file will say
+#
+# An effect leaves alone what it does not name. Several act in their order, each on what the one before left.
+
+
+T = TypeVar("T")
+
+
+def same(value: T) -> T:
+    """What an effect does where it does nothing."""
+    return value
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sensed:
+    """All channels of one run.
+
+    Attributes
+    ----------
+    values : (n, c) in the order of `table`, SI; an effect returns another array and never writes into this one
+    table : the nominal channels, as in the file
+    sampling_rate : [Hz]
+    run : name of the run
+    level : at which it was driven, as a factor on the nominal one
+    response : what table, cover plate and cells really did, at the rate of the simulation; None for what was recorded
+    generator : of whatever the effect draws, the run's own
+    """
+
+    values: Array
+    table: ChannelTable
+    sampling_rate: float
+    run: str
+    level: float
+    response: Response | None
+    generator: np.random.Generator
+
+    def column(self, channel: str) -> int:
+        """Where `channel` stands in `values`."""
+        return self.table.names.index(channel)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlantedEffect:
+    """One effect; see the head of this file.
+
+    Attributes
+    ----------
+    id : as in the catalogue
+    value : its size in SI by key; `""` is the key of an effect that takes one number
+    chain, parts, rig, signals, record : the changes
+    """
+
+    id: str
+    value: Mapping[str, float] = field(default_factory=dict)
+    chain: Callable[[ChainTruth], ChainTruth] = same
+    parts: Callable[[Mapping[str, Part]], Mapping[str, Part]] = same
+    rig: Callable[[Rig], Rig] = same
+    signals: Callable[[Sensed], Sensed] = same
+    record: Callable[[Sensed], Sensed] = same
+
+
+def changed_chain(chain: ChainTruth, effects: Sequence[PlantedEffect]) -> ChainTruth:
+    """`chain` after all `effects`."""
+    for effect in effects:
+        chain = effect.chain(chain)
+    return chain
+
+
+def changed_parts(parts: Mapping[str, Part], effects: Sequence[PlantedEffect]) -> dict[str, Part]:
+    """`parts` of the structure after all `effects`."""
+    for effect in effects:
+        parts = effect.parts(parts)
+    return dict(parts)
+
+
+def changed_rig(rig: Rig, effects: Sequence[PlantedEffect]) -> Rig:
+    """`rig` after all `effects`."""
+    for effect in effects:
+        rig = effect.rig(rig)
+    return rig
+
+
+def changed_signals(sensed: Sensed, effects: Sequence[PlantedEffect]) -> Sensed:
+    """What the sensors read after all `effects`."""
+    for effect in effects:
+        sensed = effect.signals(sensed)
+    return sensed
+
+
+def changed_record(sensed: Sensed, effects: Sequence[PlantedEffect]) -> Sensed:
+    """What was recorded after all `effects`."""
+    for effect in effects:
+        sensed = effect.record(sensed)
+    return sensed
+
 
 SOURCE = "virtual test"
 
@@ -82,7 +191,7 @@ class Plan:
     ringing : share of the greatest load of a run below which the load of every mode must fall before the record may end
     highest : [Hz] modes above it answer statically, but for the article's first
     gravity : [m/s²]
-    dimensions : a user's own of built-in articles, as `geometry.articles.changes` names them
+    dimensions : a user's own of built-in articles, as `geometry.articles.dimensions` names them
     """
 
     article: str
@@ -91,7 +200,7 @@ class Plan:
     tolerances: Tolerances = field(default_factory=Tolerances)
     scatter: Scatter = field(default_factory=Scatter)
     damping: Damping | None = None
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[PlantedEffect, ...] = ()
     pattern: str = SINGLE
     levels: tuple[float, ...] = (1.0,)
     band: tuple[float, float] = (4.0, 32.0)
@@ -111,10 +220,10 @@ class Plan:
         for name in ("noise_rms", "mains"):
             object.__setattr__(self, name, MappingProxyType({**NONE, **getattr(self, name)}))
             for quantity, value in getattr(self, name).items():
-                keys.one_of(quantity, tuple(NONE), source=SOURCE, where=name)
+                toml_file.one_of(quantity, tuple(NONE), source=SOURCE, where=name)
                 _require(value, f"{name}.{quantity}", zero=True)
-        keys.one_of(self.pattern, PATTERNS, source=SOURCE, where="pattern")
-        keys.one_of(self.model, MODELS, source=SOURCE, where="model")
+        toml_file.one_of(self.pattern, PATTERNS, source=SOURCE, where="pattern")
+        toml_file.one_of(self.model, MODELS, source=SOURCE, where="model")
         for name in ("octaves_per_minute", "rate", "simulation_rate", "quiet", "ringing", "highest", "gravity"):
             _require(getattr(self, name), name)
         _require(self.cross, "cross", zero=True)
@@ -152,3 +261,84 @@ def _require_seed(seed: int) -> None:
     if seed < 0:
         problem = f"must not be negative, found {seed}"
         raise BadInput(source=SOURCE, field="seed", problem=problem, remedy="Give a whole number from 0 on")
+
+
+# What a seed draws: the errors of the measurement chain, the FMD that is on the shaker, the parts of the structure.
+#
+# Every figure has a stream of its own name, so that it is the same for every article, and grows with its tolerance alone.
+
+
+LIGHTEST = 0.1
+"""Least share that a draw leaves of a mass or of a second moment: a body stays a body whatever the tolerance."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """Relative changes of the moduli and of the loss factor of a part of the structure, and what an effect adds to the latter."""
+
+    modulus: float
+    loss: float
+    added_loss: float = 0.0
+
+
+def chain(plan: Plan, layout: Layout) -> ChainTruth:
+    """The measurement chain of `plan.seed`."""
+    of, channels = plan.tolerances, layout.table.channels
+    accelerometers = [channel for channel in channels if channel.quantity == "acceleration"]
+    crosstalk = of.crosstalk * _normal(plan, "crosstalk", size=(3, 3))
+    return ChainTruth(
+        gain={c.name: (of.table_gain if c.group == "table" else of.gain) * _one(plan, "gain", c.name) for c in channels},
+        delay={c.name: of.delay * _one(plan, "delay", c.name) for c in channels},
+        position={c.name: of.position * _normal(plan, "position", c.name, size=3) for c in accelerometers},
+        angle={c.name: of.angle * _across(plan, c) for c in accelerometers},
+        cell_stiffness=np.maximum(of.cell_stiffness * _normal(plan, "cell-stiffness", size=(CELLS, 3)), LIGHTEST - 1),
+        crosstalk=crosstalk * (1 - np.eye(3)),
+        noise_rms={c.name: plan.noise_rms[c.quantity] for c in channels},
+        mains={c.name: plan.mains[c.quantity] for c in channels},
+    )
+
+
+def moving_part(plan: Plan, nominal: Inertia) -> Inertia:
+    """The FMD's moving part about F that is on the shaker: `nominal` with other mass, CoG and second moments.
+
+    Second moments are drawn and not moments of inertia, which would break the triangle inequality: the FMD is nearly a plate.
+    """
+    of = plan.tolerances.fmd_inertia
+    second = 0.5 * np.trace(nominal.tensor_cog) * np.eye(3) - nominal.tensor_cog
+    factors = np.sqrt(np.maximum(1 + of * _normal(plan, "fmd-second-moments", size=3), LIGHTEST))
+    drawn = factors[:, None] * second * factors
+    return Inertia.from_cog(
+        nominal.mass * max(1 + of * _one(plan, "fmd-mass"), LIGHTEST),
+        nominal.cog + plan.scatter.fmd_cog * _normal(plan, "fmd-cog", size=3),
+        np.trace(drawn) * np.eye(3) - drawn,
+    )
+
+
+def part(plan: Plan, name: str) -> Part:
+    """What is drawn for the structure's part `name`; the same in every article that has it."""
+    modulus, loss = (
+        float(np.expm1(sd * _one(plan, what, name)))
+        for sd, what in ((plan.scatter.modulus, "modulus"), (plan.scatter.damping, "loss-factor"))
+    )
+    return Part(modulus=modulus, loss=loss)
+
+
+def damping_factors(plan: Plan, count: int) -> Array:
+    """(count,) factors on the damping ratios of an article's modes, where they are stated by mode."""
+    names = [f"{plan.on_fmd} mode {number}" for number in range(1, count + 1)]
+    return np.exp([plan.scatter.damping * _one(plan, "damping-ratio", name) for name in names])
+
+
+def _across(plan: Plan, channel: Channel) -> Array:
+    """(3,) a standard rotation about the two axes across the direction of an accelerometer."""
+    direction = channel.places[0].direction
+    vector = _normal(plan, "angle", channel.name, size=3)
+    return np.asarray(vector - direction * (direction @ vector))
+
+
+def _one(plan: Plan, *names: str) -> float:
+    return float(stream(plan.seed, *names).standard_normal())
+
+
+def _normal(plan: Plan, *names: str, size: int | tuple[int, ...]) -> Array:
+    return np.asarray(stream(plan.seed, *names).standard_normal(size))

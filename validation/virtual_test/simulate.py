@@ -7,21 +7,343 @@ The chain is linear from the table to the recorder but for what an effect makes 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from math import isfinite, nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from fem.base_excitation.decimation import require_recorded
-from geometry.frames import Pose
-from identification.campaign import Campaign, Run
-from identification.recording import Recording
-from validation.virtual_test.driven import record, sensed
-from validation.virtual_test.hooks import changed_record
-from validation.virtual_test.laboratory import Laboratory, laboratory
-from validation.virtual_test.plan import SOURCE, Plan
-from validation.virtual_test.recorder import disturbed
-from validation.virtual_test.runs import DrivenRun, runs
-from validation.virtual_test.streams import token
+import numpy as np
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.decimation import decimated_channels, joined, require_recorded, simulation_rate
+from fem.base_excitation.response import Channels, Piece, Response, accelerations, cell_forces, load, stacked, streamed
+from fem.base_excitation.rig import Rig, RigStructure
+from fem.damping import Damping
+from geometry import atomic, toml_file
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose
+from geometry.sensors import SI, Tolerances
+from identification.campaign import UNITS, Campaign, Excitation, Recording, Run
+from validation.effects.catalogue import Named, parse_all
+from validation.excite.question import LARGEST_LEVEL, drive, require_rate
+from validation.output import json_text
+from validation.reference import reference
+from validation.virtual_test import plan as virtual_test_plan
+from validation.virtual_test.layout import CELLS, ChainTruth, Layout, mavis, stream, token
+from validation.virtual_test.plan import (
+    DIAGONAL,
+    MODELS,
+    MULTI,
+    NOISE,
+    SINGLE,
+    SOURCE,
+    TWICE,
+    Plan,
+    Scatter,
+    Sensed,
+    changed_chain,
+    changed_record,
+    changed_rig,
+    changed_signals,
+    same,
+)
+from validation.virtual_test.plan import MAINS as PLAN_MAINS
+from validation.virtual_test.planted import planted, reaching, require_planted, require_reaching
+from validation.virtual_test.shaker import Sensors, SetUp, channels, middles_of_cells, require_stack, sensors, set_up, tilted
 from validation.virtual_test.truth import truth
+
+if TYPE_CHECKING:
+    from fem.base_excitation.patterns import CrossMotion, Pattern, Sweep
+
+
+# `Laboratory`: what a plan puts on the shaker - nominal layout, drawn chain and rig, effects in both.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShakerLaboratory:
+    """What is on the shaker.
+
+    Attributes
+    ----------
+    layout : channels as the file states them
+    chain : as it is
+    made : what stands on the table before effects change it
+    rig : what is driven
+    sensors : of `chain`
+    """
+
+    layout: Layout
+    chain: ChainTruth
+    made: SetUp
+    rig: Rig
+    sensors: Sensors
+
+
+def laboratory(plan: Plan) -> ShakerLaboratory:
+    """What `plan` has on the shaker.
+
+    Raises
+    ------
+    BadInput : an article that does not stand on the FMD or cannot be built; an effect at a place or part that it has not.
+    """
+    require_stack(plan.article)
+    require_planted(plan)
+    layout = mavis(middles_of_cells(plan), plan.noise_rms)
+    chain = changed_chain(virtual_test_plan.chain(plan, layout), plan.effects)
+    made = set_up(plan, chain)
+    rig = changed_rig(made.rig, plan.effects)
+    return ShakerLaboratory(layout=layout, chain=chain, made=made, rig=rig, sensors=sensors(layout, chain, plan.gravity))
+
+
+# The runs of a plan: what is driven in each, by which name, and how the campaign file states it.
+
+
+DIAGONALS = (("x", "y"), ("y", "z"), ("z", "x"), ("alpha", "beta"), ("beta", "gamma"), ("gamma", "alpha"))
+"""Axes that are driven together, in phase, each at 1 / sqrt(2) of its level."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrivenRun:
+    """One run before it is driven.
+
+    Attributes
+    ----------
+    name : unique in the campaign
+    axis : of `MOTIONS`; empty where several are driven
+    pattern : what the table is driven with
+    excitation : the same as the campaign file states it
+    level : factor on the nominal one
+    """
+
+    name: str
+    axis: str
+    pattern: Pattern
+    excitation: Excitation
+    level: float = 1.0
+
+
+def runs(plan: Plan) -> tuple[DrivenRun, ...]:
+    """All runs of `plan`, level by level.
+
+    Raises
+    ------
+    BadInput : a band or a rate that no sweep can have.
+    """
+    found: list[DrivenRun] = []
+    for level in plan.levels:
+        ending = "" if level == plan.levels[0] else f"-at-{level:g}"
+        found += [replace(run, name=f"{run.name}{ending}", level=level) for run in _of_level(plan, level)]
+    return tuple(found)
+
+
+def cross_motion(plan: Plan, run: str) -> CrossMotion | None:
+    """What the table does besides in `run`; None for a table that does nothing else."""
+    from fem.base_excitation.patterns import drawn
+
+    return drawn(stream(plan.seed, "cross-motion", plan.article, run), plan.cross) if plan.cross else None
+
+
+def _of_level(plan: Plan, level: float) -> list[DrivenRun]:
+    further: Mapping[str, Callable[[Plan, float], list[DrivenRun]]] = {TWICE: _again, DIAGONAL: _diagonals}
+    if plan.pattern == MULTI:
+        return _together(plan, level)
+    first = [_sweep(plan, level, axis, axis) for axis in MOTIONS]
+    return first + (further[plan.pattern](plan, level) if plan.pattern in further else [])
+
+
+def _again(plan: Plan, level: float) -> list[DrivenRun]:
+    return [_sweep(plan, level, axis, f"{axis}-2", phase=np.pi / 2) for axis in MOTIONS]
+
+
+def _sweep(plan: Plan, level: float, axis: str, name: str, phase: float = 0.0) -> DrivenRun:
+    from fem.base_excitation.patterns import Sweep
+
+    sweep = Sweep(axis=axis, level=level, phase=phase, **_swept(plan))
+    return DrivenRun(name=name, axis=axis, pattern=sweep, excitation=_stated("sine-sweep", plan, level=sweep.amplitude))
+
+
+def _diagonals(plan: Plan, level: float) -> list[DrivenRun]:
+    from fem.base_excitation.patterns import MultiAxis, Sweep
+
+    found = []
+    for axes in DIAGONALS:
+        sweeps = tuple(Sweep(axis=axis, level=level / np.sqrt(2), **_swept(plan)) for axis in axes)
+        found.append(_several(plan, "-".join(axes), MultiAxis(patterns=sweeps), sweeps))
+    return found
+
+
+def _together(plan: Plan, level: float) -> list[DrivenRun]:
+    from fem.base_excitation.patterns import phased_sweeps
+
+    phased = phased_sweeps(level, **_swept(plan))
+    return [_several(plan, f"multi-{k}", one, one.patterns) for k, one in enumerate(phased, start=1)]
+
+
+def _several(plan: Plan, name: str, pattern: Pattern, sweeps: tuple[Any, ...]) -> DrivenRun:
+    driven: dict[str, Sweep] = {sweep.axis: sweep for sweep in sweeps}
+    levels = tuple(float(driven[axis].level * LEVELS[axis]) if axis in driven else 0.0 for axis in MOTIONS)
+    return DrivenRun(name=name, axis="", pattern=pattern, excitation=_stated("multi-axis", plan, levels=levels))
+
+
+def _swept(plan: Plan) -> dict[str, Any]:
+    return {"start": plan.band[0], "stop": plan.band[1], "rate": plan.octaves_per_minute, "delay": plan.quiet}
+
+
+def _stated(kind: str, plan: Plan, **more: float | tuple[float, ...]) -> Excitation:
+    start, stop = plan.band
+    figures = {"start_hz": start, "stop_hz": stop, "octaves_per_minute": plan.octaves_per_minute, **more}
+    return Excitation(kind=kind, figures=figures)
+
+
+# A run of a rig that is not linear - a cell that lifts off, a loose part that slips - integrated by exudyn, whole.
+#
+# It costs twenty times and more what the recursion does. The sensors read the same signals with the same rows. The tilt of the
+# cover plate, which counts only where one half of gravity is off, is taken to be that of the table: cells let the two differ
+# by microradians.
+
+
+def respond(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float) -> tuple[Response, Array]:
+    """What the rig of `lab` does in `run` at `rate` [Hz], and what all sensors read of it, (n, c).
+
+    Raises
+    ------
+    BadInput : a rig that cannot be built, or whose ringing never ends.
+    CheckFailed : the integration failed.
+    """
+    from fem.base_excitation import response as ring_down
+    from fem.exudyn import driven_run
+
+    at_rest = _motion(plan, run, rate, 0.0)
+    length = ring_down.needed(lab.rig, at_rest, plan.ringing)
+    motion = _motion(plan, run, rate, length - at_rest.driven + plan.quiet)
+    response = driven_run.respond(lab.rig, motion)
+    return response, _read(lab, response, motion)
+
+
+def _motion(plan: Plan, run: DrivenRun, rate: float, rest: float) -> BaseMotion:
+    found: BaseMotion = run.pattern.motion(rate, ring_down=rest, cross=cross_motion(plan, run.name))  # type: ignore[attr-defined]
+    return found
+
+
+def _read(lab: ShakerLaboratory, response: Response, motion: BaseMotion) -> Array:
+    tilt = motion.displacement[:, 3:5]
+    signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
+    return np.asarray(np.hstack(signals) @ lab.sensors.rows.T)
+
+
+# One run: the rig driven, read by the sensors, delayed, filtered and brought down to the rate of the record.
+#
+# All of it goes block by block, so that the memory of a run is that of its record. Only an effect on the signals of the
+# simulation needs them whole: then table, cover plate and cells are kept as well, for the effect to look at.
+
+
+WIDTHS = (6, 6, 3 * CELLS)
+"""Signals of load, cover plate and cells."""
+
+
+def record(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Array:
+    """What the recorder gets of `run`, (m, c) at the rate of the record, without noise.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `fem.base_excitation.response.streamed`.
+    """
+    if not lab.rig.linear or any(effect.signals is not same for effect in plan.effects):
+        sensed = changed_signals(whole(plan, lab, run), plan.effects)
+        return decimated_channels(sensed.values, sensed.sampling_rate, plan.rate, lab.sensors.delay)
+    rate = _rate(plan)
+    blocks = (_driven_read(lab, piece) for piece in _pieces(plan, lab, run, rate, with_response=False))
+    return joined(blocks, round(rate / plan.rate), lab.sensors.delay * rate)
+
+
+def whole(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Sensed:
+    """What all sensors read in `run` at the rate of the simulation, and what there was to read."""
+    rate, pieces = _rate(plan), []
+    if not lab.rig.linear:
+        response, values = respond(plan, lab, run, rate)
+        return sensed(plan, lab, run, values, rate, response)
+    for piece in _pieces(plan, lab, run, rate, with_response=True):
+        pieces.append((_driven_read(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :]))
+    values, table, rest = (np.hstack(one).T for one in zip(*pieces, strict=True))
+    loads, cover, cells = np.split(rest, np.cumsum(WIDTHS)[:-1], axis=1)
+    response = Response(sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3))
+    return sensed(plan, lab, run, values, rate, response)
+
+
+def sensed(
+    plan: Plan, lab: ShakerLaboratory, run: DrivenRun, values: Array, rate: float, response: Response | None = None
+) -> Sensed:
+    """`values` (n, c) of `run` as effects get them."""
+    what = "record" if response is None else "signals"
+    return Sensed(
+        values=values,
+        table=lab.layout.table,
+        sampling_rate=rate,
+        run=run.name,
+        level=run.level,
+        response=response,
+        generator=stream(plan.seed, "effects", plan.article, run.name, what),
+    )
+
+
+def _rate(plan: Plan) -> float:
+    return simulation_rate(plan.rate, plan.simulation_rate)
+
+
+def _pieces(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, with_response: bool) -> Iterator[Piece]:
+    def wanted(structure: RigStructure) -> Channels:
+        read = channels(lab.sensors, structure)
+        cover = accelerations(structure.cover, "the cover plate")
+        return stacked([read, load(structure), cover, cell_forces(structure)]) if with_response else read
+
+    return streamed(lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet, share=plan.ringing)
+
+
+def _driven_read(lab: ShakerLaboratory, piece: Piece) -> Array:
+    """(c, k) what the channels read in `piece`."""
+    return np.asarray(piece.values[: len(lab.sensors.rows)] + tilted(lab.sensors, piece.motion))
+
+
+# What a recorder adds: noise of every channel and the mains' hum, at the rate of the record.
+
+
+MAINS = 50.0
+"""[Hz]."""
+
+DRIFT = 0.02
+"""[Hz] by which the mains' frequency differs from run to run, standard deviation."""
+
+HARMONICS = {1: 1.0, 3: 0.3, 5: 0.1}
+"""Amplitude of each harmonic over that of the fundamental."""
+
+
+def disturbed(values: Array, names: tuple[str, ...], chain: ChainTruth, plan: Plan, run: str) -> Array:
+    """`values` (m, c) with the noise and the hum of this article's `run`."""
+    time = np.arange(len(values)) / plan.rate
+    hum = stream(plan.seed, "mains", plan.article, run)
+    waves = _waves(time, MAINS + DRIFT * hum.standard_normal(), plan.rate)
+    found = np.array(values, order="F")
+    for k, name in enumerate(names):
+        phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
+        found[:, k] += _noise(name, len(time), chain, plan, run)
+        found[:, k] += chain.mains.get(name, 0.0) * (phases @ waves).imag
+    return found
+
+
+def _noise(name: str, count: int, chain: ChainTruth, plan: Plan, run: str) -> Array | float:
+    rms = chain.noise_rms.get(name, 0.0)
+    return rms * stream(plan.seed, "noise", plan.article, run, name).standard_normal(count) if rms else 0.0
+
+
+def _waves(time: Array, frequency: float, rate: float) -> ComplexArray:
+    """(h, m) rotating phasors of unit mains and its harmonics; zero for those that a record of `rate` [Hz] cannot hold."""
+    phasor = np.exp(2j * np.pi * frequency * time)
+    return np.array([share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()])
+
 
 Progress = Callable[[float], None]
 """Called with the share done, 0 to 1; it may raise to end the work."""
@@ -56,7 +378,7 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
     return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
 
 
-def recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
+def recording(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
     """What the recorder of `lab` holds after `run`, noise and hum in it."""
     names = lab.layout.table.names
     samples = disturbed(record(plan, lab, run), names, lab.chain, plan, run.name)
@@ -64,7 +386,7 @@ def recording(plan: Plan, lab: Laboratory, run: DrivenRun) -> Recording:
     return Recording(names=names, values=got.values, sampling_rate=plan.rate, source=run.name)
 
 
-def _campaign(plan: Plan, lab: Laboratory, driven: tuple[DrivenRun, ...], recordings: Mapping[str, Recording]) -> Campaign:
+def _campaign(plan: Plan, lab: ShakerLaboratory, driven: tuple[DrivenRun, ...], recordings: Mapping[str, Recording]) -> Campaign:
     return Campaign(
         title=f"Virtual test of {plan.article}",
         article=plan.article,
@@ -77,3 +399,308 @@ def _campaign(plan: Plan, lab: Laboratory, driven: tuple[DrivenRun, ...], record
         gravity=plan.gravity,
         source=SOURCE,
     )
+
+
+# What `massline simulate` was asked, checked at the door: from options to plans, and to the folders that they go to.
+
+
+FORMATS = ("h5", "uff", "csv", "mat")
+
+SWEEP = "sweep"
+PATTERNS = {SWEEP: {6: SINGLE, 12: TWICE}, DIAGONAL: {12: DIAGONAL}, MULTI: {6: MULTI}}
+"""Pattern of a plan by pattern and number of runs as they are asked for; the first number is the one that holds unasked."""
+
+LARGEST_FACTOR = 100.0
+
+OFF = "off"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SimulateOptions:
+    """What was asked.
+
+    Attributes
+    ----------
+    plans : one a campaign
+    effects : that are planted in all of them
+    out : folder of the campaign, or the one above those of a series
+    sealed : where the truth goes; None for beside
+    ending : of the signal files
+    units : of the signal files, by quantity
+    """
+
+    plans: tuple[Plan, ...]
+    effects: tuple[Named, ...]
+    out: Path
+    sealed: Path | None
+    ending: str
+    units: dict[str, str]
+
+    def folder(self, plan: Plan) -> Path:
+        """Where the campaign of `plan` goes."""
+        return self.out if len(self.plans) == 1 else self.out / plan.article
+
+    def truth(self, plan: Plan) -> Path:
+        """Where its truth goes."""
+        folder = self.folder(plan)
+        beside = folder.parent / f"{folder.name}.truth.json"
+        if self.sealed is None:
+            return beside
+        return self.sealed if len(self.plans) == 1 else self.sealed / beside.name
+
+
+def question(
+    *,
+    articles: Sequence[str],
+    out: Path,
+    effects: Sequence[str],
+    seed: int,
+    levels: str,
+    sealed: Path | None,
+    pattern: str,
+    runs: int | None,
+    band: tuple[float, float],
+    octaves_per_minute: float,
+    cross: float,
+    tolerances: str,
+    noise: str,
+    mains: str,
+    model: str,
+    damping_ratio: float | None,
+    rate: float,
+    form: str,
+    units: Sequence[str],
+    settings: Sequence[str],
+) -> SimulateOptions:
+    """The options of `massline simulate`, checked.
+
+    Raises
+    ------
+    BadInput : one of them cannot be; what was found, and what to write.
+    """
+    _require_articles(articles)
+    _word("--model", model, MODELS)
+    _word("--format", form, FORMATS)
+    named = parse_all(effects)
+    planted(named)  # whatever the articles: what no virtual test can plant is refused first
+    factors = _levels(levels)
+    _require_drive(band, octaves_per_minute, cross, seed, factors)
+    _require_rate(rate, band)
+    changes = reference.read(settings)
+    reference.require_used(articles, changes)
+    share = _factor("--tolerances", tolerances)
+    plans = tuple(
+        Plan(
+            article=article,
+            seed=seed,
+            model=model,
+            tolerances=Tolerances().scaled(share),
+            scatter=Scatter().scaled(share),
+            damping=_damping(damping_ratio),
+            pattern=_pattern(pattern, runs),
+            levels=factors,
+            band=band,
+            octaves_per_minute=octaves_per_minute,
+            cross=cross,
+            noise_rms=_scaled(NOISE, _factor("--noise", noise)),
+            mains=_scaled(PLAN_MAINS, _factor("--mains", mains)),
+            rate=rate,
+            dimensions=changes,
+        )
+        for article in articles
+    )
+    require_reaching(named, plans)
+    plans = tuple(replace(plan, effects=planted(reaching(named, plan))) for plan in plans)
+    return SimulateOptions(plans=plans, effects=named, out=out, sealed=sealed, ending=f".{form}", units=_units(units))
+
+
+def _require_articles(articles: Sequence[str]) -> None:
+    for article in articles:
+        require_stack(article)
+    twice = next((article for article in articles if list(articles).count(article) > 1), None)
+    if twice is not None:
+        raise BadInput(
+            source=f"article {twice}", problem="it is named twice", remedy="Name each once, or change --seed and --out"
+        )
+
+
+def _word(option: str, word: str, known: Collection[str]) -> None:
+    if word not in known:
+        remedy = toml_file.nearest(word, known) or "Choose one of them"
+        raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
+
+
+def _levels(text: str) -> tuple[float, ...]:
+    found = tuple(_number("--levels", part.strip(), "Write for example 1, or 1,0.5") for part in text.split(","))
+    for level in found:
+        if not 0 < level <= LARGEST_LEVEL:
+            problem = f"a level must lie above 0 and up to {LARGEST_LEVEL:g}, found {level:g}"
+            raise BadInput(source="--levels", problem=problem, remedy="1 is the nominal level, 0.5 half of it")
+    if len(set(found)) < len(found):
+        raise BadInput(source="--levels", problem=f"one of them stands there twice, found {text}", remedy="Name each once")
+    return found
+
+
+def _require_drive(band: tuple[float, float], rate: float, cross: float, seed: int, levels: tuple[float, ...]) -> None:
+    """What a drive of `massline excite` may be, this one may be too."""
+    for level in levels:
+        drive(
+            axes=(),
+            every=True,
+            pattern=SWEEP,
+            band=band,
+            octaves_per_minute=rate,
+            level=level,
+            cross=cross,
+            seed=seed,
+            duration=None,
+            ring_down="auto",
+        )
+
+
+def _require_rate(rate: float, band: tuple[float, float]) -> None:
+    from fem.base_excitation.decimation import require_recorded
+
+    require_rate(rate)
+    try:
+        require_recorded(band[1], rate, "--rate")
+    except BadInput as error:
+        raise BadInput(source="--rate", problem=error.problem, remedy="Record faster, or end lower with --band") from None
+
+
+def _factor(option: str, text: str) -> float:
+    if text.strip() == OFF:
+        return 0.0
+    remedy = f"1 is the ordinary one, {OFF} is none"
+    found = _number(option, text, remedy)
+    if not 0 <= found <= LARGEST_FACTOR:
+        raise BadInput(source=option, problem=f"must lie between 0 and {LARGEST_FACTOR:g}, found {text}", remedy=remedy)
+    return found
+
+
+def _number(option: str, text: str, remedy: str) -> float:
+    try:
+        found = float(text)
+    except ValueError:
+        found = nan
+    if not isfinite(found):
+        raise BadInput(source=option, problem=f"a number is expected, found {text!r}", remedy=remedy)
+    return found
+
+
+def _scaled(ordinary: Mapping[str, float], factor: float) -> dict[str, float]:
+    return {quantity: factor * size for quantity, size in ordinary.items()}
+
+
+def _damping(ratio: float | None) -> Damping | None:
+    return None if ratio is None else Damping(ratio=ratio)
+
+
+def _pattern(pattern: str, runs: int | None) -> str:
+    _word("--pattern", pattern, PATTERNS)
+    known = PATTERNS[pattern]
+    if runs is None:
+        return next(iter(known.values()))
+    if runs not in known:
+        problem = f"the pattern {pattern} has {' or '.join(map(str, known))} runs, found {runs}"
+        others = ", ".join(f"{name} ({' or '.join(map(str, counts))})" for name, counts in PATTERNS.items())
+        raise BadInput(source="--runs", problem=problem, remedy=f"There are {others}; --levels adds runs too")
+    return known[runs]
+
+
+def _units(units: Sequence[str]) -> dict[str, str]:
+    """The units of the files by quantity, SI where nothing is said."""
+    found: dict[str, str] = {}
+    quantities = {unit: quantity for quantity in ("acceleration", "force") for unit in UNITS[quantity]}
+    for unit in units:
+        if unit not in quantities:
+            remedy = f"{toml_file.nearest(unit, quantities)}Known are {', '.join(quantities)}"
+            raise BadInput(source="--unit", problem=f"no unit of acceleration or force is called {unit!r}", remedy=remedy)
+        if quantities[unit] in found:
+            problem = f"{found[quantities[unit]]} and {unit} are both units of {quantities[unit]}"
+            raise BadInput(source="--unit", problem=problem, remedy="Keep one of them")
+        found[quantities[unit]] = unit
+    return {**{quantity: SI[quantity] for quantity in ("acceleration", "force")}, **found}
+
+
+# Where a virtual test goes: its folder and its truth, both whole or not at all, and nothing of anybody else's is replaced.
+#
+# The truth lists every file of its campaign with its SHA-256. A folder that its truth vouches for, file by file, can be made
+# again from the seed, and may be replaced; any other is left alone.
+
+
+KIND = "virtual test"
+FILES = "files_sha256"
+
+
+def require_free(folder: Path, truth: Path) -> None:
+    """Refuse, before anything is computed, a folder or a truth that would destroy what is there.
+
+    Raises
+    ------
+    BadInput : `folder` holds something else than the virtual test that `truth` vouches for; `truth` is another file, or lies in
+        the folder.
+    """
+    _require_apart(folder, truth)
+    known = _vouched(truth)
+    if truth.exists() and known is None:
+        problem = f"{truth} is there and is no truth of a virtual test"
+        raise BadInput(source=str(truth), problem=problem, remedy="Name another file; it is not overwritten")
+    if folder.exists() and any(folder.iterdir()) and digests(folder) != known:
+        problem = "it is there, and not empty, and no virtual test that its truth vouches for"
+        raise BadInput(
+            source=str(folder), field="--out", problem=problem, remedy="Name a new folder, or remove this one yourself"
+        )
+
+
+def require_folder(path: Path) -> None:
+    """Refuse a file where a folder is meant, and the folder in which the command runs or one around it, which cannot be replaced.
+
+    Raises
+    ------
+    BadInput : `path` is there and no folder, or such a folder.
+    """
+    if Path.cwd().is_relative_to(path.resolve()):
+        problem = "the command runs in this folder"
+        raise BadInput(source=str(path), field="--out", problem=problem, remedy="Name a folder in it, such as out/campaign")
+    if path.exists() and not path.is_dir():
+        problem = "it is a file, a folder is expected"
+        raise BadInput(source=str(path), field="--out", problem=problem, remedy="Name a new folder")
+
+
+def write(folder: Path, truth: Path, content: Mapping[str, object], fill: Callable[[Path], None]) -> None:
+    """Let `fill` make the new `folder`, and write its truth, `content` and the digests of its files; see `require_free`.
+
+    Raises
+    ------
+    OSError : one of them cannot be written.
+    """
+
+    def both(new: Path) -> None:
+        fill(new)
+        stated = {"kind": KIND, **content, FILES: digests(new)}
+        atomic.write_text(truth, json_text(stated) + "\n")  # before the folder is in place: no campaign is ever without its truth
+
+    atomic.write_folder(folder, both)
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """SHA-256 of everything in `folder` by name; a subfolder has none."""
+    return {path.name: sha256(path.read_bytes()).hexdigest() if path.is_file() else "" for path in sorted(folder.iterdir())}
+
+
+def _vouched(truth: Path) -> dict[str, str] | None:
+    """The digests in the file `truth`; None where there is no such file, or it is something else."""
+    try:
+        found = json.loads(truth.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    if not isinstance(found, dict) or found.get("kind") != KIND or not isinstance(found.get(FILES), dict):
+        return None
+    return dict(found[FILES])
+
+
+def _require_apart(folder: Path, truth: Path) -> None:
+    if truth.resolve().is_relative_to(folder.resolve()):
+        problem = f"{truth} lies in the campaign folder, which whoever is not to see the truth will read"
+        raise BadInput(source="--sealed", problem=problem, remedy="Name a file elsewhere")

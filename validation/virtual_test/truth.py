@@ -12,10 +12,9 @@ import numpy.typing as npt
 from fem.base_excitation.rig import Rig
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS, Inertia
-from validation.virtual_test.chain_truth import ChainTruth
-from validation.virtual_test.hooks import Effect, changed_rig
-from validation.virtual_test.plan import Plan
-from validation.virtual_test.set_up import SetUp, nominal_fmd
+from validation.virtual_test.layout import ChainTruth
+from validation.virtual_test.plan import Plan, PlantedEffect, changed_rig
+from validation.virtual_test.shaker import SetUp, nominal_fmd
 
 FORMAT = 1
 
@@ -121,7 +120,7 @@ def listed(values: npt.ArrayLike) -> list[float]:
     return [float(value) for value in np.ravel(np.asarray(values, dtype=np.float64))]
 
 
-def _effect(effect: Effect) -> Json:
+def _effect(effect: PlantedEffect) -> Json:
     return {"id": effect.id, "value": dict(effect.value)}
 
 
@@ -149,7 +148,7 @@ def _modes(made: SetUp) -> Json:
 
 def _dynamic_mass(rig: Rig) -> Json:
     """Of all that the cells carry, about F: on a rigid table in their place, and without what is loose."""
-    from fem.base_excitation.rig_structure import dynamic_mass
+    from fem.base_excitation.rig import dynamic_mass
 
     H = dynamic_mass(replace(rig, cells=(), frictions=()), LINES).matrix
     return {"frequency_hz": list(LINES), "re": H.real.tolist(), "im": H.imag.tolist(), "about": "F", "order": list(MOTIONS)}

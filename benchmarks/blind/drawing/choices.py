@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.blind.drawing.case import SERIES, WHOLE_SERIES
-from validation.effects.targets import AXES, COVER, FMD, TABLE
+from validation.effects.effect import AXES, COVER, FMD, TABLE
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,7 +28,7 @@ from benchmarks.blind.drawing.case import (
 from benchmarks.blind.drawing.choices import CHOICES, DAMPING, FREQUENCIES, Choice, without
 from geometry.dynamic_mass import MOTIONS
 from validation.effects.catalogue import FAMILIES
-from validation.virtual_test.streams import stream
+from validation.virtual_test.layout import stream
 
 MULTIPLES = (5.0, 15.0, 2.0)
 """Sizes over the detection limit, in the order in which they are drawn."""

@@ -13,11 +13,10 @@ from functools import partial
 import numpy as np
 
 from fem.base_excitation.rig import Rig, Strut
-from geometry.arrays import Array
-from geometry.frames import rigid_transformation
-from validation.effects.targets import COVER, FMD
-from validation.virtual_test.effects.of_signals import second_derivative, with_column
-from validation.virtual_test.hooks import Effect, Sensed
+from geometry.frames import Array, rigid_transformation
+from validation.effects.effect import COVER, FMD
+from validation.virtual_test.plan import PlantedEffect, Sensed
+from validation.virtual_test.planted import second_derivative, with_column
 
 PREFIX = "unknown-"
 """Of their names: no family is called so."""
@@ -192,15 +191,15 @@ FOREIGN: Mapping[str, Foreign] = {
 }
 
 
-def effect(name: str, channel: str, size: float) -> Effect:
+def effect(name: str, channel: str, size: float) -> PlantedEffect:
     """The hooks of the physics `name`."""
     what = FOREIGN[name]
     id = ":".join(filter(None, (PREFIX + name, channel)))
     changes: dict[str, Callable[..., object]] = dict(what.made(channel, size))
-    return partial(Effect, id=id, value={"": size})(**changes)  # type: ignore[arg-type]
+    return partial(PlantedEffect, id=id, value={"": size})(**changes)  # type: ignore[arg-type]
 
 
-def of_text(text: str) -> Effect:
+def of_text(text: str) -> PlantedEffect:
     """The hooks of what `benchmarks.blind.drawing.case.Planted.text` says.
 
     Raises

@@ -8,10 +8,10 @@ from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
-from geometry.tolerances import Tolerances
+from geometry.sensors import Tolerances
 from validation.effects.catalogue import FAMILIES
-from validation.effects.targets import TABLE
-from validation.models.model import StructureTolerances
+from validation.effects.effect import TABLE
+from validation.model.model import StructureTolerances
 
 FILE = Path(__file__).with_name("limits.json")
 

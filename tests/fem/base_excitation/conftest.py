@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem import beam
-from fem.base_excitation import body
+from fem.base_excitation import rig
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Cell, Flange, Rig
+from fem.base_excitation.rig import Body, Flange, LoadCell, Rig
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.inertia import Inertia
@@ -42,16 +42,16 @@ def clumod() -> Callable[[str], Body]:
 
 
 def _clumod(name: str) -> Body:
-    structure = beam.structure(name)
+    structure = articles.structure(name)
     modes = fixed_base(structure, 30, damping=Damping(ratio=0.03))
-    return body.flexible(name, structure, modes, places={"top": [0.0, 0.0, 1.6]})
+    return rig.flexible(name, structure, modes, places={"top": [0.0, 0.0, 1.6]})
 
 
 @pytest.fixture(scope="session")
 def rigid_block() -> Body:
     """A rigid block with its CoG off all axes."""
     inertia = Inertia.from_cog(7.0, [0.02, -0.03, 0.2], np.array([[0.3, 0.01, 0.02], [0.01, 0.25, -0.03], [0.02, -0.03, 0.1]]))
-    return body.rigid("block", inertia, {"top": [0.1, 0.05, 0.4]})
+    return rig.rigid("block", inertia, {"top": [0.1, 0.05, 0.4]})
 
 
 @pytest.fixture(scope="session")
@@ -63,7 +63,8 @@ def mounted() -> Callable[..., Rig]:
 def _mounted(article: Body, *, softer: float = 1.0, preload: float | None = None) -> Rig:
     stiffness = np.array([4e8, 4e8, 2e9]) / softer
     cells = tuple(
-        Cell(position=np.array([x, y, 0.01]), stiffness=stiffness, damping=2e-5 * stiffness, preload=preload) for x, y in CORNERS
+        LoadCell(position=np.array([x, y, 0.01]), stiffness=stiffness, damping=2e-5 * stiffness, preload=preload)
+        for x, y in CORNERS
     )
     return Rig(
         article=article,

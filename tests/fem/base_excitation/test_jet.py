@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.patterns.jet import SMOOTH, Jet, exponential, sine, smooth_step, window
+from fem.base_excitation.patterns import SMOOTH, Jet, exponential, sine, smooth_step, window
 
 TIME = np.linspace(-0.2, 1.4, 3001)
 

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam, reduction
-from fem.base_excitation import body, linear, rig_structure
+from fem import reduction
+from fem.base_excitation import response as base_excitation_response
+from fem.base_excitation import rig as base_excitation_rig
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
+from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.errors import BadInput, CheckFailed
@@ -47,7 +49,7 @@ def test_a_rigid_block_is_loaded_by_plus_its_mass_times_acceleration(
     rigid_block: Body, burst: Burst, axis: int, sign: float
 ) -> None:
     motion = burst(1024.0, sign * np.eye(6)[axis])
-    response = linear.respond(Rig(article=rigid_block), motion)
+    response = base_excitation_response.respond(Rig(article=rigid_block), motion)
     assert_allclose(response.load, motion.acceleration @ rigid_block.reduced.mass, rtol=1e-12, atol=1e-14)
     assert response.load[:, axis] @ motion.acceleration[:, axis] > 0
     assert_allclose(response.table, motion.acceleration)
@@ -60,14 +62,16 @@ def test_a_block_on_a_cover_plate_counts_from_f(rigid_block: Body, burst: Burst)
     rig = Rig(article=rigid_block, cover=cover, seat=np.array([0.01, -0.02, 0.0445]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     whole = cover + Inertia.from_mass_matrix(rigid_block.reduced.mass).moved(rig.seat)
-    assert_allclose(linear.respond(rig, motion).load, motion.acceleration @ whole.mass_matrix, rtol=1e-11, atol=1e-11)
+    assert_allclose(
+        base_excitation_response.respond(rig, motion).load, motion.acceleration @ whole.mass_matrix, rtol=1e-11, atol=1e-11
+    )
 
 
 def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(rigid_block: Body, burst: Burst) -> None:
     rig = Rig(article=rigid_block, seat=np.array([0.0, 0.0, 0.1]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     expected = motion.acceleration @ rigid_transformation([0.1, 0.05, 0.5]).T
-    assert_allclose(linear.respond(rig, motion).places["top"], expected, atol=1e-13)
+    assert_allclose(base_excitation_response.respond(rig, motion).places["top"], expected, atol=1e-13)
 
 
 # --- load cells and flange ----------------------------------------------------------------------------------------------------
@@ -75,7 +79,7 @@ def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(rigid_block: Body, 
 
 def test_the_cells_together_carry_the_load(clumod: Clumod, mounted: Mounted, burst: Burst) -> None:
     rig = mounted(clumod("clumod-4"))
-    response = linear.respond(rig, burst(RATE, np.array([1, -2, 3, 4, 5, -6.0]), 1.0))
+    response = base_excitation_response.respond(rig, burst(RATE, np.array([1, -2, 3, 4, 5, -6.0]), 1.0))
     resultant = sum(
         force @ rigid_transformation(cell.position)
         for cell, force in zip(rig.cells, np.moveaxis(response.cells, 1, 0), strict=True)
@@ -85,9 +89,9 @@ def test_the_cells_together_carry_the_load(clumod: Clumod, mounted: Mounted, bur
 
 def test_a_mass_on_one_set_of_cells_swings_as_one_degree_of_freedom(burst: Burst) -> None:
     mass, k, c = 10.0, 4e5, 60.0
-    ball = body.rigid("ball", Inertia.from_cog(mass, [0, 0, 0], np.diag([0.1, 0.1, 0.1])))
-    cells = [Cell(position=[x, y, 0.0], stiffness=[k / 4] * 3, damping=[c / 4] * 3) for x in (0.1, -0.1) for y in (0.1, -0.1)]
-    response = linear.respond(Rig(article=ball, cells=tuple(cells)), burst(RATE, np.eye(6)[2], 6.0))
+    ball = base_excitation_rig.rigid("ball", Inertia.from_cog(mass, [0, 0, 0], np.diag([0.1, 0.1, 0.1])))
+    cells = [LoadCell(position=[x, y, 0.0], stiffness=[k / 4] * 3, damping=[c / 4] * 3) for x in (0.1, -0.1) for y in (0.1, -0.1)]
+    response = base_excitation_response.respond(Rig(article=ball, cells=tuple(cells)), burst(RATE, np.eye(6)[2], 6.0))
     lines, table, load = spectra(response)
     omega = 2 * np.pi * lines
     blocked = mass * (k + 1j * omega * c) / (k + 1j * omega * c - omega**2 * mass)
@@ -97,7 +101,7 @@ def test_a_mass_on_one_set_of_cells_swings_as_one_degree_of_freedom(burst: Burst
 def test_cover_plate_and_cells_follow_from_the_coordinates(clumod: Clumod, mounted: Mounted, burst: Burst) -> None:
     rig = mounted(clumod("clumod-1"), softer=1e4)
     motion = burst(RATE, np.array([1, -2, 3, 4, 5, -6.0]), 0.5)
-    response = linear.respond(rig, motion, keep_coordinates=True)
+    response = base_excitation_response.respond(rig, motion, keep_coordinates=True)
     moved = response.coordinates[:, :6]
     assert response.coordinates.shape[1] == 6 + 2 + len(rig.article.reduced.mass) - 6
     second = np.gradient(np.gradient(moved, axis=0), axis=0)[100:-100] * RATE**2
@@ -116,14 +120,19 @@ def test_cover_plate_and_cells_follow_from_the_coordinates(clumod: Clumod, mount
 def test_cells_that_stiffen_approach_none_in_proportion(clumod: Clumod, mounted: Mounted) -> None:
     lines = np.array([6.0, 20.0, 30.0])
     article = clumod("clumod-4")
-    rigid = rig_structure.dynamic_mass(replace(mounted(article), cells=()), lines).matrix
-    away = [np.abs(rig_structure.dynamic_mass(mounted(article, softer=s), lines).matrix - rigid).max() for s in (1e-2, 1e-3)]
+    rigid = base_excitation_rig.dynamic_mass(replace(mounted(article), cells=()), lines).matrix
+    away = [
+        np.abs(base_excitation_rig.dynamic_mass(mounted(article, softer=s), lines).matrix - rigid).max() for s in (1e-2, 1e-3)
+    ]
     assert_allclose(away[0] / away[1], 10, rtol=0.01)
 
 
 def test_a_flange_that_does_not_give_is_none(clumod: Clumod, mounted: Mounted, burst: Burst) -> None:
     rig, motion = mounted(clumod("clumod-1")), burst(RATE, np.ones(6), 0.5)
-    stiff, none = (linear.respond(replace(rig, flange=flange), motion).load for flange in (Flange(compliance=np.zeros(6)), None))
+    stiff, none = (
+        base_excitation_response.respond(replace(rig, flange=flange), motion).load
+        for flange in (Flange(compliance=np.zeros(6)), None)
+    )
     assert_allclose(stiff, none, atol=1e-12 * np.abs(none).max())
 
 
@@ -132,7 +141,7 @@ def test_compliance_of_the_flange_adds_to_the_static_answer(rigid_block: Body) -
     D, lines, damping_time = np.diag([1e-8, 2e-8, 3e-8, 1e-7, 2e-7, 3e-7]), np.array([1.0, 2.0]), 0.05
     rig = Rig(article=rigid_block, flange=Flange(compliance=np.diag(D), damping_time=damping_time))
     M = rigid_block.reduced.mass
-    extra = rig_structure.dynamic_mass(rig, lines).matrix - M
+    extra = base_excitation_rig.dynamic_mass(rig, lines).matrix - M
     omega = 2 * np.pi * lines[:, None, None]
     assert_allclose(extra, omega**2 * (M @ D @ M) / (1 + 1j * omega * damping_time), rtol=1e-4, atol=1e-5 * np.abs(extra).max())
 
@@ -145,7 +154,7 @@ def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(rigid_bloc
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     G = rigid_transformation([0.1, 0.05, 0.4])
     held = (motion.displacement @ G.T * strut.stiffness + motion.velocity @ G.T * strut.damping) @ G
-    response = linear.respond(Rig(article=rigid_block, struts=(strut,)), motion)
+    response = base_excitation_response.respond(Rig(article=rigid_block, struts=(strut,)), motion)
     assert_allclose(response.load, motion.acceleration @ rigid_block.reduced.mass + held, rtol=1e-12, atol=1e-12)
 
 
@@ -153,16 +162,16 @@ def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(rigid_bloc
 def test_a_rig_with_struts_answers_as_its_dynamic_mass(clumod: Clumod, mounted: Mounted, burst: Burst, to: str) -> None:
     strut = Strut(place="top", to=to, stiffness=np.array([3e3, 1e3, 1e4]), damping=np.array([20.0, 10, 30]))
     rig = replace(mounted(clumod("clumod-1")), struts=(strut,))
-    lines, table, load = spectra(linear.respond(rig, burst(RATE, np.array([1, 0, 0, 0, 2.0, 0]), 6.0)))
+    lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.array([1, 0, 0, 0, 2.0, 0]), 6.0)))
     some = slice(None, None, 5)
-    expected = np.einsum("fij,fj->fi", rig_structure.dynamic_mass(rig, lines[some]).matrix, table[some])
+    expected = np.einsum("fij,fj->fi", base_excitation_rig.dynamic_mass(rig, lines[some]).matrix, table[some])
     assert_allclose(load[some], expected, atol=1e-5 * np.abs(expected).max())
 
 
 def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: Body, burst: Burst) -> None:
     strut = Strut(place="top", to="table", stiffness=np.full(3, 1e5), damping=np.full(3, 1e2))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
-    plain, strutted = (linear.respond(Rig(article=rigid_block, struts=s), motion).load for s in ((), (strut,)))
+    plain, strutted = (base_excitation_response.respond(Rig(article=rigid_block, struts=s), motion).load for s in ((), (strut,)))
     assert_allclose(strutted, plain)
 
 
@@ -174,7 +183,7 @@ def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: Body
 def test_spectra_of_a_burst_give_the_dynamic_mass(clumod: Clumod, burst: Burst, name: str, axis: int) -> None:
     """0.01 % off resonance and 0.05 % at resonance are asked for; cut at 12 s, clumod-4 would leave 4e-6 in the spectra."""
     rig = Rig(article=clumod(name))
-    lines, table, load = spectra(linear.respond(rig, burst(RATE, np.eye(6)[axis], RINGS[name])))
+    lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.eye(6)[axis], RINGS[name])))
     assert column_error(rig, lines, load / table[:, [axis]], axis) < 5e-7
 
 
@@ -182,14 +191,14 @@ def test_spectra_of_a_burst_give_the_dynamic_mass(clumod: Clumod, burst: Burst, 
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_cells_and_flange_change_nothing_about_that(clumod: Clumod, mounted: Mounted, burst: Burst, name: str, axis: int) -> None:
     rig = mounted(clumod(name))
-    lines, table, load = spectra(linear.respond(rig, burst(RATE, np.eye(6)[axis], RINGS[name])))
+    lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.eye(6)[axis], RINGS[name])))
     assert column_error(rig, lines, load / table[:, [axis]], axis) < 5e-6
 
 
 def column_error(rig: Rig, lines: np.ndarray, column: np.ndarray, axis: int) -> float:
     """Greatest difference at every fifth line as a share of the column there, rows scaled by the root of their inertia."""
-    scale = 1 / np.sqrt(np.diag(rig_structure.matrices(rig).mass)[:6])
-    truth = rig_structure.dynamic_mass(rig, lines[::5]).matrix[:, :, axis]
+    scale = 1 / np.sqrt(np.diag(base_excitation_rig.matrices(rig).mass)[:6])
+    truth = base_excitation_rig.dynamic_mass(rig, lines[::5]).matrix[:, :, axis]
     return float(
         (np.abs(column[::5] - truth) @ np.diag(scale)).max(axis=1).__truediv__((np.abs(truth) * scale).max(axis=1)).max()
     )
@@ -198,20 +207,22 @@ def column_error(rig: Rig, lines: np.ndarray, column: np.ndarray, axis: int) -> 
 def test_dynamic_mass_of_a_rig_without_fmd_is_that_of_its_body(clumod: Clumod) -> None:
     article, lines = clumod("clumod-4"), np.array([0.0, 5.0, 12.3, 30.0])
     expected = reduction.dynamic_mass(article.reduced, lines).matrix
-    assert_allclose(rig_structure.dynamic_mass(Rig(article=article), lines).matrix, expected, rtol=1e-9, atol=1e-11)
+    assert_allclose(base_excitation_rig.dynamic_mass(Rig(article=article), lines).matrix, expected, rtol=1e-9, atol=1e-11)
 
 
 def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod) -> None:
     article, lines, seat = clumod("clumod-1"), np.array([5.0, 12.3]), np.array([0.1, -0.2, 0.3])
     T = rigid_transformation_6(seat)
     expected = T.T @ reduction.dynamic_mass(article.reduced, lines).matrix @ T
-    assert_allclose(rig_structure.dynamic_mass(Rig(article=article, seat=seat), lines).matrix, expected, rtol=1e-9, atol=1e-10)
+    assert_allclose(
+        base_excitation_rig.dynamic_mass(Rig(article=article, seat=seat), lines).matrix, expected, rtol=1e-9, atol=1e-10
+    )
 
 
 def test_modal_data_alone_answer_in_time(burst: Burst) -> None:
-    modes = replace(fixed_base(beam.structure("clumod-1"), 12, damping=Damping(ratio=0.03)), shapes=np.zeros((0, 12)))
-    rig = Rig(article=body.of_modal_data("own", modes))
-    lines, table, load = spectra(linear.respond(rig, burst(RATE, np.eye(6)[0], 8.0)))
+    modes = replace(fixed_base(articles.structure("clumod-1"), 12, damping=Damping(ratio=0.03)), shapes=np.zeros((0, 12)))
+    rig = Rig(article=base_excitation_rig.of_modal_data("own", modes))
+    lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.eye(6)[0], 8.0)))
     assert column_error(rig, lines, load / table[:, [0]], 0) < 1e-5
 
 
@@ -224,20 +235,22 @@ def test_a_rate_too_coarse_for_a_kept_mode_is_refused_with_the_one_needed(
 ) -> None:
     article = clumod("clumod-1")
     with pytest.raises(BadInput, match=f"`sampling_rate`.*{where}.*Simulate at {np.ceil(8 * article.kept.max()):.0f} Hz"):
-        linear.respond(Rig(article=article), burst(rate, np.ones(6), 0.1))
+        base_excitation_response.respond(Rig(article=article), burst(rate, np.ones(6), 0.1))
 
 
 def test_friction_and_preload_are_sent_to_exudyn(rigid_block: Body, mounted: Mounted, burst: Burst) -> None:
     motion = burst(1024.0, np.ones(6), 0.1)
     with pytest.raises(BadInput, match=r"friction is not linear.*exudyn"):
-        linear.respond(Rig(article=rigid_block, frictions=(Friction(axis="x", slip_force=10.0),)), motion)
+        base_excitation_response.respond(Rig(article=rigid_block, frictions=(Friction(axis="x", slip_force=10.0),)), motion)
     with pytest.raises(BadInput, match=r"lift off.*exudyn"):
-        linear.respond(mounted(rigid_block, preload=1e4), motion)
+        base_excitation_response.respond(mounted(rigid_block, preload=1e4), motion)
 
 
 def test_a_response_says_how_it_was_found(clumod: Clumod, burst: Burst) -> None:
     told: list[float] = []
-    response = linear.respond(Rig(article=clumod("clumod-1")), burst(RATE, np.ones(6), 0.2), progress=told.append)
+    response = base_excitation_response.respond(
+        Rig(article=clumod("clumod-1")), burst(RATE, np.ones(6), 0.2), progress=told.append
+    )
     settings = json.loads(json.dumps(dict(response.settings)))
     assert settings["route"] == "recursion"
     assert (settings["modes"], settings["sampling_rate_hz"]) == (30, RATE)
@@ -256,7 +269,7 @@ def test_a_response_that_grows_beyond_all_numbers_is_lost_with_channel_and_time(
     article = clumod("clumod-1")
     fed = replace(article, reduced=replace(article.reduced, viscous=-50 * article.reduced.viscous))
     with pytest.raises(CheckFailed, match=r"recursion lost the rig at [\d.]+ s: its .* grown beyond 1e\+100") as lost:
-        linear.respond(Rig(article=fed), burst(RATE, np.eye(6)[0]))
+        base_excitation_response.respond(Rig(article=fed), burst(RATE, np.eye(6)[0]))
     assert lost.value.evidence["route"] == "recursion"
     assert str(lost.value.evidence["channel"]).startswith(("load ", "acceleration "))
     assert 0 < float(str(lost.value.evidence["time"])) < 5.6

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation import recursion
+from fem.base_excitation import first_order_hold
 from geometry.errors import CheckFailed
 
 F, ZETA = 12.3, 0.01
@@ -16,15 +16,15 @@ RATE = 200.0
 Route = Callable[..., np.ndarray]
 
 
-def oscillator(zeta: float = ZETA, omega: float = OMEGA) -> recursion.States:
+def oscillator(zeta: float = ZETA, omega: float = OMEGA) -> first_order_hold.States:
     """x'' + 2 zeta omega x' + omega² x = p."""
     one = np.eye(1)
-    return recursion.states(one, 2 * zeta * omega * one, omega**2 * one, one)
+    return first_order_hold.states(one, 2 * zeta * omega * one, omega**2 * one, one)
 
 
-def displacement(system: recursion.States, samples: np.ndarray, rate: float) -> np.ndarray:
+def displacement(system: first_order_hold.States, samples: np.ndarray, rate: float) -> np.ndarray:
     found = np.empty((len(samples), len(system.displacement)))
-    for block in recursion.answer(system, system.displacement, samples, rate):
+    for block in first_order_hold.answer(system, system.displacement, samples, rate):
         found[block.samples] = block.outputs
     return found
 
@@ -33,7 +33,7 @@ def displacement(system: recursion.States, samples: np.ndarray, rate: float) -> 
 def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Route:
     """Both ways to the answer, uncoupled and all together."""
     if request.param == "stepping":
-        monkeypatch.setattr(recursion, "poles", lambda system: None)
+        monkeypatch.setattr(first_order_hold, "poles", lambda system: None)
     return displacement
 
 
@@ -68,10 +68,10 @@ def test_input_at_the_first_sample_finds_the_system_at_rest(route: Route) -> Non
     assert_allclose(step, (1 - np.exp(-ZETA * OMEGA * t) * swing) / OMEGA**2, atol=1e-12 / OMEGA**2)
 
 
-def coupled(damping: np.ndarray) -> recursion.States:
+def coupled(damping: np.ndarray) -> first_order_hold.States:
     M = np.diag([1.0, 2.0, 0.5])
     K = np.array([[5e3, -2e3, 0], [-2e3, 6e3, -1e3], [0, -1e3, 3e3]])
-    return recursion.states(M, damping, K, np.array([[1.0, 0.0], [0.3, -1.0], [0.0, 2.0]]))
+    return first_order_hold.states(M, damping, K, np.array([[1.0, 0.0], [0.3, -1.0], [0.0, 2.0]]))
 
 
 DAMPINGS = {
@@ -85,7 +85,7 @@ DAMPINGS = {
 def test_both_ways_agree_whatever_the_damping_couples(damping: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
     samples = np.random.default_rng(2).normal(size=(500, 2))
     fast = displacement(coupled(damping), samples, RATE)
-    monkeypatch.setattr(recursion, "poles", lambda system: None)
+    monkeypatch.setattr(first_order_hold, "poles", lambda system: None)
     assert_allclose(fast, displacement(coupled(damping), samples, RATE), atol=1e-12 * np.abs(fast).max())
 
 
@@ -94,14 +94,14 @@ def test_a_cluster_of_equal_frequencies_is_answered_like_its_members() -> None:
     rotated = np.array([[0.6, -0.8], [0.8, 0.6]])
     C = rotated @ np.diag([0.02, 0.04]) * OMEGA @ rotated.T  # two equal frequencies that only damping tells apart
     samples = np.random.default_rng(3).normal(size=(400, 2))
-    together = displacement(recursion.states(twins, C, K, rotated), samples, RATE)
+    together = displacement(first_order_hold.states(twins, C, K, rotated), samples, RATE)
     alone = np.hstack([displacement(oscillator(z), samples[:, [k]], RATE) for k, z in enumerate((0.01, 0.02))])
     assert_allclose(together, alone @ rotated.T, atol=1e-12 * np.abs(alone).max())
 
 
 def test_critical_damping_has_no_two_poles_and_is_stepped() -> None:
     critical = oscillator(zeta=1.0)
-    assert recursion.poles(critical) is None
+    assert first_order_hold.poles(critical) is None
     t = np.arange(200) / RATE
     x = OMEGA * t
     exact = (t - 2 / OMEGA + np.exp(-x) * (t + 2 / OMEGA)) / OMEGA**2
@@ -118,7 +118,7 @@ def test_answers_scale_and_add(route: Route) -> None:
 def test_blocks_join_without_a_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     system, samples = coupled(DAMPINGS["beside the diagonal"]), np.random.default_rng(5).normal(size=(500, 2))
     whole = displacement(system, samples, RATE)
-    monkeypatch.setattr(recursion, "BLOCK", 37)
+    monkeypatch.setattr(first_order_hold, "BLOCK", 37)
     assert_allclose(displacement(system, samples, RATE), whole, atol=1e-13 * np.abs(whole).max())
 
 
@@ -126,27 +126,27 @@ def test_blocks_join_without_a_seam(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_state_where_a_block_stops_is_that_of_the_sample(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     system, samples = coupled(DAMPINGS["overdamped"]), np.random.default_rng(6).normal(size=(100, 2))
     if way == "stepping":
-        monkeypatch.setattr(recursion, "poles", lambda system: None)
-    first, _ = recursion.answer(system, system.velocity, samples, RATE, stop=60)
+        monkeypatch.setattr(first_order_hold, "poles", lambda system: None)
+    first, _ = first_order_hold.answer(system, system.velocity, samples, RATE, stop=60)
     assert first.samples == slice(0, 61)
     assert_allclose(system.velocity @ first.state, first.outputs[-1], atol=1e-13)
 
 
 def test_progress_is_told_and_may_end_the_run() -> None:
     told: list[float] = []
-    list(recursion.answer(oscillator(), np.eye(2), np.zeros((100, 1)), RATE, stop=50, progress=told.append))
+    list(first_order_hold.answer(oscillator(), np.eye(2), np.zeros((100, 1)), RATE, stop=50, progress=told.append))
     assert told == [0.51, 1.0]
 
     def stop(share: float) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(recursion.answer(oscillator(), np.eye(2), np.zeros((100, 1)), RATE, progress=stop))
+        list(first_order_hold.answer(oscillator(), np.eye(2), np.zeros((100, 1)), RATE, progress=stop))
 
 
 def test_what_swings_freely_is_refused() -> None:
     with pytest.raises(CheckFailed, match="swings freely"):
-        recursion.states(np.eye(2), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]]), np.eye(2))
+        first_order_hold.states(np.eye(2), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]]), np.eye(2))
 
 
 def steady_gain(frequency: float, rate: float, *, straight: bool = False) -> float:
@@ -154,7 +154,7 @@ def steady_gain(frequency: float, rate: float, *, straight: bool = False) -> flo
     system = oscillator(zeta=0.2, omega=2 * np.pi * 20.0)
     t = np.arange(int(2.0 * rate)) / rate
     samples = np.sin(2 * np.pi * frequency * t)[:, None]
-    x = displacement(system, recursion.straightened(samples) if straight else samples, rate)[:, 0]
+    x = displacement(system, first_order_hold.straightened(samples) if straight else samples, rate)[:, 0]
     late = t > 1.0  # by then exp(-0.2 * 2 pi 20 * 1) = 1e-11 is left of the beginning
     waves = np.column_stack([np.cos(2 * np.pi * frequency * t[late]), np.sin(2 * np.pi * frequency * t[late])])
     amplitude = np.linalg.norm(np.linalg.lstsq(waves, x[late], rcond=None)[0])
@@ -183,14 +183,14 @@ def test_bias_falls_with_the_square_of_the_step_and_straightened_with_the_fourth
 
 def test_straight_input_is_left_as_it_is() -> None:
     line = np.column_stack([np.full(50, 3.0), np.arange(50.0)])
-    lifted = recursion.straightened(line)
+    lifted = first_order_hold.straightened(line)
     assert_allclose(lifted[1:-1], line[1:-1])
     assert_allclose(lifted[-1, 0], 3.0)  # goes on as it is
     assert_allclose(lifted[0, 0], 3.0 + 3.0 / 12)  # before the first sample there is nothing
 
 
 def test_the_weights_of_a_step_have_no_seam_between_series_and_closed_form() -> None:
-    s = recursion.SMALL * np.exp(1j * np.linspace(np.pi / 2, np.pi, 9))
-    inside, outside = recursion.held(s * (1 - 1e-9)), recursion.held(s * (1 + 1e-9))
+    s = first_order_hold.SMALL * np.exp(1j * np.linspace(np.pi / 2, np.pi, 9))
+    inside, outside = first_order_hold.held(s * (1 - 1e-9)), first_order_hold.held(s * (1 + 1e-9))
     for a, b in zip(inside, outside, strict=True):
         assert_allclose(a, b, rtol=1e-9)

@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation import linear
+from fem.base_excitation import response
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
-from fem.base_excitation.rig_check import SOFTEST, STIFFEST, require_usable
+from fem.base_excitation.rig import SOFTEST, STIFFEST, Body, Flange, Friction, LoadCell, Rig, Strut, require_usable
 from geometry.errors import BadInput
 
 CORNERS = np.array([[0.1, 0.1, 0], [-0.1, 0.1, 0], [-0.1, -0.1, 0], [0.1, -0.1, 0]])
 STIFF = np.full(3, 1e8)
 
 
-def cells(places: np.ndarray = CORNERS, **last: Any) -> tuple[Cell, ...]:
-    made = [Cell(position=place, stiffness=STIFF) for place in places]
+def cells(places: np.ndarray = CORNERS, **last: Any) -> tuple[LoadCell, ...]:
+    made = [LoadCell(position=place, stiffness=STIFF) for place in places]
     return (*made[:-1], replace(made[-1], **last))
 
 
@@ -90,12 +89,12 @@ def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
     """The response is that on a rigid joint; what is left is the recursion's own (omega h)² / 12 in a joint that only follows."""
     article, motion = clumod("clumod-1"), burst(8192.0, np.ones(6), 0.2)
     stiffest = Flange(compliance=1.01 / (STIFFEST * np.diag(article.reduced.mass)[:6]), damping_time=1e-7)
-    found, rigid = (linear.respond(Rig(article=article, flange=flange), motion).load for flange in (stiffest, None))
+    found, rigid = (response.respond(Rig(article=article, flange=flange), motion).load for flange in (stiffest, None))
     assert_allclose(found, rigid, rtol=0, atol=1e-4 * np.abs(rigid).max())
 
 
 def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(rigid_block: Body, burst: Callable[..., BaseMotion]) -> None:
     compliance = 0.99 / (SOFTEST * np.diag(rigid_block.reduced.mass)[:6])
     motion = burst(1024.0, np.eye(6)[0], 0.2)
-    load = linear.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load
+    load = response.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load
     assert np.abs(load[:, 0]).max() < 1e-4 * rigid_block.reduced.mass[0, 0] * np.abs(motion.acceleration).max()

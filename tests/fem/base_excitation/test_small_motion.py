@@ -8,9 +8,8 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns import Burst, phased_sweeps, sweeps
-from fem.base_excitation.small_motion import LIMIT, judge
-from geometry.arrays import Array
-from geometry.frames import skew
+from fem.base_excitation.response import LIMIT, judge
+from geometry.frames import Array, skew
 
 PARTICLES = np.array([[0.3, 0.1, 0.2], [-0.1, 0.4, 0.9], [0.0, -0.2, 1.4], [-0.3, 0.05, 0.6]])
 """[m] of equal mass: a body without any symmetry, its CoG off the reference point."""

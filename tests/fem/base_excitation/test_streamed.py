@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation import linear, streamed
-from fem.base_excitation.body import rigid
+from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.decimation import decimated_channels, joined
-from fem.base_excitation.driven_states import Channels, accelerations, cell_forces, stacked
 from fem.base_excitation.patterns import Sweep, drawn
-from fem.base_excitation.rig import Body, Cell, Rig, Strut
-from fem.base_excitation.rig_structure import RigStructure
+from fem.base_excitation.response import Channels, accelerations, cell_forces, stacked
+from fem.base_excitation.rig import Body, LoadCell, Rig, RigStructure, Strut, rigid
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 
@@ -26,7 +24,7 @@ def wanted(structure: RigStructure) -> Channels:
 
 def collected(rig: Rig, **options: object) -> tuple[np.ndarray, np.ndarray]:
     """Motion (3, n, 6) and values (n, o) of the whole run."""
-    pieces = list(streamed.streamed(rig, SWEEP, RATE, wanted, cross=drawn(np.random.default_rng(0)), **options))
+    pieces = list(base_excitation_response.streamed(rig, SWEEP, RATE, wanted, cross=drawn(np.random.default_rng(0)), **options))
     motion = np.concatenate([piece.motion for piece in pieces], axis=2).transpose(0, 2, 1)
     return motion, np.hstack([piece.values for piece in pieces]).T
 
@@ -41,7 +39,7 @@ def test_a_streamed_run_is_the_whole_run(grounded: bool, mounted: Callable[..., 
     n = min(len(values), len(whole.time))
     for found, expected in zip(motion, (whole.displacement, whole.velocity, whole.acceleration), strict=True):
         assert_allclose(found[:n], expected[:n], rtol=0, atol=1e-10 * np.abs(expected).max())
-    response = linear.respond(rig, whole)
+    response = base_excitation_response.respond(rig, whole)
     for found, expected in ((values[:, :6], response.cover), (values[:, 6:], response.cells.reshape(len(response.cells), -1))):
         assert_allclose(found[:n], expected[:n], rtol=0, atol=1e-10 * np.abs(expected).max())
 
@@ -66,7 +64,7 @@ def test_the_record_ends_when_the_ringing_has_fallen_to_its_share(
 
 def test_what_never_stops_ringing_is_refused(clumod: Callable[[str], Body], mounted: Callable[..., Rig]) -> None:
     inertia = Inertia.from_cog(20.0, [0, 0, 0.2], np.eye(3))
-    cells = tuple(Cell(position=np.array([x, y, 0.0]), stiffness=np.full(3, 1e5)) for x in (0.1, -0.1) for y in (0.1, -0.1))
+    cells = tuple(LoadCell(position=np.array([x, y, 0.0]), stiffness=np.full(3, 1e5)) for x in (0.1, -0.1) for y in (0.1, -0.1))
     undamped = Rig(article=rigid("block", inertia), cover=inertia, cells=cells)
     with pytest.raises(CheckFailed, match="Give it damping"):
         collected(undamped)
@@ -78,7 +76,7 @@ def test_a_rate_too_coarse_for_the_sweep_or_for_a_mode_is_refused(
     rig = mounted(clumod("clumod-1"))
     for rate, said in ((60.0, "twice the highest frequency driven"), (600.0, "highest kept mode")):
         with pytest.raises(BadInput, match=said):
-            next(streamed.streamed(rig, SWEEP, rate, wanted))
+            next(base_excitation_response.streamed(rig, SWEEP, rate, wanted))
 
 
 @pytest.mark.parametrize("delay", [0.0, 20e-6, -33e-6, 1.3e-3, 0.05])

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.body import rigid
-from fem.base_excitation.rig import Body, Cell
+from fem.base_excitation.rig import Body, LoadCell, rigid
 from fem.reduction import Reduced
 from geometry.frames import rigid_transformation
 from geometry.inertia import Inertia
@@ -61,10 +60,10 @@ def cover() -> Inertia:
 
 
 @pytest.fixture(scope="session")
-def cells() -> tuple[Cell, ...]:
+def cells() -> tuple[LoadCell, ...]:
     """Four cells, so stiff that the block swings on them above 400 Hz."""
     corners = ((0.12, 0.12), (-0.12, 0.12), (-0.12, -0.12), (0.12, -0.12))
-    return tuple(Cell(position=[x, y, 0.0], stiffness=[2e8, 2e8, 4e8], damping=[2e3] * 3) for x, y in corners)
+    return tuple(LoadCell(position=[x, y, 0.0], stiffness=[2e8, 2e8, 4e8], damping=[2e3] * 3) for x, y in corners)
 
 
 @pytest.fixture(scope="session")

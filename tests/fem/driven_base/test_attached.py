@@ -10,9 +10,8 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Body, Flange, Rig, Strut
-from fem.flexible_body.driven_base import Solver, respond
-from geometry.arrays import Array
-from geometry.frames import rigid_transformation, rigid_transformation_6
+from fem.exudyn.driven_run import Solver, respond
+from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 
 SEAT = (0.01, -0.02, 0.0445)

@@ -11,10 +11,9 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.rig import Body, Friction, Rig
-from fem.flexible_body.driven_base import respond
-from fem.flexible_body.driven_base.friction import STICKING
-from geometry.arrays import Array
-from geometry.frames import rigid_transformation
+from fem.exudyn.driven_rig import STICKING
+from fem.exudyn.driven_run import respond
+from geometry.frames import Array, rigid_transformation
 from geometry.inertia import Inertia
 
 MASS, LEVEL, FREQUENCY = 2.0, 2.5, 10.0

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Cell, Rig
-from fem.flexible_body.driven_base import respond
+from fem.base_excitation.rig import Body, LoadCell, Rig
+from fem.exudyn.driven_run import respond
 from geometry.frames import rigid_transformation
 from geometry.inertia import Inertia
 
@@ -26,7 +26,7 @@ def motion(shake: Callable[..., BaseMotion]) -> BaseMotion:
 
 
 @pytest.fixture(scope="module")
-def on(block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion) -> Callable[..., Response]:
+def on(block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion) -> Callable[..., Response]:
     """The response with a preload of the first cell."""
 
     def made(preload: float | None) -> Response:
@@ -42,7 +42,7 @@ def held(on: Callable[..., Response]) -> Response:
 
 
 @pytest.fixture(scope="module")
-def pull(held: Response, cells: tuple[Cell, ...]) -> float:
+def pull(held: Response, cells: tuple[LoadCell, ...]) -> float:
     """[N] with which statics let the load pull at the first cell at most, its stiffness shared with the others."""
     G = np.array([rigid_transformation(cell.position) for cell in cells])
     K = sum(g.T @ np.diag(cell.stiffness) @ g for g, cell in zip(G, cells, strict=True))
@@ -73,7 +73,7 @@ def test_its_force_stops_at_the_preload_and_stays_there(lifted: Response, held: 
     assert_allclose(open_share, pulled_share, atol=0.02)
 
 
-def test_the_others_carry_what_statics_leave_them(lifted: Response, cells: tuple[Cell, ...], pull: float) -> None:
+def test_the_others_carry_what_statics_leave_them(lifted: Response, cells: tuple[LoadCell, ...], pull: float) -> None:
     """Three cells that stand are determinate: force along z and the moments about x and y."""
     opened = lifted.cells[:, 0, 2] < -0.6 * pull * (1 - 1e-9)
     rows = np.array([rigid_transformation(cell.position)[2, [2, 3, 4]] for cell in cells]).T

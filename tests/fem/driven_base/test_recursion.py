@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam
-from fem.base_excitation import linear
+from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.body import flexible
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Cell, Flange, Rig, Strut
-from fem.flexible_body.driven_base import respond
+from fem.base_excitation.rig import Body, Flange, LoadCell, Rig, Strut, flexible
+from fem.beam import articles as beam_articles
+from fem.exudyn.driven_run import respond
 from fem.modes import fixed_base
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import Inertia
@@ -36,7 +35,7 @@ def off(response: Response, truth: Response, rig: Rig) -> float:
 @pytest.fixture(scope="module")
 def articles() -> Mapping[str, Body]:
     def made(name: str) -> Body:
-        structure = beam.structure(name)
+        structure = beam_articles.structure(name)
         return flexible(name, structure, fixed_base(structure, 12), places={"foot": [0.03, 0.02, 0.0]})
 
     return {name: made(name) for name in ("clumod-1", "clumod-4")}
@@ -69,7 +68,7 @@ def test_a_reduced_article_on_a_rigid_base(
     name: str, axis: str, articles: Mapping[str, Body], sweeps: Mapping[str, BaseMotion]
 ) -> None:
     rig = Rig(article=articles[name])
-    assert off(respond(rig, sweeps[axis]), linear.respond(rig, sweeps[axis]), rig) < REACHED
+    assert off(respond(rig, sweeps[axis]), base_excitation_response.respond(rig, sweeps[axis]), rig) < REACHED
 
 
 @pytest.mark.parametrize("axis", MOTIONS)
@@ -80,24 +79,26 @@ def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
     articles: Mapping[str, Body],
     soft_sweeps: Mapping[str, BaseMotion],
     cover: Inertia,
-    cells: tuple[Cell, ...],
+    cells: tuple[LoadCell, ...],
     flange: Flange,
 ) -> None:
     rig = Rig(article=articles[name], cover=cover, cells=cells, flange=flange, seat=(0.0, 0.0, 0.0445))
-    response, truth = respond(rig, soft_sweeps[axis]), linear.respond(rig, soft_sweeps[axis])
+    response, truth = respond(rig, soft_sweeps[axis]), base_excitation_response.respond(rig, soft_sweeps[axis])
     assert off(response, truth, rig) < REACHED < ISSUE
     assert_allclose(response.cells, truth.cells, atol=ISSUE * np.abs(truth.cells).max())
     assert_allclose(response.places["foot"], truth.places["foot"], atol=ISSUE * np.abs(truth.places["foot"]).max())
 
 
 def test_exudyn_turns_the_forces_of_the_cells_with_the_cover_plate_which_a_linear_rig_does_not(
-    block: Body, cover: Inertia, cells: tuple[Cell, ...]
+    block: Body, cover: Inertia, cells: tuple[LoadCell, ...]
 ) -> None:
     """What separates them is of second order in the level: ten times the level, a hundred times the difference."""
     rig, difference = Rig(article=block, cover=cover, cells=cells), []
     for level in (0.1, 1.0):
         motion = swept("gamma", level)
-        difference.append(np.abs(respond(rig, motion).cells - linear.respond(rig, motion).cells)[:, :, :2].max())
+        difference.append(
+            np.abs(respond(rig, motion).cells - base_excitation_response.respond(rig, motion).cells)[:, :, :2].max()
+        )
     assert_allclose(difference[1] / difference[0], 100.0, rtol=0.1)
 
 
@@ -106,6 +107,6 @@ def test_a_strut_on_a_place_that_swings(to: str, reed: Callable[..., Body], shak
     strut = Strut(place="tip", to=to, stiffness=[2e3, 1e3, 3e3], damping=[5.0, 10.0, 20.0])
     rig = Rig(article=reed(11.0, 0.01), struts=(strut,), seat=(0.01, -0.02, 0.05))
     motion = shake([1.0, -0.5, 0.7, 2.0, 1.0, -1.0], rate=8192.0)
-    response, truth = respond(rig, motion), linear.respond(rig, motion)
+    response, truth = respond(rig, motion), base_excitation_response.respond(rig, motion)
     assert off(response, truth, rig) < ISSUE
     assert_allclose(response.places["tip"], truth.places["tip"], atol=ISSUE * np.abs(truth.places["tip"]).max())

@@ -10,10 +10,9 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Cell, Rig
-from fem.flexible_body.driven_base import respond
-from geometry.arrays import Array
-from geometry.frames import rigid_transformation, rigid_transformation_6
+from fem.base_excitation.rig import Body, LoadCell, Rig
+from fem.exudyn.driven_run import respond
+from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 
 SEAT = (0.01, -0.02, 0.0445)
@@ -41,7 +40,7 @@ def motion(request: pytest.FixtureRequest, shake: Callable[..., BaseMotion]) -> 
 
 
 @pytest.fixture(scope="module")
-def on_cells(motion: BaseMotion, block: Body, cover: Inertia, cells: tuple[Cell, ...]) -> Response:
+def on_cells(motion: BaseMotion, block: Body, cover: Inertia, cells: tuple[LoadCell, ...]) -> Response:
     return respond(Rig(article=block, cover=cover, cells=cells, seat=SEAT), motion)
 
 
@@ -73,7 +72,7 @@ def test_cells_carry_the_mass_matrix_times_the_acceleration_of_the_cover(
     assert_allclose(on_cells.load / largest(load), load / largest(load), atol=SECOND_ORDER)
 
 
-def test_the_forces_of_the_cells_one_by_one_add_up_to_the_load(on_cells: Response, cells: tuple[Cell, ...]) -> None:
+def test_the_forces_of_the_cells_one_by_one_add_up_to_the_load(on_cells: Response, cells: tuple[LoadCell, ...]) -> None:
     total = sum(on_cells.cells[:, i] @ rigid_transformation(cell.position) for i, cell in enumerate(cells))
     assert_allclose(total / largest(on_cells.load), on_cells.load / largest(on_cells.load), atol=SECOND_ORDER)
 

@@ -13,8 +13,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig, Strut
-from fem.flexible_body.driven_base import Solver, respond
+from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.exudyn.driven_run import Solver, respond
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 
@@ -93,13 +93,13 @@ def test_a_step_that_cannot_bear_the_fastest_joint_is_lost_when_nobody_judged_it
     rig = Rig(article=block, cover=cover, flange=Flange(compliance=[1e-10, 0, 0, 0, 0, 0]))
     enough = respond(rig, motion).settings["subdivision"]
     assert isinstance(enough, int)
-    monkeypatch.setattr("fem.flexible_body.driven_base.steps.STABLE", {})
+    monkeypatch.setattr("fem.exudyn.driven_run.STABLE", {})
     with pytest.raises(CheckFailed, match="Take more steps a sample"):
         respond(rig, motion, solver=Solver(subdivision=enough - 2))
 
 
 def test_nothing_is_printed(
-    block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion, capfd: pytest.CaptureFixture[str]
+    block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion, capfd: pytest.CaptureFixture[str]
 ) -> None:
     gap = replace(cells[0], preload=3.0)
     rig = Rig(
@@ -115,7 +115,7 @@ def test_nothing_is_printed(
 
 
 def test_a_response_says_how_it_was_found_and_holds_every_sample(
-    block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion
+    block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
 ) -> None:
     solver = Solver(method="generalised-alpha", spectral_radius=0.8, subdivision=2, tolerance=1e-5)
     response = respond(Rig(article=block, cover=cover, cells=cells), motion, solver=solver)
@@ -153,7 +153,7 @@ def test_a_rig_that_cannot_be_is_refused_by_name(wrong: dict[str, object], field
 
 @pytest.mark.parametrize("preload", [0.0, -5.0])
 def test_a_preload_that_does_not_press_is_refused(
-    preload: float, block: Body, cover: Inertia, cells: tuple[Cell, ...], motion: BaseMotion
+    preload: float, block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
 ) -> None:
     rig = Rig(article=block, cover=cover, cells=(*cells[:3], replace(cells[3], preload=preload)))
     with pytest.raises(BadInput, match=r"preload.*above zero"):

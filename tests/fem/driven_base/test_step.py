@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation import linear
+from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Cell, Flange, Friction, Rig
-from fem.flexible_body.driven_base import Solver, respond
-from fem.flexible_body.driven_base.drive import targets
-from fem.flexible_body.driven_base.steps import highest
-from geometry.arrays import Array
+from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig
+from fem.exudyn.driven_rig import targets
+from fem.exudyn.driven_run import Solver, highest, respond
 from geometry.errors import BadInput
+from geometry.frames import Array
 from geometry.inertia import Inertia
 
 RATES = (512.0, 1024.0, 2048.0)
@@ -38,7 +37,7 @@ def moves(shake: Callable[..., BaseMotion]) -> Callable[[float], BaseMotion]:
 @pytest.fixture(scope="module")
 def truth(ringing: Rig, moves: Callable[[float], BaseMotion]) -> Array:
     """(n,) [N] along x, by the exact recursion with steps so short that they do not count."""
-    return linear.respond(ringing, moves(FINE)).load[:, 0]
+    return base_excitation_response.respond(ringing, moves(FINE)).load[:, 0]
 
 
 def errors(rig: Rig, moves: Callable[[float], BaseMotion], truth: Array, solver: Solver) -> Array:
@@ -94,7 +93,7 @@ def test_half_the_step_at_the_same_samples_is_half_the_step(ringing: Rig, moves:
 
 
 def test_the_highest_frequency_is_that_of_the_softest_cells_and_heaviest_plate(
-    block: Body, cover: Inertia, cells: tuple[Cell, ...]
+    block: Body, cover: Inertia, cells: tuple[LoadCell, ...]
 ) -> None:
     """Up and down, centred: sqrt(sum k / m); the other way round for the bristles of a loose part on a heavy table."""
     still = Inertia.from_cog(8.0, [0, 0, 0], np.eye(3) * 100.0)
@@ -115,7 +114,7 @@ def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(
     assert steps > 1
     with pytest.raises(BadInput, match=f"needs {steps} steps a sample, found 1"):
         respond(rig, motion, solver=Solver(subdivision=1))
-    assert_allclose(response.load, linear.respond(rig, motion).load, atol=1e-3 * np.abs(response.load).max())
+    assert_allclose(response.load, base_excitation_response.respond(rig, motion).load, atol=1e-3 * np.abs(response.load).max())
 
 
 def test_a_step_too_coarse_for_the_highest_kept_mode_is_refused_with_the_rate_that_is_needed(

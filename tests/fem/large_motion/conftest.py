@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body.large_motion.turning import turning
-from geometry.arrays import Array
-from geometry.frames import rotation_about
+from fem.exudyn.large_motion import turning
+from geometry.frames import Array, rotation_about
 from geometry.inertia import Inertia
 
 MakeMotion = Callable[..., BaseMotion]

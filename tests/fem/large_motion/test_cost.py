@@ -10,13 +10,12 @@ import pytest
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from fem.base_excitation.patterns import LEVELS
-from fem.flexible_body.large_motion import cost, respond_of_plan
-from fem.flexible_body.large_motion.article import plan_of, rigid
-from fem.flexible_body.large_motion.cost import Cost, exponents, of_a_sine, of_a_sweep
+from fem.exudyn import large_motion
+from fem.exudyn.large_motion import Cost, exponents, of_a_sine, of_a_sweep, plan_of, respond_of_plan, rigid
 from geometry.articles import built_in
+from geometry.dynamic_mass import LEVELS
 from geometry.inertia import Inertia
-from geometry.multibody import inertia as drawn_inertia
+from geometry.routes import inertia as drawn_inertia
 
 FACTORS = (1.0, 10.0, 30.0)
 
@@ -67,7 +66,7 @@ def test_turned_axes_cost_nothing_when_cells_and_accelerometers_ride_on_the_tabl
     with its CoG on the z axis has no other term there: against what the table's own accelerometers sense nothing is left out.
     """
     M = drawn_inertia(built_in("cuboid")).mass_matrix
-    motion = cost.sine_of({"x": 2.5, "gamma": 60.0}, 4.0)
+    motion = large_motion.sine_of({"x": 2.5, "gamma": 60.0}, 4.0)
     found = respond_of_plan(plan_of("cuboid"), motion)
     turned = np.abs(found.load - motion.acceleration @ M).max()
     assert turned > 0.05 * np.abs(found.load).max()
@@ -106,7 +105,7 @@ def test_progress_of_a_study_goes_to_one(block: Inertia) -> None:
 
 def test_the_size_of_a_load_has_no_units_to_choose(block: Inertia) -> None:
     """In centimetres and with another mass unit every share is the same."""
-    weight = cost.size_of(rigid(block))
+    weight = large_motion.size_of(rigid(block))
     T = np.diag([1.0, 1.0, 1.0, 100.0, 100.0, 100.0]) * 1e3
     f, g = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6]), np.array([0.3, -2.0, 1.0, 0.1, 0.9, -0.2])
     other = np.linalg.inv(T / 1e3 @ block.mass_matrix @ T)

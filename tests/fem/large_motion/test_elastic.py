@@ -7,18 +7,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body import driven, native
-from fem.flexible_body.large_motion import Conditions, respond, respond_of_plan
-from fem.flexible_body.large_motion.article import able_to_turn
-from fem.flexible_body.large_motion.turning import accelerometer, turning
-from fem.flexible_body.linearised import linearise, stiffness_of
-from fem.flexible_body.losses import lossy, viscous
-from fem.flexible_body.running import running
-from fem.frame import assemble
-from geometry.arrays import Array
+from fem.beam import articles
+from fem.beam.frame import assemble
+from fem.exudyn import frame, linear
+from fem.exudyn.frame import lossy, viscous
+from fem.exudyn.large_motion import Conditions, able_to_turn, accelerometer, respond, respond_of_plan, turning
+from fem.exudyn.linear import linearise, stiffness_of
+from fem.exudyn.run import running
 from geometry.errors import BadInput
+from geometry.frames import Array
 
 RATE = 512.0
 LOSSES_AT = 0.5
@@ -48,12 +46,12 @@ def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked:
     found = respond("clumod-1", motion, elements=1, loss_frequency=LOSSES_AT)
     turn = np.exp(-2j * np.pi * lines[:, None] * motion.time)
     load, acceleration = turn @ found.load, turn @ found.table
-    plan = beam.plan("clumod-1", elements=1)
+    plan = articles.plan("clumod-1", elements=1)
     system, losses = linearise(plan, 10), stiffness_of(lossy(plan))
     stiff = load[-1] - acceleration[-1] @ system.rigid_mass
     assert np.abs(stiff).max() > 0.1 * np.abs(load[-1]).max()  # at 8 Hz an eighth of the load is elastic
     for k, line in enumerate(lines):
-        H = driven.direct(system, losses * line / LOSSES_AT, line).matrix[0]
+        H = linear.direct(system, losses * line / LOSSES_AT, line).matrix[0]
         expected = H @ acceleration[k]
         assert_allclose(load[k], expected, rtol=0, atol=5e-4 * np.abs(expected).max())
 
@@ -61,9 +59,9 @@ def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked:
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_dampers_beside_the_beams_are_the_lossy_stiffness_over_omega(name: str) -> None:
     """Beams, layers of a sandwich and all: the identity C = sum of eta K / omega, in exudyn's own matrices."""
-    plan = beam.plan(name, elements=2)
+    plan = articles.plan(name, elements=2)
     with running("linearise the damped frame") as exudyn:
-        made = native.build(exudyn, plan, held=False, damping=viscous(plan, 12.0))
+        made = frame.build(exudyn, plan, held=False, damping=viscous(plan, 12.0))
         damping = np.array(made.system.ComputeLinearizedSystem()[2])
     expected = stiffness_of(lossy(plan)) / (2 * np.pi * 12.0)
     size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
@@ -93,7 +91,7 @@ def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_fa
 
 
 def test_mass_given_to_nodes_where_holes_are_is_the_same_inertia() -> None:
-    plan = beam.plan("cuboid", elements=2)
+    plan = articles.plan("cuboid", elements=2)
     filled = able_to_turn(plan)
     assert filled is not plan
     weights = [frame.rigid.T @ frame.mass @ frame.rigid for frame in map(assemble, (plan, filled))]
@@ -101,7 +99,7 @@ def test_mass_given_to_nodes_where_holes_are_is_the_same_inertia() -> None:
 
 
 def test_an_article_with_nothing_to_fill_is_taken_as_it_is() -> None:
-    plan = beam.plan("clumod-4", elements=1)
+    plan = articles.plan("clumod-4", elements=1)
     assert able_to_turn(plan) is plan
 
 
@@ -119,7 +117,7 @@ def test_places_tell_their_acceleration_in_the_axes_that_were_asked_for(smooth: 
 
 def test_springs_that_are_matrices_are_refused() -> None:
     with pytest.raises(BadInput, match=r"`ports`: springs between ports are matrices that do not turn .* found 4"):
-        able_to_turn(beam.plan("fmd+clumod-1", cells=beam.load_cells()))
+        able_to_turn(articles.plan("fmd+clumod-1", cells=articles.load_cells()))
 
 
 def test_a_disc_thinner_than_its_holes_allow_is_refused() -> None:
@@ -131,7 +129,7 @@ def test_a_disc_thinner_than_its_holes_allow_is_refused() -> None:
 
 def test_a_frame_of_ones_own_is_driven_like_a_built_in_one(kicked: tuple[BaseMotion, Array]) -> None:
     motion = short(kicked[0])
-    plan = beam.plan("fmd+cuboid", elements=1)
+    plan = articles.plan("fmd+cuboid", elements=1)
     ours, named = respond_of_plan(plan, motion, Conditions()), respond("fmd+cuboid", motion, elements=1)
     assert_allclose(ours.load, named.load, rtol=0, atol=1e-12)
 

@@ -7,17 +7,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body.large_motion import Conditions, respond, respond_of_plan, response
-from fem.flexible_body.large_motion import gravity as weight
-from fem.flexible_body.large_motion.article import rigid
-from fem.flexible_body.large_motion.turning import accelerometer, turning
-from fem.flexible_body.running import running
-from fem.frame import Member, Plan
-from fem.section import rectangle
-from geometry.arrays import Array
-from geometry.frames import rigid_transformation
+from fem.beam.elements import rectangle
+from fem.beam.frame import Member, Plan
+from fem.exudyn import large_motion
+from fem.exudyn.large_motion import Conditions, accelerometer, respond, respond_of_plan, rigid, turning
+from fem.exudyn.run import running
+from geometry.article import material
+from geometry.frames import Array, rigid_transformation
 from geometry.inertia import Inertia
-from geometry.materials import material
 
 G = 9.81
 FREQUENCY = 4.0
@@ -119,8 +116,8 @@ def lowest_square(plan: Plan, gravity: float) -> float:
     nothing = np.zeros((2, 6))
     still = BaseMotion(sampling_rate=64.0, displacement=nothing, velocity=nothing, acceleration=nothing, driven=0.0)
     with running("settle the column") as exudyn:
-        scene, _table = response._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
-        weight.settle(scene)
+        scene, _table = large_motion._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
+        large_motion.settle(scene)
         return float(scene.system.ComputeODE2Eigenvalues(numberOfEigenvalues=2, useAbsoluteValues=False)[0][0])
 
 

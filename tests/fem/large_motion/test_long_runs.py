@@ -9,13 +9,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body.driven_base import Solver
-from fem.flexible_body.large_motion import Conditions, respond, respond_of_plan
-from fem.flexible_body.large_motion.article import rigid
-from fem.flexible_body.large_motion.conditions import SOLVER
-from fem.flexible_body.running import exudyn_version
-from geometry.arrays import Array
+from fem.exudyn.driven_run import Solver
+from fem.exudyn.large_motion import SOLVER, Conditions, respond, respond_of_plan, rigid
+from fem.exudyn.run import exudyn_version
 from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array
 from geometry.inertia import Inertia
 
 MakeMotion = Callable[..., BaseMotion]

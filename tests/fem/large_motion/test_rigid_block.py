@@ -7,13 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body.large_motion import Conditions, respond, respond_of_plan
-from fem.flexible_body.large_motion.article import rigid
-from fem.flexible_body.large_motion.turning import turning
-from geometry.arrays import Array
+from fem.exudyn.large_motion import Conditions, respond, respond_of_plan, rigid, turning
 from geometry.articles import built_in
+from geometry.frames import Array
 from geometry.inertia import Inertia
-from geometry.multibody import inertia as drawn_inertia
+from geometry.routes import inertia as drawn_inertia
 
 LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
 OMEGA = np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7])

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.flexible_body.large_motion.turning import accelerometer, rotation, turning
-from geometry.arrays import Array
-from geometry.frames import rotation_about
+from fem.exudyn.large_motion import accelerometer, rotation, turning
+from geometry.frames import Array, rotation_about
 
 LARGE = np.array([0.1, -0.05, 0.03, 1.1, -0.9, 1.4])
 OMEGA = np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.flexible_body.rope_pendulum import Suspension, hung, on_three_ropes, on_two_ropes, small_period
-from fem.flexible_body.rope_pendulum.statics import at_rest, feet_of, ropework
+from fem.exudyn.rope_pendulum import small_period
+from fem.exudyn.rope_statics import Suspension, at_rest, feet_of, hung, on_three_ropes, on_two_ropes, ropework
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 

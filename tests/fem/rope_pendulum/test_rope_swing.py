@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.flexible_body.rope_pendulum import Suspension, Swing, on_three_ropes, on_two_ropes, simulation, small_period, swing
+from fem.exudyn import rope_pendulum
+from fem.exudyn.rope_pendulum import Swing, small_period, swing
+from fem.exudyn.rope_statics import Suspension, on_three_ropes, on_two_ropes
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 
@@ -124,7 +126,7 @@ def test_a_step_that_no_rope_sway_survives_is_refused_with_the_one_that_is_neede
 
 
 def test_where_the_refusal_is_overruled_exudyn_fails_and_says_when_and_where(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "RESOLVED", 100.0)
+    monkeypatch.setattr(rope_pendulum, "RESOLVED", 100.0)
     with pytest.raises(CheckFailed, match=r"exudyn [\d.]+ failed.* s, step \d+ of \d+") as caught:
         run(three(rope_mass=0.3, links=8), step=PERIOD / 200)
     assert caught.value.evidence["time"] < 3.1 * PERIOD  # type: ignore[operator]

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from fem import modes as fem_modes
 from fem.damping import Damping
-from fem.solid import cache, model, solved, tetrahedra
-from geometry.article import Article, Part
-from geometry.materials import material
-from geometry.shapes import Box, Shape, upright
+from fem.solid import model, tetrahedra
+from geometry import atomic
+from geometry.article import Article, Box, Part, Shape, material, upright
 
 ARRAYS = {"a": np.arange(1000.0), "names": np.array(["x", "yz"]), "empty": np.zeros((0, 3)), "count": np.array(3)}
 
@@ -28,12 +28,12 @@ def there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def entry(there: Path) -> Path:
     """A whole entry and its file."""
-    cache.store("entry", ARRAYS)
+    model.store("entry", ARRAYS)
     return there / "entry.npz"
 
 
 def test_what_is_stored_comes_back(entry: Path) -> None:
-    found = cache.load("entry")
+    found = model.load("entry")
     assert found is not None
     assert set(found) == set(ARRAYS)
     for name, array in ARRAYS.items():
@@ -42,7 +42,7 @@ def test_what_is_stored_comes_back(entry: Path) -> None:
 
 
 def test_what_was_never_stored_is_not_there() -> None:
-    assert cache.load("nothing") is None
+    assert model.load("nothing") is None
 
 
 def _shortened(path: Path) -> None:
@@ -72,13 +72,13 @@ def _pickled(path: Path) -> None:
 
 
 def _another(path: Path) -> None:
-    cache.store("another", ARRAYS)
+    model.store("another", ARRAYS)
     path.with_name("another.npz").replace(path)
 
 
 def _forged(path: Path) -> None:
     """The right name and digest, other numbers: what a wrong digest looks like."""
-    np.savez(path, **{**ARRAYS, "a": np.ones(1000), "massline-key": np.array("entry"), "massline-digest": cache.digest(ARRAYS)})
+    np.savez(path, **{**ARRAYS, "a": np.ones(1000), "massline-key": np.array("entry"), "massline-digest": model.digest(ARRAYS)})
 
 
 def _folder(path: Path) -> None:
@@ -89,14 +89,14 @@ def _folder(path: Path) -> None:
 @pytest.mark.parametrize("spoilt", [_shortened, _emptied, _damaged, _foreign, _text, _pickled, _another, _forged, _folder])
 def test_a_file_that_is_not_whole_and_its_own_is_ignored(spoilt: Callable[[Path], None], entry: Path) -> None:
     spoilt(entry)
-    assert cache.load("entry") is None
+    assert model.load("entry") is None
 
 
 @pytest.mark.parametrize("spoilt", [_shortened, _foreign, _another])
 def test_and_made_again(spoilt: Callable[[Path], None], entry: Path) -> None:
     spoilt(entry)
-    cache.store("entry", ARRAYS)
-    assert cache.load("entry") is not None
+    model.store("entry", ARRAYS)
+    assert model.load("entry") is not None
 
 
 def test_an_interrupted_write_leaves_nothing(there: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +105,7 @@ def test_an_interrupted_write_leaves_nothing(there: Path, monkeypatch: pytest.Mo
 
     monkeypatch.setattr(np, "savez", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        cache.store("entry", ARRAYS)
+        model.store("entry", ARRAYS)
     assert list(there.iterdir()) == []
 
 
@@ -114,15 +114,15 @@ def test_a_full_disk_is_no_error(there: Path, monkeypatch: pytest.MonkeyPatch) -
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez", full)
-    cache.store("entry", ARRAYS)
-    assert cache.load("entry") is None
+    model.store("entry", ARRAYS)
+    assert model.load("entry") is None
     assert list(there.iterdir()) == []
 
 
 def test_a_folder_that_cannot_be_made_is_no_error(there: Path) -> None:
     there.write_text("a file where the folder should be", encoding="utf-8")
-    cache.store("entry", ARRAYS)
-    assert cache.load("entry") is None
+    model.store("entry", ARRAYS)
+    assert model.load("entry") is None
 
 
 def test_a_read_only_folder_is_no_error(there: Path, entry: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,25 +130,25 @@ def test_a_read_only_folder_is_no_error(there: Path, entry: Path, monkeypatch: p
         raise PermissionError(30, "Read-only file system")
 
     monkeypatch.setattr(os, "utime", refused)
-    monkeypatch.setattr(cache.atomic, "write_with", refused)
-    cache.store("second", ARRAYS)
-    assert cache.load("entry") is not None
-    assert cache.load("second") is None
+    monkeypatch.setattr(atomic, "write_with", refused)
+    model.store("second", ARRAYS)
+    assert model.load("entry") is not None
+    assert model.load("second") is None
 
 
 def test_the_entries_unused_for_longest_go_first(there: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for age, name in ((30, "oldest"), (20, "middle"), (10, "young")):
-        cache.store(name, ARRAYS)
+        model.store(name, ARRAYS)
         os.utime(there / f"{name}.npz", (time.time() - age,) * 2)
-    assert cache.load("oldest") is not None  # used now
-    monkeypatch.setattr(cache, "LARGEST", int(3.5 * (there / "young.npz").stat().st_size))
-    cache.store("newest", ARRAYS)
+    assert model.load("oldest") is not None  # used now
+    monkeypatch.setattr(model, "LARGEST", int(3.5 * (there / "young.npz").stat().st_size))
+    model.store("newest", ARRAYS)
     assert {path.stem for path in there.iterdir()} == {"oldest", "young", "newest"}
 
 
 def test_more_than_fits_is_not_stored(there: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "LARGEST", 1000)
-    cache.store("entry", ARRAYS)
+    monkeypatch.setattr(model, "LARGEST", 1000)
+    model.store("entry", ARRAYS)
     assert not there.exists()
 
 
@@ -156,28 +156,28 @@ def test_what_a_killed_process_left_goes_after_a_day(there: Path, entry: Path) -
     left, fresh = there / ".entry-abc.npz", there / ".entry-def.npz"
     for path in (left, fresh):
         path.write_bytes(b"half")
-    os.utime(left, (time.time() - 2 * cache.ABANDONED,) * 2)
-    cache.store("entry", ARRAYS)
+    os.utime(left, (time.time() - 2 * model.ABANDONED,) * 2)
+    model.store("entry", ARRAYS)
     assert not left.exists()
     assert fresh.exists()
 
 
 def test_the_folder_follows_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert cache.folder() == tmp_path / "kept"
+    assert model.folder() == tmp_path / "kept"
     monkeypatch.delenv("MASSLINE_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert cache.folder() == tmp_path / "massline"
+    assert model.folder() == tmp_path / "massline"
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")  # to be ignored, the XDG Base Directory Specification says
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    assert cache.folder() == tmp_path / "home" / ".cache" / "massline"
+    assert model.folder() == tmp_path / "home" / ".cache" / "massline"
 
 
 def test_a_key_changes_with_everything_that_goes_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = cache.key("mesh", {"size": 0.1})
-    assert plain == cache.key("mesh", {"size": 0.1})
-    others = [cache.key("mesh", {"size": 0.10000000000000002}), cache.key("modes", {"size": 0.1})]
-    monkeypatch.setattr(cache, "_version", lambda library: "another")
-    others.append(cache.key("mesh", {"size": 0.1}))
+    plain = model.key("mesh", {"size": 0.1})
+    assert plain == model.key("mesh", {"size": 0.1})
+    others = [model.key("mesh", {"size": 0.10000000000000002}), model.key("modes", {"size": 0.1})]
+    monkeypatch.setattr(model, "_version", lambda library: "another")
+    others.append(model.key("mesh", {"size": 0.1}))
     assert len({plain, *others}) == 4
 
 
@@ -188,15 +188,15 @@ def beam(length: float = 0.1, made_of: str = "steel") -> Article:
 
 def test_a_second_run_meshes_and_solves_nothing_and_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     first = model.structure(beam(), size=0.03)
-    modes = solved.fixed_base(first, 4)
+    modes = model.fixed_base(first, 4)
 
     def never(*_: object, **__: object) -> None:
         raise AssertionError("made again")
 
-    for module, name in ((model, "tetrahedra"), (model, "assemble"), (solved.modes, "fixed_base")):
+    for module, name in ((model, "tetrahedra"), (model, "assemble"), (fem_modes, "fixed_base")):
         monkeypatch.setattr(module, name, never)
     second = model.structure(beam(), size=0.03)
-    again = solved.fixed_base(second, 4)
+    again = model.fixed_base(second, 4)
     assert abs(first.stiffness - second.stiffness).nnz == 0
     assert abs(first.mass - second.mass).nnz == 0
     for field in ("frequency", "participation", "residual", "shapes", "structural", "damping_ratio"):
@@ -218,7 +218,7 @@ def test_another_limit_finds_the_same_mesh(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_other_damping_finds_the_same_modes() -> None:
     structure = model.structure(beam(), size=0.03)
-    plain, damped = (solved.fixed_base(structure, 3, damping=Damping(ratio=ratio)) for ratio in (0.0, 0.02))
+    plain, damped = (model.fixed_base(structure, 3, damping=Damping(ratio=ratio)) for ratio in (0.0, 0.02))
     assert_array_equal(plain.frequency, damped.frequency)
     assert_array_equal(damped.damping_ratio, np.full(3, 0.02))
     assert not plain.damping_ratio.any()

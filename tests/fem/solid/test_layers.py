@@ -8,21 +8,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fem.beam.elements import cowper_tube
 from fem.modes import fixed_base
-from fem.section import cowper_tube
 from fem.solid import model
-from fem.solid.elasticity import jacobians, volumes
-from fem.solid.layers import foot_height, hexahedra
+from fem.solid.assembly import jacobians, require_connected, require_filled, unfilled, volumes
+from fem.solid.hexahedra import foot_height, hexahedra
 from fem.solid.mesh import SolidMesh
-from fem.solid.sizing import Sizing
-from fem.solid.soundness import require_connected, require_filled, unfilled
-from geometry.article import Article, Part, placed
+from fem.solid.tetrahedra import Sizing
+from geometry.article import Article, Box, Cylinder, Material, Part, Shape, placed, upright
 from geometry.articles import built_in
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose, rotation_about
-from geometry.materials import Material
-from geometry.shapes import Box, Cylinder, Shape, upright
-from validation.verification.closed_form_beams import Beam, timoshenko_cantilever
+from validation.verification.closed_forms import Beam, timoshenko_cantilever
 
 STRAIGHT = Material(name="no Poisson effect", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.0)
 SIZES = (0.045, 0.03)

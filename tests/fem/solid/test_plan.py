@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.solid.plan import Outline, Plan, covered, with_whole_walls
+from fem.solid.hexahedra import Outline, Plan, covered, with_whole_walls
 
 SIZES = (0.05, 0.02)
 

@@ -11,10 +11,8 @@ from fem.modes import fixed_base
 from fem.solid import convergence, model
 from fem.structure import Structure
 from geometry import user_article
-from geometry.article import Article, Part
+from geometry.article import Article, Box, Material, Part, Shape, upright
 from geometry.errors import BadInput
-from geometry.materials import Material
-from geometry.shapes import Box, Shape, upright
 
 LENGTH, WIDTH, THICKNESS = 0.4, 0.02, 0.005
 SOFT = Material(name="no Poisson effect", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.0, loss_factor=0.01)
@@ -69,8 +67,7 @@ def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(cantilever: Calla
 
 
 def test_a_users_step_is_meshed_like_the_drawing(tmp_path: Path) -> None:
-    from geometry.cad.export import write_step
-    from geometry.cad.solids import solid
+    from geometry.cad import solid, write_step
 
     drawn = plate()
     file = tmp_path / "plate.step"
@@ -83,8 +80,7 @@ def test_a_users_step_is_meshed_like_the_drawing(tmp_path: Path) -> None:
 
 
 def test_a_users_own_material_can_be_elastic(tmp_path: Path) -> None:
-    from geometry.cad.export import write_step
-    from geometry.cad.solids import solid
+    from geometry.cad import solid, write_step
 
     write_step(tmp_path / "plate.step", {"plate": solid(plate().parts[0])}, "own")
     (tmp_path / "article.toml").write_text(
@@ -98,8 +94,7 @@ def test_a_users_own_material_can_be_elastic(tmp_path: Path) -> None:
 
 
 def test_a_users_surface_mesh_is_refused_with_the_way_out(tmp_path: Path) -> None:
-    from geometry.cad.export import write_stl
-    from geometry.cad.solids import solid
+    from geometry.cad import solid, write_stl
 
     write_stl(tmp_path / "plate.stl", solid(plate().parts[0]))
     own = user_article.load(tmp_path / "plate.stl", unit="mm", material="steel")

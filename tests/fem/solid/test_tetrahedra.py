@@ -8,19 +8,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.solid import mesher, model, sizing, soundness, tetrahedra
-from fem.solid.bodies import bodies
-from fem.solid.elasticity import volumes
+from fem.solid import assembly, model, tetrahedra
+from fem.solid.assembly import volumes
 from fem.solid.mesh import LOCAL_TET10, SolidMesh
-from fem.solid.sizing import Sizing
+from fem.solid.tetrahedra import Sizing, bodies
 from fem.structure import Structure
-from geometry import multibody
-from geometry.article import Article, Part, placed
+from geometry import routes
+from geometry.article import Article, Box, Cylinder, Material, Part, Shape, material, placed, upright
 from geometry.articles import built_in
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose, rotation_about
-from geometry.materials import Material, material
-from geometry.shapes import Box, Cylinder, Shape, upright
 
 COARSE = {"size": 0.06, "cached": False}
 
@@ -45,7 +42,7 @@ def cuboid() -> Structure:
 
 def test_the_cuboid_has_the_inertia_of_its_drawing(cuboid: Structure) -> None:
     """Its holes are curved elements of degree 2: of the circle's area 1e-4 is missed at twelve of them, of little mass."""
-    drawn = multibody.inertia(built_in("cuboid")).mass_matrix
+    drawn = routes.inertia(built_in("cuboid")).mass_matrix
     assert_allclose(cuboid.rigid_mass, drawn, rtol=0, atol=1e-5 * drawn[0, 0])
 
 
@@ -94,7 +91,7 @@ def test_parts_in_contact_share_nodes_and_keep_their_own_material() -> None:
     """A smaller rod on a larger block, of two materials: the joint carries load, the mass is that of each."""
     both = article(block((0.2, 0.2, 0.05), name="foot", made_of="aluminium"), rod(bottom=0.05))
     structure = model.structure(both, **COARSE)
-    drawn = multibody.inertia(both).mass_matrix
+    drawn = routes.inertia(both).mass_matrix
     assert_allclose(structure.rigid_mass, drawn, rtol=0, atol=2e-4 * drawn[0, 0])
     shared = [K.diagonal() > 0 for K in structure.part_stiffness.values()]
     assert np.any(shared[0] & shared[1])
@@ -204,7 +201,7 @@ def attempts(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
 
     def fail(folder: Path, found: object, sizes: Sizing) -> SolidMesh:
         seen.append(sizes.fineness)
-        raise mesher.Unmeshable("2 elements are inverted, the worst in rod at (1.0, 2.0, 3.0) mm")
+        raise tetrahedra.Unmeshable("2 elements are inverted, the worst in rod at (1.0, 2.0, 3.0) mm")
 
     monkeypatch.setattr(tetrahedra, "_attempt", fail)
     return seen
@@ -218,7 +215,7 @@ def test_a_mesh_that_fails_is_tried_finer_and_then_explained(attempts: list[floa
 
 def test_a_gmsh_that_ends_its_process_is_a_failed_attempt(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(tetrahedra.sys, "executable", "/bin/false")
-    with pytest.raises(mesher.Unmeshable, match="gmsh broke down"):
+    with pytest.raises(tetrahedra.Unmeshable, match="gmsh broke down"):
         tetrahedra._attempt(tmp_path, bodies(article(rod())), Sizing())
 
 
@@ -227,7 +224,7 @@ def test_inverted_elements_are_counted_and_placed() -> None:
     cells = mesh.cells.copy()
     cells[3] = cells[3][[1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
     with pytest.raises(CheckFailed, match=rf"1 of {len(cells)} elements are inverted, the worst in block at \(") as caught:
-        soundness.require_upright(replace(mesh, cells=cells))
+        assembly.require_upright(replace(mesh, cells=cells))
     assert_array_equal(caught.value.evidence["elements"], [3])
 
 
@@ -239,24 +236,24 @@ def test_a_slender_rod_keeps_its_volume() -> None:
 
 def test_cells_as_large_as_a_rod_is_thick_are_a_failed_attempt(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """With curvature left out of account every element is upright, and the rod is not all there."""
-    monkeypatch.setattr(sizing, "_curved_faces", lambda *_: {})
+    monkeypatch.setattr(tetrahedra, "_curved_faces", lambda *_: {})
     (body,) = bodies(article(rod(0.05, 0.6)))
     body.write(tmp_path / "0.brep")
-    with pytest.raises(mesher.Unmeshable, match=r"do not fill the drawing: \d\.\d+% of rod are missing \(0\.1% allowed\)"):
-        mesher.tetrahedra(tmp_path, ["rod"], Sizing(size=0.05))
+    with pytest.raises(tetrahedra.Unmeshable, match=r"do not fill the drawing: \d\.\d+% of rod are missing \(0\.1% allowed\)"):
+        tetrahedra.mesher_tetrahedra(tmp_path, ["rod"], Sizing(size=0.05))
 
 
 def test_straight_edges_would_be_seen() -> None:
     mesh = tetrahedra.tetrahedra(bodies(article(rod())), Sizing(size=1))
     exact = [np.pi / 4 * 0.1**2 * 0.1]
-    assert soundness.unfilled(mesh, exact) == ""
-    assert "of rod are missing" in soundness.unfilled(straight(mesh), exact)
+    assert assembly.unfilled(mesh, exact) == ""
+    assert "of rod are missing" in assembly.unfilled(straight(mesh), exact)
 
 
 def test_gmsh_is_put_away_after_an_error_and_refused_when_in_use() -> None:
     import gmsh
 
-    from fem.solid.gmsh_session import session
+    from fem.solid.mesh import session
 
     with pytest.raises(KeyboardInterrupt), session():
         raise KeyboardInterrupt

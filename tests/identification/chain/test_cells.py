@@ -5,10 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from geometry.sensors import Channel, ChannelTable, Place
-from geometry.tolerances import Tolerances
-from identification.chain import fmd
-from identification.measurement_chain import Chain, chain
+from geometry.sensors import Channel, ChannelTable, Place, Tolerances
+from identification import chain as identification_chain
+from identification.chain import Chain, chain
 
 EXACT = Tolerances().scaled(0.0)
 CELLS = {"cell-stiffness": 0.05}
@@ -104,7 +103,7 @@ def test_softer_cells_by_the_common_factor_are_softer_cells_one_by_one(paper: Ch
 def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: ChannelTable) -> None:
     """Whatever is assumed: at the right factor the chain is that of the true cells."""
     assumed, stated = chain(paper, EXACT), chain(paper, EXACT, stiffness=K * [1, 1 / 1.3, 1])
-    lateral, _, vertical = fmd.assumed_stiffness() / K
+    lateral, _, vertical = identification_chain.assumed_stiffness() / K
     right = assumed.theta({"fmd-compliance:lateral": lateral, "fmd-compliance:vertical": vertical})
     expected = stated.rows(np.zeros(len(stated.parameters)), FREQUENCY)
     for found, true in zip(assumed.rows(right, FREQUENCY), expected, strict=True):
@@ -120,7 +119,7 @@ def test_a_rigid_fmd_has_its_table_move_with_it(paper: ChannelTable) -> None:
 def test_cells_are_numbered_counter_clockwise_whatever_their_order() -> None:
     shuffled = [2, 0, 3, 1]
     elements = [Place(position=CORNERS[k], direction=e) for k in shuffled for e in np.eye(3)]
-    assert fmd.names(elements, np.zeros(3)) == tuple(f"{k + 1}{axis}" for k in shuffled for axis in "xyz")
+    assert identification_chain.names(elements, np.zeros(3)) == tuple(f"{k + 1}{axis}" for k in shuffled for axis in "xyz")
 
 
 def test_struts_along_slanted_lines_share_by_equilibrium_alone() -> None:

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from geometry.sensors import ChannelTable
-from identification.chain.fmd import ASSUMED, STATED
-from identification.measurement_chain import chain
+from identification.chain import ASSUMED, STATED, chain
 
 PAGE = Path(__file__).parents[3] / "docs" / "measurement-chain.md"
 

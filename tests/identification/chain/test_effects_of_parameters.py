@@ -5,9 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.frames import rotation_about
-from geometry.sensors import ChannelTable
-from geometry.tolerances import Tolerances
-from identification.measurement_chain import Chain, chain
+from geometry.sensors import ChannelTable, Tolerances
+from identification.chain import Chain, chain
 
 FREQUENCY = np.array([4.0, 25.0])
 OMEGA = 2 * np.pi * FREQUENCY

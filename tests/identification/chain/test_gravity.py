@@ -11,10 +11,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.frames import skew
-from geometry.sensors import ChannelTable
-from geometry.tolerances import Tolerances
-from identification.chain.tilt import turned
-from identification.measurement_chain import chain
+from geometry.sensors import ChannelTable, Tolerances
+from identification.chain import chain, turned
 
 G = 9.81
 FREQUENCY = 4.0

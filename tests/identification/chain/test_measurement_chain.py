@@ -5,10 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from geometry.sensors import Channel, ChannelTable, Place, motion_rows, resultants
-from geometry.tolerances import Tolerances
-from identification.chain.fmd import ASSUMED, STATED
-from identification.measurement_chain import Chain, chain
+from geometry.sensors import Channel, ChannelTable, Place, Tolerances, motion_rows, resultants
+from identification.chain import ASSUMED, STATED, Chain, chain
 
 FREQUENCY = np.array([4.0, 11.3, 32.0])
 STIFFNESS = (1e8, 1e8, 4e8)

@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import ChannelTable
-from identification.chain.unobservable import jacobian, unobservable
-from identification.measurement_chain import Chain, chain
+from identification.chain import Chain, chain, jacobian, unobservable
 
 FREQUENCY = np.linspace(4.0, 32.0, 6)
 H = np.diag([50.0, 50, 50, 7, 6, 2])

@@ -11,12 +11,10 @@ from numpy.testing import assert_allclose
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
-from identification.elastic import lines as of_lines
-from identification.elastic import model, poles
-from identification.elastic.fit import fit
-from identification.elastic.model import Layout
-from identification.elastic.refine import correlation_time, effective_size, refine
-from identification.elastic.terms import ElasticTerms
+from identification.elastic import fit as elastic_fit
+from identification.elastic import model
+from identification.elastic.fit import correlation_time, effective_size, fit, refine
+from identification.elastic.model import ElasticTerms, Layout
 
 LINES = np.linspace(4.0, 32.0, 561)
 BODY = Inertia.from_cog(40.0, [0.01, -0.02, 0.2], np.diag([2.0, 2.5, 1.0]))
@@ -29,8 +27,8 @@ TWO = ElasticTerms(
 CLUSTER = DynamicMass(frequency=LINES, matrix=model.dynamic_mass(BODY.mass_matrix, TWO, LINES))
 
 
-def data(H: DynamicMass = CLUSTER) -> of_lines.Lines:
-    return of_lines.lines_of(H, None, 0.002, None)
+def data(H: DynamicMass = CLUSTER) -> elastic_fit.Lines:
+    return elastic_fit.lines_of(H, None, 0.002, None)
 
 
 def test_two_modes_within_a_half_power_width_are_told_apart_with_their_coupling() -> None:
@@ -55,10 +53,10 @@ def test_a_fit_started_from_another_one_does_not_need_to_search() -> None:
 
 def test_lines_are_kept_at_resonances_and_thinned_away_from_them() -> None:
     all_lines = data()
-    chosen = all_lines.frequency[of_lines.kept(all_lines)]
+    chosen = all_lines.frequency[elastic_fit.kept(all_lines)]
     assert chosen[[0, -1]].tolist() == [4.0, 32.0]
     assert np.sum((chosen > 12.1) & (chosen < 12.6)) >= 9
-    assert_allclose(np.diff(chosen[chosen > 20])[:-1], of_lines.APART, atol=1e-9)
+    assert_allclose(np.diff(chosen[chosen > 20])[:-1], elastic_fit.APART, atol=1e-9)
 
 
 def test_the_two_halves_of_a_measured_matrix_are_averaged_and_their_difference_is_told() -> None:
@@ -73,15 +71,15 @@ def test_the_two_halves_of_a_measured_matrix_are_averaged_and_their_difference_i
 
 def test_known_noise_rules_where_it_is_larger_than_the_floor() -> None:
     noise = np.full((561, 6, 6), 7.0)
-    noisy = of_lines.lines_of(CLUSTER, noise, 1e-9, None)
+    noisy = elastic_fit.lines_of(CLUSTER, noise, 1e-9, None)
     diagonal = model.UPPER[0] == model.UPPER[1]
     assert_allclose(noisy.deviation[:, diagonal], 7.0, rtol=1e-9)
     assert_allclose(noisy.deviation[:, ~diagonal], 7.0 / np.sqrt(2), rtol=1e-9)
 
 
 def test_levels_grow_with_the_matrix_and_see_what_row_and_column_carry() -> None:
-    levels = of_lines.levels(CLUSTER.matrix)
-    assert_allclose(of_lines.levels(3 * CLUSTER.matrix), 3 * levels, rtol=1e-12)
+    levels = elastic_fit.levels(CLUSTER.matrix)
+    assert_allclose(elastic_fit.levels(3 * CLUSTER.matrix), 3 * levels, rtol=1e-12)
     assert np.all(levels >= np.abs(CLUSTER.matrix) * (1 - 1e-12))
 
 
@@ -90,7 +88,7 @@ def test_the_first_pole_starts_at_the_resonance_with_its_participation() -> None
     H = DynamicMass(frequency=LINES, matrix=model.dynamic_mass(BODY.mass_matrix, single, LINES))
     lines = data(H)
     rigid = refine(np.zeros(31), Layout(modes=0), lines)
-    first = poles.next_poles(rigid, lines)[0]
+    first = elastic_fit.next_poles(rigid, lines)[0]
     assert_allclose(first.frequency, 12.30, rtol=0.01)
     along = first.participation / model.SCALE
     true = TWO.participation[0] / model.SCALE

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.inertia import Inertia
 from identification.elastic import model
-from identification.elastic.terms import ElasticTerms
+from identification.elastic.model import ElasticTerms
 
 RNG = np.random.default_rng(8)
 LINES = np.linspace(4.0, 32.0, 41)

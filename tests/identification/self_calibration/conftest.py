@@ -7,12 +7,11 @@ import pytest
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
-from geometry.sensors import Channel, ChannelTable, Place
-from geometry.tolerances import Tolerances
+from geometry.sensors import Channel, ChannelTable, Place, Tolerances
+from identification.chain import chain
 from identification.elastic import model
-from identification.elastic.terms import ElasticTerms
-from identification.evidence import Evidence, Known, Settings, TareSpectra
-from identification.measurement_chain import chain
+from identification.elastic.model import ElasticTerms
+from identification.request import Evidence, Known, Settings, TareSpectra
 from identification.spectra.line_spectra import Spectra
 
 X, Y, Z = np.eye(3)

@@ -8,13 +8,11 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
-from geometry.tolerances import Tolerances
-from identification.classical import quantities
-from identification.evidence import Evidence, Known, TareSpectra
+from geometry.sensors import Tolerances
+from identification.identify import fmd
 from identification.plain import plain
-from identification.request import Fact
-from identification.self_calibration import calibrated
-from identification.tare import fmd
+from identification.request import Evidence, Fact, Known, TareSpectra, quantities
+from identification.self_calibration.fit import calibrated
 
 
 def off(found: Inertia, truth: Inertia) -> np.ndarray:

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.self_calibration import bootstrap
-from identification.self_calibration.assembly import assembled
+from identification.self_calibration import fit
 from identification.self_calibration.elimination import SILENT
 from identification.self_calibration.likelihood import kind, observed, residual
-from identification.self_calibration.problem import normals, total
+from identification.self_calibration.problem import assembled, normals, total
 from identification.self_calibration.solve import inverse
 
 
@@ -66,7 +65,7 @@ def test_the_gradient_is_that_of_the_cost_for_every_kind_of_parameter(problem, a
 def test_gradients_by_line_add_up_to_the_gradient(problem, away):
     parts = problem.parts(0.0015)
     whole = total(normals(parts, problem.layout, away)).gradient
-    blocks = bootstrap.scores(parts, problem.layout, away)
+    blocks = fit.bootstrap_scores(parts, problem.layout, away)
     added = np.sum([one.sum(axis=0) for one in blocks], axis=0)
     assert_allclose(added, whole, atol=1e-9 * np.abs(whole).max())
 
@@ -88,7 +87,7 @@ def test_the_parametric_bootstrap_has_the_posterior_covariance():
     J, rows = rng.standard_normal((30, 4)), rng.standard_normal((3, 4))
     normal = J.T @ J
     C = inverse(normal + rows.T @ rows)
-    draws = bootstrap.parametric(C, normal, rows, np.random.default_rng(7), draws=20_000)
+    draws = fit.parametric(C, normal, rows, np.random.default_rng(7), draws=20_000)
     assert_allclose(np.cov(draws.T), C, atol=0.05 * np.diag(C).max())  # 1 % is one standard error
 
 
@@ -100,12 +99,12 @@ def test_the_block_bootstrap_sees_residuals_that_repeat(repeated, wider):
     residuals = np.repeat(rng.standard_normal(lines // repeated), repeated)
     scores = -residuals.reshape(-1, 4).sum(axis=1)[:, None]  # a mean of lines, in blocks of four
     C = np.array([[1 / lines]])
-    sd = bootstrap.blocks(C, [scores], np.zeros((0, 1)), np.random.default_rng(8)).std()
+    sd = fit.blocks(C, [scores], np.zeros((0, 1)), np.random.default_rng(8)).std()
     assert_allclose(sd / np.sqrt(C[0, 0]), wider, rtol=0.2)  # 200 blocks tell a deviation to 5 %
 
 
 def test_both_bootstraps_agree_where_lines_are_independent(ordinary):
-    from identification.self_calibration import calibrated
+    from identification.self_calibration.fit import calibrated
 
     found = calibrated(ordinary.evidence(), replace(ordinary.settings(modes=0), floor=1e-5))
     ratio = np.sqrt(np.diag(found.resampled) / np.diag(found.covariance))

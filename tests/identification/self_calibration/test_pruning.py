@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.elastic.terms import ElasticTerms
-from identification.self_calibration import further_poles, pruning
-from identification.self_calibration.assembly import assembled
-from identification.self_calibration.problem import normals, total
+from identification.elastic.model import ElasticTerms
+from identification.self_calibration import fit
+from identification.self_calibration.problem import assembled, normals, total
 from identification.self_calibration.solve import inverse, minimise
 
 FLOOR = 0.0015
@@ -41,35 +40,35 @@ def longer(elastic):
     """The same with a pole where nothing resonates, and its minimum."""
     problem, solution = elastic
     line = int(np.argmin(np.abs(problem.parts(FLOOR)[0].observed.frequency - 22.0)))
-    found = [further_poles.with_one_more(problem, solution.x, k) for k in range(line, line + 8)]
+    found = [fit.with_one_more(problem, solution.x, k) for k in range(line, line + 8)]
     more = next(one for one in found if one is not None)
     return more[0], minimum(*more)
 
 
 def test_a_pole_that_is_not_there_goes_and_those_that_are_stay(longer, lab):
     problem, solution = longer
-    assert pruning.modes(problem) == 3
-    shorter, x = pruning.pruned(problem, solution, size(problem))
+    assert fit.modes(problem) == 3
+    shorter, x = fit.pruned(problem, solution, size(problem))
     assert_allclose(frequencies(shorter, x), lab.MODES.frequency, rtol=1e-3)
     assert minimum(shorter, x).converged
 
 
 def test_a_pole_above_the_limit_is_left_alone(longer):
     problem, solution = longer
-    left = pruning.pruned(problem, solution, size(problem), below=20.0)
-    assert left is None or pruning.modes(left[0]) == 3
+    left = fit.pruned(problem, solution, size(problem), below=20.0)
+    assert left is None or fit.modes(left[0]) == 3
 
 
 def test_nothing_goes_where_every_pole_pays(elastic):
     problem, solution = elastic
-    left = pruning.pruned(problem, solution, size(problem))
-    assert left is None or pruning.modes(left[0]) == 2
+    left = fit.pruned(problem, solution, size(problem))
+    assert left is None or fit.modes(left[0]) == 2
 
 
 def test_a_worth_is_what_the_quadratic_cost_rises_by_without_the_pole(longer):
     problem, solution = longer
     N, x = solution.normal.matrix, solution.x
-    found = pruning.worths(problem, x, inverse(N))
+    found = fit.worths(problem, x, inverse(N))
     at = problem.layout.at("elastic:article").start - 10 + problem.campaigns[0].structure.elastic.blocks["participation"].start
     for r, worth in enumerate(found):
         held = np.arange(at + 6 * r, at + 6 * r + 6)
@@ -93,9 +92,9 @@ def test_a_pole_beyond_the_band_is_found_where_the_residual_mass_does_not_do(ord
     laboratory = replace(ordinary, frequency=np.arange(4.0, 32.01, 0.25), rng=np.random.default_rng(8))
     problem = assembled(laboratory.evidence(terms=beyond), laboratory.settings(modes=1))
     solution = minimum(problem, problem.layout.start)
-    assert pruning.beyond(problem, solution.x) == 0
-    longer = further_poles.with_one_beyond(problem, solution.x)
+    assert fit.beyond(problem, solution.x) == 0
+    longer = fit.with_one_beyond(problem, solution.x)
     more = minimum(*longer)
-    assert 2 * (solution.normal.cost - more.normal.cost) > 10 * pruning.price(size(problem))
-    assert pruning.beyond(longer[0], more.x) == 1
+    assert 2 * (solution.normal.cost - more.normal.cost) > 10 * fit.pole_penalty(size(problem))
+    assert fit.beyond(longer[0], more.x) == 1
     assert_allclose(frequencies(longer[0], more.x)[-1], 38.0, rtol=0.05)

@@ -8,12 +8,11 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
-from identification import classical
-from identification.identified import PARAMETERS, Identified
+from identification import request
 from identification.plain import plain
 from identification.quality import impossible, quality
-from identification.request import Fact
-from identification.self_calibration import calibrated
+from identification.request import PARAMETERS, Fact, Identified
+from identification.self_calibration.fit import calibrated
 
 
 def some(lab, spread: float) -> Identified:
@@ -35,7 +34,7 @@ def test_the_covariance_of_mass_cog_and_moments_is_that_of_draws(lab):
     found = some(lab, 1e-3)
     rng = np.random.default_rng(1)
     draws = rng.multivariate_normal(found.inertia.parameters, found.covariance, size=20_000)
-    sampled = np.cov(np.array([classical.quantities(row) for row in draws]).T)
+    sampled = np.cov(np.array([request.quantities(row) for row in draws]).T)
     deviation = np.sqrt(np.diag(quality(found).covariance))
     assert_allclose(np.sqrt(np.diag(sampled)), deviation, rtol=0.03)  # 0.5 % is one standard error
 
@@ -57,7 +56,7 @@ def test_a_quarter_turn_swaps_the_intervals_of_x_and_y(lab):
 
 def test_a_verdict_names_what_dominates_and_what_to_add(lab):
     narrow, wide = quality(some(lab, 1e-4)), quality(some(lab, 3.0))
-    assert set(narrow.verdict) == {*PARAMETERS, *classical.QUANTITIES}
+    assert set(narrow.verdict) == {*PARAMETERS, *request.QUANTITIES}
     assert all(text.startswith("trustworthy") and "force-gain (75 %" in text for text in narrow.verdict.values())
     assert wide.verdict["mass_kg"].startswith("not identifiable")
     assert "weigh the article" in wide.verdict["mass_kg"]
@@ -102,10 +101,10 @@ def test_a_rigid_fit_of_an_elastic_structure_is_flagged_and_of_a_rigid_one_is_no
 def test_facts_are_checked_by_name(ordinary):
     for fact in (Fact(quantity="weight", value=1.0, sd=1.0), Fact(quantity="mass_kg", value=1.0, sd=0.0)):
         with pytest.raises(BadInput):
-            classical.require_known((fact,))
+            request.require_known((fact,))
 
 
 def test_the_derivative_of_mass_cog_and_moments_is_exact(lab):
     at, step = lab.ARTICLE.parameters, 1e-6
-    numeric = [(classical.quantities(at + step * e) - classical.quantities(at - step * e)) / (2 * step) for e in np.eye(10)]
-    assert_allclose(classical.jacobian(at), np.transpose(numeric), atol=1e-7)
+    numeric = [(request.quantities(at + step * e) - request.quantities(at - step * e)) / (2 * step) for e in np.eye(10)]
+    assert_allclose(request.jacobian(at), np.transpose(numeric), atol=1e-7)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.testing import assert_allclose
 
-from identification.spectra.redundant_noise import of_redundancy
+from identification.spectra.noise import of_redundancy
 
 FINE = np.arange(4.0, 32.01, 0.05)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.tolerances import Tolerances
-from identification.sensitivity import sensitivity
+from geometry.sensors import Tolerances
+from identification.plain import sensitivity
 from identification.setup import setup
 
 

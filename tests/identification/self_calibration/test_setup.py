@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.tolerances import Tolerances
+from geometry.sensors import Tolerances
 from identification.setup import setup
 
 

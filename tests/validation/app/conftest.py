@@ -90,7 +90,7 @@ def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """The command line in a process, to its end."""
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-        program = "from validation.cli import main; main()"
+        program = "from validation.cli.main import main; main()"
         command = [sys.executable, "-P", "-c", program, *arguments]
         return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE / 1e3, check=False)
 
@@ -114,7 +114,7 @@ def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[...
 
     def started(*arguments: str, **environment: str) -> Workbench:
         folder = tmp_path_factory.mktemp("app")
-        program = "from validation.cli import main; main()"
+        program = "from validation.cli.main import main; main()"
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", program, "app", "--no-browser", *arguments],
             cwd=folder,

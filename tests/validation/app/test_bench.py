@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import climbing, comparing, drawing, jobs, leaving, opening, saving, structure, trying, working
-from validation.app.asked import Opened
-from validation.app.bench import Bench
-from validation.desk.handed import Handed
-from validation.desk.jobs import CANCELLED, FAILED, RUNNING, Job
+from validation.app import panels, session, state, whatif, workers
+from validation.app.options import StartOptions
+from validation.app.session import Handed
+from validation.app.state import WindowState
+from validation.app.workers import CANCELLED, FAILED, RUNNING, Job
 
 
 class State(SimpleNamespace):
@@ -33,10 +33,10 @@ class State(SimpleNamespace):
         return getattr(self, name)
 
 
-def bench(folder: Path, **state: Any) -> Bench:
-    from validation.app.page import first_state
+def bench(folder: Path, **state: Any) -> WindowState:
+    from validation.app.window import first_state
 
-    return Bench(state=State(**first_state() | state), folder=folder, opened=Opened())
+    return WindowState(state=State(**first_state() | state), folder=folder, opened=StartOptions())
 
 
 def run(work: Callable[[], Awaitable[None]]) -> None:
@@ -53,8 +53,8 @@ def tried(written: str = "force-gain:fmd-z2=0.1", *, followed: bool) -> Any:
 
 
 def test_the_answer_says_whether_anything_was_fitted() -> None:
-    assert "nothing fitted" in trying._said(tried(followed=False), "the plain fit")
-    said = trying._said(tried(followed=True), "the plain fit")
+    assert "nothing fitted" in panels._said(tried(followed=False), "the plain fit")
+    said = panels._said(tried(followed=True), "the plain fit")
     assert "nothing" not in said
     assert "fitted anew beside it" in said
 
@@ -63,7 +63,7 @@ def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None
     of = bench(tmp_path, campaign="a", load=2, motion=2)
     of.tried = tried(followed=True)
     of.state.load, of.state.motion = 1, 4
-    (matrix,) = drawing.further(of).values()
+    (matrix,) = panels.further(of).values()
     assert np.array_equal(matrix[:, 1, 4], np.full(3, 10.0))
 
 
@@ -77,14 +77,14 @@ def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, 
         time.sleep(0.1)
         return tried(followed=True)
 
-    monkeypatch.setattr(trying.whatif, "what_if", slow)
+    monkeypatch.setattr(whatif, "what_if", slow)
 
     async def story() -> None:
         of = bench(tmp_path, campaign="a", effect={"id": "x"})
         of.effects, of.table, of.sizes = {"x": effect}, object(), {"": 0.0}  # type: ignore[assignment, dict-item]
-        await trying.drag(of, "", 300)
+        await panels.drag(of, "", 300)
         await asyncio.sleep(0.02)
-        await trying.chosen(of, None)
+        await panels.chosen(of, None)
         assert of.dragging is not None
         await asyncio.wait_for(of.dragging, 5)
         assert of.state.failure == ""
@@ -109,20 +109,20 @@ def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rest
             assert go_on.wait(10)
         return tried(written, followed=True)
 
-    async def nothing(_: Bench) -> None:
+    async def nothing(_: WindowState) -> None:
         pass
 
-    monkeypatch.setattr(trying.whatif, "what_if", what_if)
-    monkeypatch.setattr(trying.drawing, "drawn", nothing)
-    monkeypatch.setattr(trying, "keep", lambda _: None)
-    monkeypatch.setattr(trying, "RESTS", 0.05)
+    monkeypatch.setattr(whatif, "what_if", what_if)
+    monkeypatch.setattr(panels, "drawn", nothing)
+    monkeypatch.setattr(panels, "keep", lambda _: None)
+    monkeypatch.setattr(panels, "RESTS", 0.05)
 
     async def story() -> None:
         of = bench(tmp_path, campaign="a", load=2, motion=2, effect={"id": "x"})
         of.effects, of.table, of.sizes = {"x": effect}, SimpleNamespace(at="the plain fit"), {"": 0.0}  # type: ignore[assignment, dict-item]
-        await trying.drag(of, "", 300)
+        await panels.drag(of, "", 300)
         await asyncio.to_thread(resting.wait, 10)
-        await trying.drag(of, "", 400)
+        await panels.drag(of, "", 400)
         while ("x=0.4", False) not in asked:  # for ever, did it wait
             await asyncio.sleep(0.01)
         assert ("x=0.4", True) not in asked
@@ -147,7 +147,7 @@ class Worker:
 
     def cancel(self) -> Job:
         self.ending = True
-        time.sleep(4 * jobs.PACE)
+        time.sleep(4 * state.PACE)
         return Job(kind="add", asked={}, state=CANCELLED, said=self.said)
 
 
@@ -155,19 +155,19 @@ class Worker:
 def test_a_cancelled_add_is_told_as_the_desk_left_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, told: str
 ) -> None:
-    stood: list[Bench] = []
+    stood: list[WindowState] = []
 
-    async def stands(of: Bench) -> None:
+    async def stands(of: WindowState) -> None:
         stood.append(of)
 
-    monkeypatch.setattr(working, "stands", stands)
-    monkeypatch.setattr(jobs.jobs, "start", lambda *_, **__: Worker(said))
+    monkeypatch.setattr(panels, "stands", stands)
+    monkeypatch.setattr(workers, "start", lambda *_, **__: Worker(said))
 
     async def story() -> None:
         of = bench(tmp_path, effect={"id": "x"})
         of.desk, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
-        await climbing.add(of)
-        await jobs.cancel(of)
+        await panels.add(of)
+        await state.cancel(of)
         await asyncio.gather(*of.tasks)
         assert of.state.failure == ""
         assert told in of.state.ready["text"]
@@ -179,18 +179,18 @@ def test_a_cancelled_add_is_told_as_the_desk_left_it(
 def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[str] = []
 
-    async def taken(of: Bench, _: Any) -> None:
+    async def taken(of: WindowState, _: Any) -> None:
         opened.append(Path(of.state.model_path).read_text(encoding="utf-8"))
 
-    monkeypatch.setattr(opening, "_opened", taken)
+    monkeypatch.setattr(panels, "_opened", taken)
 
     async def story() -> None:
         of = bench(tmp_path, data_paths="/somewhere")
         for text in (b"model = 1", b"model = 2"):
-            await opening.arrived(of, [Handed(name="s/model.toml", content=text)])
+            await panels.arrived(of, [Handed(name="s/model.toml", content=text)])
         assert opened == ["model = 1", "model = 2"]
         of.state.opening = True
-        await opening.arrived(of, [Handed(name="s/model.toml", content=b"model = 3")])
+        await panels.arrived(of, [Handed(name="s/model.toml", content=b"model = 3")])
         assert len(opened) == 2
         assert "when that is done" in of.state.failure
 
@@ -198,13 +198,13 @@ def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypat
 
 
 def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(saving.saving, "figures", lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))
+    monkeypatch.setattr(session, "figures", lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))
     (tmp_path / "a.png").write_bytes(b"png")
 
     async def story() -> None:
         of = bench(tmp_path)
         of.desk = SimpleNamespace(folder=tmp_path)  # type: ignore[assignment]
-        drawing_them = asyncio.ensure_future(saving.figures(of))
+        drawing_them = asyncio.ensure_future(panels.figures(of))
         await asyncio.sleep(0.05)
         assert of.state.job["cancellable"] is False  # no button that does nothing
         await asyncio.wait_for(of.away(lambda: None), 0.2)
@@ -215,46 +215,46 @@ def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_a_click_on_the_map_goes_to_the_worst_line_of_its_column(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def drawn(_: Bench) -> None:
+    async def drawn(_: WindowState) -> None:
         pass
 
-    monkeypatch.setattr(comparing, "drawn", drawn)
-    monkeypatch.setattr(structure, "nearest", drawn)
+    monkeypatch.setattr(panels, "drawn", drawn)
+    monkeypatch.setattr(panels, "nearest", drawn)
 
     async def story() -> None:
         of = bench(tmp_path, campaign="a", map_kind="pairs")
         of.compared = SimpleNamespace(map=lambda _: SimpleNamespace(data_set="a"))  # type: ignore[assignment]
-        await comparing.cell(of, {"x": 10.0, "y": "zβ", "custom": [7.1, 10.4]})
+        await panels.cell(of, {"x": 10.0, "y": "zβ", "custom": [7.1, 10.4]})
         assert (of.state.load, of.state.motion, of.state.marked) == (2, 4, 10.4)
-        await comparing.cell(of, {"x": 12.0, "y": 1.0, "custom": []})  # the triangle of a mode
+        await panels.cell(of, {"x": 12.0, "y": 1.0, "custom": []})  # the triangle of a mode
         assert of.state.marked == 10.4
 
     run(story)
 
 
 def test_modes_far_from_what_was_clicked_say_so() -> None:
-    assert structure.apart(8.0, 8.4) == ""
-    assert "8 Hz" in structure.apart(8.0, 351.0)
+    assert panels.apart(8.0, 8.4) == ""
+    assert "8 Hz" in panels.apart(8.0, 351.0)
 
 
 def test_what_nobody_saved_is_kept_where_the_terminal_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, series: tuple[str, str]
 ) -> None:
-    from validation.desk.desk import begun
+    from validation.app.session import begun
 
     desk = begun(tmp_path / "home" / "abc" / "desk-0", series[0], [series[1]])
     monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / "cache"))
     said: list[str] = []
     rungs = {"of": 1}
-    monkeypatch.setattr(leaving, "_rungs", lambda _: rungs["of"])
-    leaving.saved(desk)
-    leaving.kept(tmp_path / "home", said.append)
+    monkeypatch.setattr(state, "_rungs", lambda _: rungs["of"])
+    state.saved(desk)
+    state.leaving_kept(tmp_path / "home", said.append)
     assert said == []
     rungs["of"] = 2
-    assert leaving.unsaved(desk)
-    leaving.kept(tmp_path / "home", said.append)
+    assert state.unsaved(desk)
+    state.leaving_kept(tmp_path / "home", said.append)
     kept = Path(said[0].splitlines()[-1].strip())
     assert kept.read_bytes() == desk.model.read_bytes()
     assert kept.is_relative_to(tmp_path / "cache")
-    leaving.saved(desk)
-    assert not leaving.unsaved(desk)
+    state.saved(desk)
+    assert not state.unsaved(desk)

@@ -99,19 +99,19 @@ def test_a_page_of_another_server_at_this_host_starts_nothing(bench: Any, cookie
 
 
 def test_at_port_80_and_on_the_new_protocol_a_host_is_known() -> None:
-    from validation.app.guard import Place
+    from validation.app.server import ListeningAddress
 
-    assert Place(host="127.0.0.1", port=80).answers_to("127.0.0.1")
-    assert not Place(host="127.0.0.1", port=80).answers_to("evil.example")
-    assert not Place(host="127.0.0.1", port=8080).answers_to("127.0.0.1")
-    assert Place(host="::1", port=8080).answers_to("[::1]:8080")
-    assert not Place(host="127.0.0.1", port=8080).answers_to("127.0.0.1:80")
+    assert ListeningAddress(host="127.0.0.1", port=80).answers_to("127.0.0.1")
+    assert not ListeningAddress(host="127.0.0.1", port=80).answers_to("evil.example")
+    assert not ListeningAddress(host="127.0.0.1", port=8080).answers_to("127.0.0.1")
+    assert ListeningAddress(host="::1", port=8080).answers_to("[::1]:8080")
+    assert not ListeningAddress(host="127.0.0.1", port=8080).answers_to("127.0.0.1:80")
 
 
 def test_the_browser_is_led_by_a_file_that_nobody_else_reads(
     chromium: Any, start_app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from validation.app.door import leading
+    from validation.app.server import leading
 
     bench = start_app("--stay")
     file = leading(bench.address, tmp_path)

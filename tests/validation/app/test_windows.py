@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
-from validation.app import door, windows
-from validation.app.asked import Opened
-from validation.app.windows import Window, Windows
+from geometry import errors
+from validation.app import server
+from validation.app.options import StartOptions
+from validation.app.server import Window, Windows
 
 
 class Quick(Windows):
@@ -29,14 +30,14 @@ class Quick(Windows):
 
 def story(tmp_path: Path, told: Callable[[Quick], Awaitable[None]]) -> Any:
     async def run() -> None:
-        await told(Quick(home=tmp_path, opened=Opened()))
+        await told(Quick(home=tmp_path, opened=StartOptions()))
 
     return asyncio.run(run())
 
 
 @pytest.fixture(autouse=True)
 def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(windows, "LINGERS", 0.1)
+    monkeypatch.setattr(server, "LINGERS", 0.1)
 
 
 def test_a_reload_that_takes_its_time_keeps_the_process(tmp_path: Path) -> None:
@@ -68,7 +69,7 @@ def test_a_window_that_is_about_to_start_keeps_the_door(tmp_path: Path) -> None:
 def test_the_door_waits_its_whole_time_from_the_last_page_on(tmp_path: Path) -> None:
     async def told(all_of_them: Quick) -> None:
         ended = asyncio.Event()
-        lingers = door._Linger(0.3, all_of_them, ended)
+        lingers = server._Linger(0.3, all_of_them, ended)
         lingers.begin()
         await asyncio.sleep(0.2)
         lingers.begin()
@@ -80,12 +81,12 @@ def test_the_door_waits_its_whole_time_from_the_last_page_on(tmp_path: Path) -> 
 
 
 def test_only_so_many_windows_are_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(windows, "MOST", 2)
+    monkeypatch.setattr(server, "MOST", 2)
 
     async def told(all_of_them: Quick) -> None:
         for _ in range(2):
             await all_of_them.window(all_of_them.new())
-        with pytest.raises(windows.CheckFailed, match="close one"):
+        with pytest.raises(errors.CheckFailed, match="close one"):
             await all_of_them.window(all_of_them.new())
 
     story(tmp_path, told)

@@ -10,19 +10,14 @@ import pytest
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
-from identification.measurement_chain import Chain, chain
-from validation.comparing.comparison import Beside, Comparison
-from validation.comparing.doubt import nothing_fitted
-from validation.comparing.maps import Map, Rig, mapped
-from validation.comparing.modes import NamedMode
-from validation.comparing.spots import worst
-from validation.comparing.verdicts import Explained, told, tolerances
-from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.engine.measured import Measured
-from validation.engine.parameter import DECLARED, IDENTIFIED, Parameter
-from validation.engine.prediction import Change, Predicted
-from validation.engine.problem import Problem
-from validation.engine.residuals import residuals
+from identification.chain import Chain, chain
+from validation.compare.compare import Comparison, FactComparison
+from validation.compare.maps import Map, NamedMode, Rig, mapped, nothing_fitted
+from validation.compare.spots import worst
+from validation.estimation.evaluate import residuals
+from validation.estimation.problem import DECLARED, IDENTIFIED, Change, Measured, Parameter, Predicted, Problem
+from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.verdicts import ExplainedError, told, tolerances
 from validation.virtual_test.layout import mavis
 
 FREQUENCY = np.sort(np.concatenate([np.linspace(4.0, 32.0, 71), np.arange(11.7, 12.6, 0.1) + 0.03]))
@@ -194,14 +189,14 @@ def found() -> Comparison:
         title="mast on the FMD",
         source="mast.toml",
         evaluation=evaluation,
-        explained=Explained(measurement=0.9, with_modes=0.9),
-        errors=told(evaluation, Explained(measurement=0.9, with_modes=0.9), spots[0].sigma),
+        explained=ExplainedError(measurement=0.9, with_modes=0.9),
+        errors=told(evaluation, ExplainedError(measurement=0.9, with_modes=0.9), spots[0].sigma),
         absurd=tolerances(evaluation.fitted),
         maps=(of,),
         modes=((MODE,),),
         worst=spots,
         facts=(
-            Beside(
+            FactComparison(
                 name="scale.toml: mass",
                 unit="kg",
                 predicted=33.012,

@@ -12,10 +12,9 @@ import pytest
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from identification import campaign_file
-from identification.campaign import Campaign, Run
-from identification.recording import Recording
-from validation.models.model import Model
-from validation.models.writing import text as model_text
+from identification.campaign import Campaign, Recording, Run
+from validation.model.model import Model
+from validation.model.model_file import text as model_text
 from validation.prediction.series import predictions
 from validation.virtual_test.layout import mavis
 

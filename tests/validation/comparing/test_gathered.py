@@ -12,13 +12,12 @@ import pytest
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from identification import campaign_file
-from identification.campaign import Campaign, Run
-from identification.recording import Recording
-from validation.comparing.compared import few, meant
-from validation.comparing.gathered import Data, gathered
-from validation.models.model import Model
-from validation.models.reading import of_text
-from validation.models.writing import text as model_text
+from identification.campaign import Campaign, Recording, Run
+from validation.compare.compare import few
+from validation.model.model import Model
+from validation.model.model_file import of_text
+from validation.model.model_file import text as model_text
+from validation.study import Data, read_data, resolved_names
 from validation.virtual_test.layout import mavis
 
 CELLS = np.array([[0.12, 0.12, 0.0], [-0.12, 0.12, 0.0], [-0.12, -0.12, 0.0], [0.12, -0.12, 0.0]])
@@ -64,13 +63,13 @@ gross = "32.95 +/- 0.02 kg"
 
 def refused(paths: list[str], model: Model) -> str:
     with pytest.raises(BadInput) as error:
-        gathered(paths, model)
+        read_data(paths, model)
     return str(error.value)
 
 
 def test_folders_are_campaigns_and_files_are_measurements(folder, model: Model, tmp_path: Path) -> None:
     (tmp_path / "scale.toml").write_text(WEIGHING)
-    found = gathered([folder("one"), str(tmp_path / "scale.toml")], model)
+    found = read_data([folder("one"), str(tmp_path / "scale.toml")], model)
     assert [one.article for one in found.campaigns] == ["fmd+clumod-1"]
     assert found.classical == (str(tmp_path / "scale.toml"),)
 
@@ -79,7 +78,7 @@ def test_the_truth_beside_a_simulated_campaign_is_no_data(folder, model: Model, 
     truth = tmp_path / "one.truth.json"
     truth.write_text('{"kind": "virtual test"}', encoding="utf-8")
     with pytest.raises(BadInput, match=r"this is the truth beside a simulated campaign.*Leave it out"):
-        gathered([folder("one"), str(truth)], model)
+        read_data([folder("one"), str(truth)], model)
 
 
 def test_a_few_lines_are_said_to_be_few() -> None:
@@ -116,9 +115,9 @@ def test_the_description_of_a_campaign_is_refused_for_its_folder(folder, model: 
 
 
 def test_a_campaign_may_be_held_out_by_its_folder(by_hand, folder) -> None:
-    from validation.engine.problem import Problem
+    from validation.estimation.problem import Problem
 
     one = campaign_file.read(folder("one"))
     data = Data(campaigns=(replace(one, recordings={}),))
     problem = Problem((by_hand.test(name="one"),))
-    assert meant(problem, data, [one.source, "x"]) == ("one", "x")
+    assert resolved_names(problem, data, [one.source, "x"]) == ("one", "x")

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from validation.comparing.left_over import combined, covariance, judged_error, left_over
+from validation.compare.maps import combined, covariance, judged_error, left_over
 
 LINES, CHANNELS, INPUTS, TOLERANCES = 3, 7, 2, 4
 

@@ -10,18 +10,12 @@ from identification.base_motion import base_motion
 from identification.dynamic_mass import from_runs
 from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
-from validation.comparing.chunks import chunks
-from validation.comparing.doubt import doubt, nothing_fitted
-from validation.comparing.left_over import covariance, judged_error
-from validation.comparing.maps import mapped
-from validation.comparing.spots import worst
-from validation.comparing.verdicts import STANDS_OUT
-from validation.comparing.words import text
-from validation.engine.errors import squares
-from validation.engine.fit import fit
-from validation.engine.parameter import PLAIN
-from validation.engine.problem import Problem
-from validation.engine.residuals import residuals
+from validation.compare.maps import chunks, covariance, doubt, judged_error, mapped, nothing_fitted
+from validation.compare.spots import text, worst
+from validation.estimation.evaluate import residuals, squares
+from validation.estimation.fit import fit
+from validation.estimation.problem import PLAIN, Problem
+from validation.estimation.verdicts import STANDS_OUT
 
 
 def spots(by_hand, test):

@@ -10,22 +10,22 @@ import numpy as np
 import pytest
 
 from geometry.dynamic_mass import DynamicMass
-from validation.pictures import comparison, curves, ladder
-from validation.pictures.curves import MEASURED, Curve
+from validation.report.charts import crosscheck, history, style
+from validation.report.charts.style import MEASURED, DynamicMassCurve
 
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The figures that were finished."""
     figures: list[Any] = []
-    finish = curves.finish
+    finish = style.finish
 
     def finished(figure: Any, *arguments: Any) -> None:
         finish(figure, *arguments)
         figure.canvas.draw()
         figures.append(figure)
 
-    for module in (comparison, curves, ladder):
+    for module in (crosscheck, style, history):
         monkeypatch.setattr(module, "finish", finished)
     return figures
 
@@ -34,9 +34,9 @@ def box(of: Any) -> Any:
     return of.get_window_extent()
 
 
-def rung(number: int, parent: int | None, depth: int, percents: tuple[float, ...], *, here: bool = True) -> ladder.DrawnRung:
-    errors = dict(zip((*ladder.PERCENT, *ladder.FITTED), percents, strict=True))
-    return ladder.DrawnRung(
+def rung(number: int, parent: int | None, depth: int, percents: tuple[float, ...], *, here: bool = True) -> history.DrawnRung:
+    errors = dict(zip((*history.PERCENT, *history.FITTED), percents, strict=True))
+    return history.DrawnRung(
         number=number, parent=parent, title=f"effect {number}", depth=depth, here=here, errors=errors, gain=5.0
     )
 
@@ -50,7 +50,7 @@ CLOSE = (
 
 
 def test_figures_of_nearly_equal_errors_do_not_stand_on_each_other(drawn: list[Any], tmp_path: Path) -> None:
-    ladder.draw_fall("m.toml: errors from rung to rung", CLOSE, tmp_path / "fall.png")
+    history.draw_fall("m.toml: errors from rung to rung", CLOSE, tmp_path / "fall.png")
     for axes in drawn[0].axes:
         texts = [box(text).padded(-1.5) for text in axes.texts]  # the box of a text is taller than its letters
         assert len(texts) >= 4
@@ -58,7 +58,7 @@ def test_figures_of_nearly_equal_errors_do_not_stand_on_each_other(drawn: list[A
 
 
 def test_a_figure_is_not_struck_by_the_line_above_it(drawn: list[Any], tmp_path: Path) -> None:
-    ladder.draw_fall("m.toml", CLOSE[:2], tmp_path / "fall.png")
+    history.draw_fall("m.toml", CLOSE[:2], tmp_path / "fall.png")
     upper = drawn[0].axes[0]
     (text,) = [one for one in upper.texts if one.get_text() == "3.02"]
     ends = upper.transData.transform([(0, 3.12), (1, 3.01)])
@@ -69,7 +69,7 @@ def test_a_figure_is_not_struck_by_the_line_above_it(drawn: list[Any], tmp_path:
 
 def test_a_branch_of_chi_squared_that_stands_apart_has_its_name(drawn: list[Any], tmp_path: Path) -> None:
     apart = (CLOSE[0], CLOSE[1], rung(2, 0, 1, (3.0, 2.9, 3.05, 0.2, 1.0), here=False))
-    ladder.draw_fall("m.toml", apart, tmp_path / "fall.png")
+    history.draw_fall("m.toml", apart, tmp_path / "fall.png")
     lower = drawn[0].axes[1]
     at = [one.xy for one in lower.texts if one.get_text() == "2  effect 2"]
     assert (1, 0.2) in at
@@ -78,7 +78,7 @@ def test_a_branch_of_chi_squared_that_stands_apart_has_its_name(drawn: list[Any]
 def test_everything_stays_on_the_page(drawn: list[Any], tmp_path: Path) -> None:
     for count in (1, 3, 8):
         way = [rung(k, k - 1 if k else None, k, (3.0, 2.0, 2.5, 0.9, 1.0)) for k in range(count)]
-        ladder.draw_fall("m.toml", way, tmp_path / "fall.png")
+        history.draw_fall("m.toml", way, tmp_path / "fall.png")
         page = drawn[-1].bbox
         for axes in drawn[-1].axes:
             for one in (axes.get_legend(), *axes.texts, *axes.get_xticklabels()):
@@ -88,8 +88,8 @@ def test_everything_stays_on_the_page(drawn: list[Any], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["cuboid on the FMD", "the long name of an article with sixty letters in it, on the FMD"])
 def test_the_legend_of_the_errors_stands_below_the_title(name: str, drawn: list[Any], tmp_path: Path) -> None:
-    bars = [comparison.DrawnError(name=one, percent=1.0) for one in ("nominal", "plain", "held out, plain")]
-    comparison.draw_errors(f"{name}: the four errors", bars, 0.9, bars[:2], tmp_path / "errors.png")
+    bars = [crosscheck.DrawnError(name=one, percent=1.0) for one in ("nominal", "plain", "held out, plain")]
+    crosscheck.draw_errors(f"{name}: the four errors", bars, 0.9, bars[:2], tmp_path / "errors.png")
     figure = drawn[0]
     (legend,) = figure.legends
     title = next(text for text in figure.texts if text.get_text().startswith(name))
@@ -106,8 +106,8 @@ def test_what_is_predicted_is_drawn_above_the_dots_and_labels_leave_neighbours_a
     frequency = np.linspace(8.0, 16.0, 50)
     mass = DynamicMass(frequency=frequency, matrix=np.broadcast_to(2e-3 * np.eye(6) + 0j, (50, 6, 6)) * frequency[:, None, None])
     look: dict[str, Any] = {"mass": mass, "rigid": np.zeros((6, 6)), "modes": _NoModes()}
-    pair = (Curve(name="predicted", **look), Curve(name="measured", dots=MEASURED, **look))
-    curves.chosen("predicted beside measured", [("qq", k, k, pair) for k in range(6)], tmp_path / "mass.png")
+    pair = (DynamicMassCurve(name="predicted", **look), DynamicMassCurve(name="measured", dots=MEASURED, **look))
+    style.chosen("predicted beside measured", [("qq", k, k, pair) for k in range(6)], tmp_path / "mass.png")
     figure = drawn[0]
     for axes in figure.axes:
         line, dots = sorted(axes.lines[:2], key=lambda one: one.get_marker() == "o")

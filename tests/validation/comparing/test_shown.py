@@ -7,21 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from validation.comparing import table, words
-from validation.comparing.as_json import as_json
-from validation.comparing.drawn import draw
-from validation.comparing.spots import Spot
-from validation.comparing.verdicts import DOUBTFUL, FAILED, GOOD, Explained, absurd, expected_z2, told
-from validation.engine.evaluation import Share
+from validation.compare import spots
+from validation.compare.spots import Spot
+from validation.estimation.result import Share
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
 from validation.output import json_text
-from validation.tables.text import page
+from validation.report import compare
+from validation.report.compare import comparison_json, draw
+from validation.report.document import page
 
 
 def _page(found, width: int = 132) -> str:
-    return page(table.title(found), table.grids(found), table.notes(found), width)
+    return page(compare.title(found), compare.grids(found), compare.notes(found), width)
 
 
-EXPECTED = Explained(measurement=1.0, with_modes=1.0)
+EXPECTED = ExplainedError(measurement=1.0, with_modes=1.0)
 
 ERRORS = """\
 the four errors
@@ -43,7 +43,7 @@ the four errors
 
 
 def test_the_errors_are_printed_each_with_its_meaning_and_verdict(found) -> None:
-    assert page("the four errors", [table.errors(found)], (), 110) == ERRORS
+    assert page("the four errors", [compare.errors(found)], (), 110) == ERRORS
 
 
 def test_the_page_names_the_channel_first_and_what_was_weighed(found) -> None:
@@ -56,7 +56,7 @@ def test_the_page_names_the_channel_first_and_what_was_weighed(found) -> None:
 
 
 def test_the_json_has_the_keys_that_other_programs_rely_on(found) -> None:
-    written = json.loads(json_text(as_json(found)))
+    written = json.loads(json_text(comparison_json(found)))
     assert written["plain_error_percent"] == 1.23
     assert written["fitted_chi2_per_dof"] == pytest.approx(0.88, rel=1e-12)
     assert written["tolerance_z2"] == pytest.approx(576.27, rel=1e-12)
@@ -109,7 +109,7 @@ def test_an_fmd_within_reason_is_not_named_where_the_price_is_too_high(evaluatio
 
 def test_what_modes_let_expect_of_the_plain_error_is_told_where_it_counts(evaluation) -> None:
     of = evaluation()
-    said = told(of, Explained(measurement=0.97, with_modes=6.1), 2.0)[1].text
+    said = told(of, ExplainedError(measurement=0.97, with_modes=6.1), 2.0)[1].text
     assert said.startswith("tolerances of the measurement let expect 0.97 %, with those of the modes up to 6.1 %")
     assert "modes" not in told(of, EXPECTED, 2.0)[1].text
 
@@ -132,7 +132,7 @@ def test_an_error_that_tolerances_explain_is_not_doubted_however_small_the_one_o
     """What the plain fit frees swallows some of a tolerance on the data it is fitted to, and none on others."""
     of = evaluation()
     null = replace(of, plain=replace(of.plain, percent=0.26), held_out=replace(of.held_out, percent=0.5))
-    expected = Explained(measurement=0.4, with_modes=0.4)
+    expected = ExplainedError(measurement=0.4, with_modes=0.4)
     assert told(null, expected, 2.0)[3].verdict == GOOD
     assert told(null, replace(expected, measurement=0.3), 2.0)[3].verdict == DOUBTFUL
 
@@ -163,7 +163,7 @@ def test_a_spot_is_told_as_an_engineer_would() -> None:
         course="follows the first mast mode",
         elsewhere=(("fmd+clumod-1", "beta", 5.0), ("fmd+clumod-4", "y", 4.5)),
     )
-    assert words.text(spot) == (
+    assert spots.text(spot) == (
         "moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9.2 sigma, 4.1 % of the dynamic mass, "
         "follows the first mast mode; also in the beta sweep, fmd+clumod-4"
     )
@@ -171,4 +171,4 @@ def test_a_spot_is_told_as_an_engineer_would() -> None:
 
 @pytest.mark.parametrize(("band", "said"), [((11.05, 13.2), "11-13 Hz"), ((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])
 def test_a_band_is_told_with_the_digits_that_tell_its_ends_apart(band: tuple[float, float], said: str) -> None:
-    assert words.band(band) == said
+    assert spots.band(band) == said

@@ -7,9 +7,9 @@ from functools import cache
 import pytest
 
 from identification.campaign import Campaign
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import planted
+from validation.effects.catalogue import parse_all
 from validation.virtual_test.plan import MULTI, NONE, RIGID, Plan, exact
+from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
 
 RATE = 256.0

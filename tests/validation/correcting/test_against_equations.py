@@ -11,16 +11,13 @@ import pytest
 
 from geometry.errors import BadInput
 from identification import campaign_file
-from identification.campaign import Campaign
-from identification.measurement_chain import chain
-from identification.recording import Recording
-from validation.correcting.corrected import corrected
+from identification.campaign import Campaign, Recording
+from identification.chain import chain
+from validation.correct import corrected
 from validation.effects import catalogue
-from validation.effects import own as own_effects
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
-from validation.effects.identifiers import Named, parse
-from validation.effects.stages import Reading
+from validation.effects.catalogue import FAMILIES, Named, parse
+from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
+from validation.effects.stages import ChannelResponse
 
 Tested = Callable[..., Campaign]
 Run = Callable[..., tuple[int, str, str]]
@@ -79,7 +76,7 @@ def test_what_the_chain_reads_wrong_is_read_right_again(tested: Tested, effect: 
 def read_by_equation(campaign: Campaign, named: Named, values: np.ndarray) -> np.ndarray:
     change = FAMILIES[named.family].change
     assert change is not None
-    reading = Reading(frequency=LINES, channels=campaign.table.names, rows=values[:, :, None])
+    reading = ChannelResponse(frequency=LINES, channels=campaign.table.names, rows=values[:, :, None])
     return np.asarray(change(reading, named.targets, named.values).rows[:, :, 0])
 
 
@@ -96,8 +93,8 @@ def grown(monkeypatch: pytest.MonkeyPatch) -> Callable[[Family], None]:
     return lambda family: monkeypatch.setitem(catalogue._found, family.name, family)
 
 
-def own(change: Callable[..., Reading]) -> Family:
-    size = Size(unit="1", low=-10.0, high=10.0)
+def own(change: Callable[..., ChannelResponse]) -> Family:
+    size = SizeSpec(unit="1", low=-10.0, high=10.0)
     return Family(
         name="mine",
         side=FORCES,
@@ -110,7 +107,7 @@ def own(change: Callable[..., Reading]) -> Family:
     )
 
 
-def leaking(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+def leaking(reading: ChannelResponse, targets: tuple[str, ...], values: dict[str, float]) -> ChannelResponse:
     """A channel leaks into its neighbour, and droops."""
     rows = np.array(reading.rows)
     k = reading.column(targets[0])
@@ -129,7 +126,7 @@ def test_a_users_own_equation_is_inverted(tested: Tested, grown: Callable[[Famil
 
 
 def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested: Tested, grown: Callable[[Family], None]) -> None:
-    def leaking_alone(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+    def leaking_alone(reading: ChannelResponse, targets: tuple[str, ...], values: dict[str, float]) -> ChannelResponse:
         rows = np.array(reading.rows)
         k = reading.column(targets[0])
         rows[:, k + 1] += values[""] * rows[:, k]
@@ -143,7 +140,7 @@ def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested: Tested,
 
 
 def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested: Tested, grown: Callable[[Family], None]) -> None:
-    def dead(reading: Reading, targets: tuple[str, ...], values: dict[str, float]) -> Reading:
+    def dead(reading: ChannelResponse, targets: tuple[str, ...], values: dict[str, float]) -> ChannelResponse:
         rows = np.array(reading.rows)
         rows[reading.frequency > 20, reading.column(targets[0])] = 0.0
         return replace(reading, rows=rows)
@@ -156,7 +153,7 @@ def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested: Tested, grow
 
 def test_the_example_of_ones_own_is_taken_out_of_a_record(tested: Tested, root: Path, grown: Callable[[Family], None]) -> None:
     """Planted by the bilinear rule at 2048 Hz, which is off by (2 pi 32/2048)²/12 of omega tau = 0.2 at 32 Hz: 2e-4."""
-    grown(own_effects.family(root / "examples" / "effects" / "force_lowpass.py"))
+    grown(catalogue.own_family(root / "examples" / "effects" / "force_lowpass.py"))
     effect = "force-lowpass:fmd-z2=1e-3"
     clean, faulty = tested(), tested(effect)
     made = corrected(faulty, parse(effect)).campaign
@@ -169,7 +166,7 @@ def test_the_example_of_ones_own_is_taken_out_of_a_record(tested: Tested, root: 
 
 FILE = """
 from dataclasses import replace
-from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
+from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, Size
 
 def change(reading, targets, values):
     rows = reading.rows.copy()

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from identification import campaign_file, files
+from identification import campaign_file
 from identification.campaign import Campaign
+from identification.files import files
 
 Run = Callable[..., tuple[int, str, str]]
 Tested = Callable[..., Campaign]

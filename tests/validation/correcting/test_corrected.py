@@ -11,14 +11,11 @@ import pytest
 
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place, motion_rows
-from identification.campaign import Campaign
-from identification.chain.factor import factors
-from identification.recording import Recording
-from identification.spectra.full_record import full_record
-from validation.correcting.corrected import CORRECTIONS, corrected
-from validation.correcting.signals import advanced, through
-from validation.effects.catalogue import FAMILIES
-from validation.effects.identifiers import Named, parse
+from identification.campaign import Campaign, Recording
+from identification.chain import factors
+from identification.spectra.line_spectra import full_record
+from validation.correct import CORRECTIONS, advanced, corrected, through
+from validation.effects.catalogue import FAMILIES, Named, parse
 
 Tested = Callable[..., Campaign]
 
@@ -142,7 +139,7 @@ def test_spectra_are_corrected_line_by_line(tested: Tested, effect: str) -> None
 
 @pytest.mark.parametrize("effect", ["force-highpass:fmd-z2=2.5", "force-delay:fmd-z2=1e-3", "force-gain:fmd-z2=0.3"])
 def test_the_correction_is_the_inverse_of_the_chain(tested: Tested, effect: str) -> None:
-    """The sign and the size of a fault are those of `identification.measurement_chain`."""
+    """The sign and the size of a fault are those of `identification.chain`."""
     clean, named = as_spectra(tested()), parse(effect)
     read = factors(clean.table.names, "force", "force", {named.id: named.value}, LINES)
     faulty = replace(clean, recordings={name: replace(r, values=r.values * read) for name, r in clean.recordings.items()})

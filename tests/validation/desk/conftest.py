@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from validation.desk import comparing, examples, jobs
-from validation.desk.comparing import Compared
-from validation.desk.desk import Desk, begun, opened
-from validation.desk.examples import Example, Series
-from validation.desk.jobs import Job
+from validation.app import examples, session, workers
+from validation.app.examples import Example, Series
+from validation.app.session import Compared, Session, begun, opened
+from validation.app.workers import Job
 
 QUICK = Example(
     name="quick",
@@ -49,7 +48,7 @@ def mast() -> Series:
 class Worked:
     """A desk that was compared, and diagnosed by a worker."""
 
-    desk: Desk
+    desk: Session
     compared: Compared
     heard: list[str]
     job: Job
@@ -60,15 +59,15 @@ def worked(block: Series, tmp_path_factory: pytest.TempPathFactory) -> Worked:
     """Not to be changed: `fresh` gives copies of it."""
     desk = begun(tmp_path_factory.mktemp("desks") / "one", block.model, block.data, title="one")
     heard: list[str] = []
-    found = comparing.compared(desk, lambda what, share: heard.append(what))
-    return Worked(desk=desk, compared=found, heard=heard, job=jobs.start(desk, jobs.DIAGNOSE).wait())
+    found = session.compared(desk, lambda what, share: heard.append(what))
+    return Worked(desk=desk, compared=found, heard=heard, job=workers.start(desk, workers.DIAGNOSE).wait())
 
 
 @pytest.fixture
-def fresh(worked: Worked) -> Callable[[str], Desk]:
+def fresh(worked: Worked) -> Callable[[str], Session]:
     """``fresh(name)``: a copy of that desk beside it."""
 
-    def copy(name: str) -> Desk:
+    def copy(name: str) -> Session:
         folder = worked.desk.folder.parent / name
         shutil.copytree(worked.desk.folder, folder)
         return opened(folder)
@@ -77,6 +76,6 @@ def fresh(worked: Worked) -> Callable[[str], Desk]:
 
 
 @pytest.fixture
-def bare(block: Series, tmp_path: Path) -> Desk:
+def bare(block: Series, tmp_path: Path) -> Session:
     """A desk on which nothing was done yet."""
     return begun(tmp_path / "desk", block.model, block.data)

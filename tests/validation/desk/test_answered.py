@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from validation.desk.answered import Answered
-from validation.engine import errors
-from validation.engine.measured import Measured
-from validation.engine.prediction import Change, Lines, Offsets, Predicted, Wanted
+from validation.app.whatif import SampledPrediction
+from validation.estimation import evaluate
+from validation.estimation.problem import Change, Lines, Measured, Offsets, Predicted, Wanted
 
 RUNS, LINES, CHANNELS, INPUTS = 3, 8, 6, 2
 
@@ -48,8 +47,8 @@ def asked(request: pytest.FixtureRequest) -> Asked:
     return Asked(measured, drawn(*shape), np.abs(drawn(RUNS, LINES, CHANNELS)))
 
 
-def answered(of: Asked, lines: Lines) -> Answered:
-    return Answered(measured=of.measured, parameters=(), lines=lines, said=of.at({}, lines, derivatives=False))
+def answered(of: Asked, lines: Lines) -> SampledPrediction:
+    return SampledPrediction(measured=of.measured, parameters=(), lines=lines, said=of.at({}, lines, derivatives=False))
 
 
 def test_some_of_the_lines_are_those_of_the_prediction(asked: Asked) -> None:
@@ -62,8 +61,8 @@ def test_some_of_the_lines_are_those_of_the_prediction(asked: Asked) -> None:
 
 def test_errors_of_some_runs_are_those_of_the_prediction(asked: Asked) -> None:
     every = np.arange(LINES)
-    (of_y,) = errors.squares(answered(asked, every).on(("y",)), {}, np.array([1, 4]))
-    whole = errors.squares(asked, {}, np.array([1, 4]))  # type: ignore[arg-type]
+    (of_y,) = evaluate.squares(answered(asked, every).on(("y",)), {}, np.array([1, 4]))
+    whole = evaluate.squares(asked, {}, np.array([1, 4]))  # type: ignore[arg-type]
     assert of_y.run == "y"
     # how far silent channels are trusted is told by all runs together, so that a run alone errs a trifle otherwise
     np.testing.assert_allclose(of_y.values, whole[1].values, rtol=0.02)

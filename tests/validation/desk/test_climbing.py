@@ -12,32 +12,30 @@ import numpy as np
 import pytest
 
 from geometry.errors import BadInput
-from validation.comparing.verdicts import expected_z2, largest_z
-from validation.desk import climbing, comparing, diagnosing, explaining, jobs, recorded, saving, signing
-from validation.desk.desk import Desk, begun, digest
-from validation.desk.handed import Handed, received
-from validation.diagnosing.as_json import as_json
-from validation.ladders import sources
-from validation.ladders.climbing import standing
-from validation.ladders.nouns import Source
-from validation.models import reading
-from validation.report import run
+from validation.app import session, whatif, workers
+from validation.app.session import Handed, Session, begun, digest, received
+from validation.estimation.verdicts import expected_z2, largest_z
+from validation.history import history
+from validation.history.history import Source, history_position
+from validation.model import model_file
+from validation.report import page
+from validation.report.diagnose import diagnosis_json
 
 
 @pytest.fixture(scope="module")
-def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Desk:
+def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Session:
     """A copy of the desk, on which a worker added what was missing."""
-    from validation.desk.desk import opened
+    from validation.app.session import opened
 
     folder = worked.desk.folder.parent / "climbed"
     shutil.copytree(worked.desk.folder, folder)
     desk = opened(folder)
-    assert jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").wait().error == ""
+    assert workers.start(desk, workers.ADD, effect="force-gain:fmd-z2").wait().error == ""
     return desk
 
 
 def test_a_comparison_makes_rung_0_with_identified_inertia(worked: Any) -> None:
-    at = climbing.ladder(worked.desk)
+    at = session.ladder(worked.desk)
     assert at.rung is not None
     assert at.rung.number == 0
     assert at.rung.bodies[0].article == "cuboid"
@@ -45,8 +43,8 @@ def test_a_comparison_makes_rung_0_with_identified_inertia(worked: Any) -> None:
     assert at.rung.errors.plain == pytest.approx(worked.compared.summary["plain_error_percent"])
 
 
-def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: Any, climbed: Desk) -> None:
-    before, at, after = worked.compared, climbing.ladder(climbed), comparing.comparison(climbed)
+def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: Any, climbed: Session) -> None:
+    before, at, after = worked.compared, session.ladder(climbed), session.comparing_comparison(climbed)
     assert at.rung is not None
     assert after is not None
     assert at.rung.parent == 0
@@ -60,77 +58,79 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
     assert np.abs(one.predicted - other.predicted)[:, 2, 2].max() > 0.01 * np.abs(one.predicted)[:, 2, 2].max()
     assert at.rung.bodies[0].values[0] != at.ladder.rung(0).bodies[0].values[0]
     text = climbed.model.read_text()
-    assert climbing.undone(climbed).rung.number == 0  # type: ignore[union-attr]
-    again = comparing.comparison(climbed)
+    assert session.undone(climbed).rung.number == 0  # type: ignore[union-attr]
+    again = session.comparing_comparison(climbed)
     assert again is not None
     assert again.summary == before.summary
-    assert diagnosing.diagnosis(climbed) is not None
-    assert climbing.gone_to(climbed, 1).text == text
-    assert comparing.comparison(climbed) is not None
+    assert session.diagnosing_diagnosis(climbed) is not None
+    assert session.gone_to(climbed, 1).text == text
+    assert session.comparing_comparison(climbed) is not None
 
 
-def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Desk]) -> None:
+def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Session]) -> None:
     desk = fresh("cancelled")
     text = desk.model.read_text()
-    worker = jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2")
+    worker = workers.start(desk, workers.ADD, effect="force-gain:fmd-z2")
     until = time.monotonic() + 60
     while desk.model.read_text() == text and time.monotonic() < until:
         time.sleep(0.01)
     found = worker.cancel()
-    assert found.state == jobs.CANCELLED
+    assert found.state == workers.CANCELLED
     assert found.said == "rung 1 was written already and stays on the ladder; the model is back on rung 0"
     _stands_as_before(desk, text)
-    assert climbing.gone_to(desk, 1).text != text
+    assert session.gone_to(desk, 1).text != text
 
 
-def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(climbed: Desk, fresh: Callable[[str], Desk]) -> None:
+def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(
+    climbed: Session, fresh: Callable[[str], Session]
+) -> None:
     desk = fresh("failed")
     text = desk.model.read_text()
-    (desk.folder / "found" / digest(climbing.ladder(climbed).ladder.rung(1).model)).write_text("in the way")
-    found = jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").wait(60)
-    assert found.state == jobs.FAILED
+    (desk.folder / "found" / digest(session.ladder(climbed).ladder.rung(1).model)).write_text("in the way")
+    found = workers.start(desk, workers.ADD, effect="force-gain:fmd-z2").wait(60)
+    assert found.state == workers.FAILED
     assert found.error.endswith("; rung 1 was written already and stays on the ladder; the model is back on rung 0")
     _stands_as_before(desk, text)
 
 
-def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: Desk, fresh: Callable[[str], Desk]) -> None:
+def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: Session, fresh: Callable[[str], Session]) -> None:
     desk = fresh("reopened")
     text = desk.model.read_text()
     for name in ("model.toml", "model.ladder.json"):
         shutil.copy(climbed.model.with_name(name), desk.model.with_name(name))
-    climbing.gone_to(desk, 1)
-    jobs.tell(desk, jobs.Job(kind=jobs.ADD, asked={}, before=digest(text)))
-    found = jobs.recovered(desk)
+    session.gone_to(desk, 1)
+    workers.tell(desk, workers.Job(kind=workers.ADD, asked={}, before=digest(text)))
+    found = workers.recovered(desk)
     assert found is not None
     assert "back on rung 0" in found.said
     _stands_as_before(desk, text)
 
 
-def test_adding_that_is_cancelled_before_says_nothing(fresh: Callable[[str], Desk]) -> None:
+def test_adding_that_is_cancelled_before_says_nothing(fresh: Callable[[str], Session]) -> None:
     desk = fresh("early")
     text = desk.model.read_text()
-    assert jobs.start(desk, jobs.ADD, effect="force-gain:fmd-z2").cancel().said == ""
+    assert workers.start(desk, workers.ADD, effect="force-gain:fmd-z2").cancel().said == ""
     _stands_as_before(desk, text)
 
 
-def _stands_as_before(desk: Desk, text: str) -> None:
-    at = climbing.ladder(desk)
+def _stands_as_before(desk: Session, text: str) -> None:
+    at = session.ladder(desk)
     assert desk.model.read_text() == text
     assert at.rung is not None
     assert at.rung.number == at.ladder.current == 0
-    assert comparing.comparison(desk) is not None
+    assert session.comparing_comparison(desk) is not None
 
 
-def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: Desk) -> None:
+def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: Session) -> None:
     users = Path(worked.desk.asked.model)
     assert not users.with_name("model.ladder.json").exists()
     mine = users.with_name("mine.toml")
-    both = {mine: saving.model_text(climbed), mine.with_name("mine.ladder.json"): saving.ladder_text(climbed)}
+    both = {mine: session.model_text(climbed), mine.with_name("mine.ladder.json"): session.ladder_text(climbed)}
     for path, text in both.items():
         path.write_text(text)
     try:
-        at = standing(mine)
-        added = reading.read(mine).effects
+        at = history_position(mine)
+        added = model_file.read(mine).effects
     finally:
         for path in both:  # the folder is that of other tests, too
             path.unlink()
@@ -141,18 +141,18 @@ def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: D
     assert [one.named.id for one in added] == ["force-gain:fmd-z2"]
 
 
-def test_a_ladder_that_is_not_there_cannot_be_had(bare: Desk) -> None:
+def test_a_ladder_that_is_not_there_cannot_be_had(bare: Session) -> None:
     with pytest.raises(BadInput, match="none yet"):
-        saving.ladder_text(bare)
+        session.ladder_text(bare)
     with pytest.raises(BadInput, match="no ladder"):
-        climbing.undone(bare)
+        session.undone(bare)
 
 
 def test_a_diagnosis_told_again_says_the_same(worked: Any) -> None:
-    said, again = diagnosing.diagnosis(worked.desk), diagnosing.noun(worked.desk)
+    said, again = session.diagnosing_diagnosis(worked.desk), session.noun(worked.desk)
     assert said is not None
     assert again is not None
-    told = as_json(again)
+    told = diagnosis_json(again)
     assert told["ranking"] == said["ranking"]
     words = ("verdict", "text", "headline", "equivalence_class", "steps", "warnings")
     for key in (*words, "accepted", "advice", "detectable", "errors"):
@@ -162,15 +162,15 @@ def test_a_diagnosis_told_again_says_the_same(worked: Any) -> None:
         assert largest_z(fit) == pytest.approx(said[when]["fitted"]["largest_z"])
 
 
-def test_a_diagnosis_that_is_damaged_is_none(fresh: Callable[[str], Desk]) -> None:
+def test_a_diagnosis_that_is_damaged_is_none(fresh: Callable[[str], Session]) -> None:
     desk = fresh("undiagnosed")
     (desk.found / "diagnose.json").write_text("[1]")
-    assert diagnosing.diagnosis(desk) is None
-    assert diagnosing.noun(desk) is None
+    assert session.diagnosing_diagnosis(desk) is None
+    assert session.noun(desk) is None
 
 
 def test_an_effect_is_explained_with_what_was_found_of_it(worked: Any) -> None:
-    found = explaining.explained(worked.desk, "force-gain:fmd-z2")
+    found = whatif.explained(worked.desk, "force-gain:fmd-z2")
     assert found.sizes[0].low < 0.08 < found.sizes[0].high
     assert found.sizes[0].unit == "1"
     assert " % (+" in found.sizes[0].text
@@ -181,34 +181,34 @@ def test_an_effect_is_explained_with_what_was_found_of_it(worked: Any) -> None:
     assert found.written.startswith("force-gain:fmd-z2=0.0")
 
 
-def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare: Desk) -> None:
-    found = explaining.explained(bare, "appendage:z=m:0.3,f:21,zeta:0.02")
+def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare: Session) -> None:
+    found = whatif.explained(bare, "appendage:z=m:0.3,f:21,zeta:0.02")
     assert (found.sizes, found.evidence, found.aliases, found.separating) == ((), None, (), ())
     assert found.written == "appendage:z=m:0.3,f:21,zeta:0.02"
     assert found.equation
     with pytest.raises(BadInput, match="no effect is called"):
-        explaining.explained(bare, "nonsense")
+        whatif.explained(bare, "nonsense")
 
 
 def test_a_report_names_the_users_files_and_the_whole_command_line(
-    block: Any, tmp_path: Path, climbed: Desk, monkeypatch: pytest.MonkeyPatch
+    block: Any, tmp_path: Path, climbed: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A director signs it, and the folder of the desk is gone by then."""
     own = str(tmp_path / "effects")
-    monkeypatch.setattr(run, "SOURCES", {"mine": f"{own}/mine.py"})
+    monkeypatch.setattr(page, "SOURCES", {"mine": f"{own}/mine.py"})
     (tmp_path / "effects").mkdir()
     (tmp_path / "effects" / "mine.py").write_text("")
     made = begun(tmp_path / "d", block.model, block.data, hold_out=("z",), band=(8, 12))
     made = replace(made, asked=replace(made.asked, effects_from=(own,)))
-    made.model.write_text(climbing.ladder(climbed).ladder.rung(1).model)
-    found = signing.signed(made, recorded.model_of(made), diagnosed=True)
+    made.model.write_text(session.ladder(climbed).ladder.rung(1).model)
+    found = session.signed(made, session.model_of(made), diagnosed=True)
     words = ["massline", "report", block.model, *block.data, "--hold-out", "z", "--band", "8", "12", "--effects-from", own]
     assert shlex.split(found.command) == words
-    assert found.inputs[0] == Source(path=block.model, digest=sources.digest(block.model))
+    assert found.inputs[0] == Source(path=block.model, digest=history.digest(block.model))
     assert [one.path for one in found.inputs] == [block.model, *block.data, f"{own}/mine.py"]
     assert found.settings["effects added in the workbench"] == ("force-gain:fmd-z2",)
-    assert found.model_text == saving.model_text(made)
-    assert shlex.split(signing.signed(made, recorded.model_of(made), diagnosed=False).command)[-1] == "--no-diagnosis"
+    assert found.model_text == session.model_text(made)
+    assert shlex.split(session.signed(made, session.model_of(made), diagnosed=False).command)[-1] == "--no-diagnosis"
 
 
 def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any, tmp_path: Path) -> None:
@@ -217,7 +217,7 @@ def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any,
     names = [f"my series/{path.relative_to(root).as_posix()}" for path in files]
     got = received(tmp_path / "desk-0", [Handed(name=name, content=path) for name, path in zip(names, files, strict=True)])
     made = begun(tmp_path / "desk-0", got.models[0], got.data)
-    found = signing.signed(made, recorded.model_of(made), diagnosed=True)
+    found = session.signed(made, session.model_of(made), diagnosed=True)
     shown = ["my series/model.toml", "my series/fmd+cuboid"]
     assert shlex.split(found.command) == ["massline", "report", *shown]
     assert [one.path for one in found.inputs] == shown
@@ -225,15 +225,15 @@ def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any,
 
 def test_a_report_is_written_from_what_was_found(worked: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The parts that are drawn anew are proved with the report; here they stand for nothing."""
-    from validation.report import assembling
+    from validation.report import page, parts
 
-    monkeypatch.setattr(assembling, "article_part", lambda name, *more: assembling.ArticlePart(name=name))
-    monkeypatch.setattr(assembling, "campaign_part", lambda one, *more: assembling.CampaignPart(campaign=one))
+    monkeypatch.setattr(page, "article_part", lambda name, *more: parts.ArticlePart(name=name))
+    monkeypatch.setattr(page, "campaign_part", lambda one, *more: parts.CampaignPart(campaign=one))
     heard: list[str] = []
-    path = saving.reported(worked.desk, tmp_path / "report.html", lambda what, share: heard.append(what))
+    path = session.reported(worked.desk, tmp_path / "report.html", lambda what, share: heard.append(what))
     text = path.read_text()
     assert "fitting" not in heard
     assert "force-gain:fmd-z2" in text
     assert str(worked.desk.folder) not in text
     with pytest.raises(BadInput, match="report"):
-        saving.reported(worked.desk, tmp_path / "report.txt")
+        session.reported(worked.desk, tmp_path / "report.txt")

@@ -8,25 +8,25 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.comparing.as_json import as_json
-from validation.comparing.compared import compared
-from validation.comparing.gathered import gathered
-from validation.desk import comparing, entries, held_against, recorded
-from validation.desk.desk import Desk
-from validation.desk.entries import Cell
-from validation.models import reading
+from validation.app import scene3d, session
+from validation.app.scene3d import MapCell
+from validation.app.session import Session
+from validation.compare.compare import compared
+from validation.model import model_file
+from validation.report.compare import comparison_json
+from validation.study import read_data
 
 
 @pytest.fixture(scope="module")
 def found(worked: Any) -> Any:
     """What `massline compare` finds of the same."""
-    model = reading.read(worked.desk.model)
-    return compared(model, gathered(worked.desk.asked.data, model))
+    model = model_file.read(worked.desk.model)
+    return compared(model, read_data(worked.desk.asked.data, model))
 
 
 def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
     """The fits are those of the ladder's rung, taken up where they ended: rounding is all that lies between."""
-    expected, shown = as_json(found), worked.compared.summary
+    expected, shown = comparison_json(found), worked.compared.summary
     for key in ("plain_error_percent", "nominal_error_percent", "held_out_error_percent", "fitted_chi2_per_dof", "tolerance_z2"):
         assert_allclose(shown[key], expected[key], rtol=1e-6)
     assert [one["verdict"] for one in shown["errors"]] == [one["verdict"] for one in expected["errors"]]
@@ -37,11 +37,11 @@ def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
 
 def test_a_fit_that_did_not_converge_is_said(worked: Any) -> None:
     """In the words of the command, of both fits."""
-    ready = held_against.ground(worked.desk)
-    at = held_against.rung(worked.desk, ready, lambda what, share: None)
+    ready = session.ground(worked.desk)
+    at = session.rung(worked.desk, ready, lambda what, share: None)
     assert at.errors is not None
     lost = replace(at, errors=replace(at.errors, converged=False))
-    said = held_against.comparison(ready, lost, lambda what, share: None).remarks
+    said = session.comparison(ready, lost, lambda what, share: None).remarks
     assert [text.partition(" fit did not converge")[0] for text in said if "did not converge" in text] == [
         "the plain",
         "the fitted",
@@ -56,22 +56,22 @@ def test_maps_and_curves_are_those_of_the_command(worked: Any, found: Any) -> No
         assert_allclose(shown.pairs.measured, expected.pairs.measured, rtol=1e-12)
 
 
-def test_a_comparison_is_there_after_a_reload_and_not_for_another_model(fresh: Callable[[str], Desk]) -> None:
+def test_a_comparison_is_there_after_a_reload_and_not_for_another_model(fresh: Callable[[str], Session]) -> None:
     desk = fresh("reloaded")
-    assert comparing.comparison(desk) is not None
+    assert session.comparing_comparison(desk) is not None
     desk.model.write_text(desk.model.read_text() + "\n# by hand\n")
-    assert comparing.comparison(desk) is None
+    assert session.comparing_comparison(desk) is None
 
 
-def test_a_comparison_that_is_damaged_is_none(fresh: Callable[[str], Desk]) -> None:
+def test_a_comparison_that_is_damaged_is_none(fresh: Callable[[str], Session]) -> None:
     desk = fresh("damaged")
     (desk.found / "maps.npz").write_bytes((desk.found / "maps.npz").read_bytes()[:5000])
-    assert comparing.comparison(desk) is None
+    assert session.comparing_comparison(desk) is None
 
 
 def test_a_comparison_makes_the_first_rung_and_a_second_one_fits_nothing(worked: Any) -> None:
     heard: list[str] = []
-    again = comparing.compared(worked.desk, lambda what, share: heard.append(what))
+    again = session.compared(worked.desk, lambda what, share: heard.append(what))
     assert "fitting" not in heard
     assert again.summary["plain_error_percent"] == worked.compared.summary["plain_error_percent"]
 
@@ -81,7 +81,7 @@ def test_a_comparison_makes_the_first_rung_and_a_second_one_fits_nothing(worked:
     [("z", "fmd-z2", {2, 3, 4}, 2), ("x", "fmd-x12", {0, 5}, 0), ("beta", "t_y", {4}, 4), ("y", "cover-z1", set(range(6)), 1)],
 )
 def test_a_click_leads_to_an_entry_that_shows_the_cell(worked: Any, run: str, row: str, loads: set[int], motion: int) -> None:
-    found = entries.entry_of(worked.compared, Cell(campaign="fmd+cuboid", run=run, row=row, frequency=11.02))
+    found = scene3d.entry_of(worked.compared, MapCell(campaign="fmd+cuboid", run=run, row=row, frequency=11.02))
     assert found.load in loads
     assert found.motion == motion
     assert found.frequency == pytest.approx(11.0)
@@ -93,18 +93,18 @@ def test_a_click_leads_to_an_entry_that_shows_the_cell(worked: Any, run: str, ro
 
 def test_a_cell_that_is_none_leads_nowhere(worked: Any) -> None:
     for cell in (
-        Cell(campaign="no", run="x", row="fmd-x12", frequency=9),
-        Cell(campaign="fmd+cuboid", run="x", row="no", frequency=9),
+        MapCell(campaign="no", run="x", row="fmd-x12", frequency=9),
+        MapCell(campaign="fmd+cuboid", run="x", row="no", frequency=9),
     ):
         with pytest.raises(KeyError):
-            entries.entry_of(worked.compared, cell)
+            scene3d.entry_of(worked.compared, cell)
 
 
-def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare: Desk) -> None:
-    model = recorded.model_of(bare)
-    (fresh,) = recorded.made(bare, model)
+def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare: Session) -> None:
+    model = session.model_of(bare)
+    (fresh,) = session.made(bare, model)
     assert bare.spectra.exists()
-    (kept,) = recorded.made(bare, model)
+    (kept,) = session.made(bare, model)
     for of, other in ((fresh.measured, kept.measured), *zip(fresh.tested.drives, kept.tested.drives, strict=True)):
         for one in fields(of):
             assert np.array_equal(getattr(of, one.name), getattr(other, one.name)), one.name
@@ -114,10 +114,10 @@ def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare
     assert np.array_equal(fresh.at({}, derivatives=False).rows, kept.at({}, derivatives=False).rows)
 
 
-def test_spectra_of_data_that_changed_are_made_again(bare: Desk) -> None:
-    model = recorded.model_of(bare)
-    recorded.made(bare, model)
+def test_spectra_of_data_that_changed_are_made_again(bare: Session) -> None:
+    model = session.model_of(bare)
+    session.made(bare, model)
     bare.spectra.write_bytes(bare.spectra.read_bytes()[:1000])
     heard: list[str] = []
-    recorded.made(bare, model, lambda what, share: heard.append(what))
+    session.made(bare, model, lambda what, share: heard.append(what))
     assert "spectra" in heard

@@ -6,11 +6,10 @@ from pathlib import Path
 import pytest
 
 from geometry.errors import BadInput
-from validation.desk import desk as desks
-from validation.desk.desk import Desk, begun, opened
-from validation.desk.examples import Series
-from validation.desk.moving import moved
-from validation.models import reading
+from validation.app import session
+from validation.app.examples import Series
+from validation.app.session import Session, begun, moved, opened
+from validation.model import model_file
 
 OWN = """
 [structure]
@@ -39,24 +38,24 @@ def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(
     assert made.asked.hold_out == ("z", str(Path(block.data[0]).resolve()))
 
 
-def test_what_a_page_keeps_is_there_after_a_reload(bare: Desk) -> None:
-    assert desks.view(bare) == {}
-    desks.keep_view(bare, {"entry": [2, 4], "campaign": "é"})
-    assert desks.view(opened(bare.folder)) == {"entry": [2, 4], "campaign": "é"}
+def test_what_a_page_keeps_is_there_after_a_reload(bare: Session) -> None:
+    assert session.view(bare) == {}
+    session.keep_view(bare, {"entry": [2, 4], "campaign": "é"})
+    assert session.view(opened(bare.folder)) == {"entry": [2, 4], "campaign": "é"}
 
 
-def test_a_view_that_is_damaged_is_none(bare: Desk) -> None:
+def test_a_view_that_is_damaged_is_none(bare: Session) -> None:
     (bare.folder / "view.json").write_text("{")
-    assert desks.view(bare) == {}
+    assert session.view(bare) == {}
 
 
-def test_a_folder_that_holds_something_is_no_new_desk(bare: Desk, block: Series) -> None:
+def test_a_folder_that_holds_something_is_no_new_desk(bare: Session, block: Series) -> None:
     with pytest.raises(BadInput, match="not empty"):
         begun(bare.folder, block.model, block.data)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"kind": "massline desk"}', '{"kind": "massline desk", "format": 1}'])
-def test_a_damaged_desk_says_so(bare: Desk, text: str) -> None:
+def test_a_damaged_desk_says_so(bare: Session, text: str) -> None:
     (bare.folder / "desk.json").write_text(text)
     with pytest.raises(BadInput, match="desk"):
         opened(bare.folder)
@@ -65,7 +64,7 @@ def test_a_damaged_desk_says_so(bare: Desk, text: str) -> None:
 def test_where_no_desk_is_none_is_opened(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="no desk here"):
         opened(tmp_path)
-    assert not desks.is_desk(tmp_path)
+    assert not session.is_desk(tmp_path)
 
 
 def test_two_desks_of_one_model_do_not_disturb_each_other(block: Series, tmp_path: Path) -> None:
@@ -80,7 +79,7 @@ def test_a_model_that_is_none_begins_no_desk(block: Series, tmp_path: Path) -> N
     (tmp_path / "model.toml").write_text("[model")
     with pytest.raises(BadInput, match="TOML"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
-    assert not desks.is_desk(tmp_path / "d")
+    assert not session.is_desk(tmp_path / "d")
 
 
 def test_the_users_own_models_are_found_from_the_working_copy(block: Series, tmp_path: Path) -> None:
@@ -90,7 +89,7 @@ def test_the_users_own_models_are_found_from_the_working_copy(block: Series, tmp
     text = Path(block.model).read_text().split("[structure]")[0].replace('"fmd+cuboid"', '"fmd+box"') + OWN.lstrip()
     (tmp_path / "model.toml").write_text(text)
     made = begun(tmp_path / "deep" / "d", tmp_path / "model.toml", block.data)
-    assert reading.read(made.model).own["fmd+box"] == str(tmp_path / "models" / "box.h5")
+    assert model_file.read(made.model).own["fmd+box"] == str(tmp_path / "models" / "box.h5")
     assert made.model.read_text() == text.replace('"models/box.h5"', '"../../../models/box.h5"')
     assert moved(made.model.read_text(), made.model, tmp_path / "model.toml") == text
 
@@ -103,6 +102,6 @@ def test_paths_that_cannot_be_said_anew_are_refused(block: Series, tmp_path: Pat
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
 
 
-def test_a_desk_states_a_format(bare: Desk) -> None:
+def test_a_desk_states_a_format(bare: Session) -> None:
     state = json.loads((bare.folder / "desk.json").read_text())
     assert (state["format"], state["kind"]) == (1, "massline desk")

@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.errors import BadInput
-from validation.desk.examples import Series
-from validation.desk.faults import faults
-from validation.desk.handed import Handed, received, sorted_out
+from validation.app.examples import Series
+from validation.app.session import Handed, faults, received, sorted_out
 
 MALICIOUS = (
     "../evil.toml",

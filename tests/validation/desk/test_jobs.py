@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from geometry.errors import BadInput
-from validation.desk import comparing, jobs
-from validation.desk.desk import Desk, opened
-from validation.desk.jobs import ADD, CANCELLED, COMPARE, DIAGNOSE, DONE, FAILED, RUNNING, Job, Worker
+from validation.app import session, workers
+from validation.app.session import Session, opened
+from validation.app.workers import ADD, CANCELLED, COMPARE, DIAGNOSE, DONE, FAILED, RUNNING, Job, Worker
 
 ORPHANED = """
 import os, sys
@@ -43,7 +43,7 @@ def at_work(worker: Worker) -> Job:
     return found
 
 
-def hidden(desk: Desk) -> list[Path]:
+def hidden(desk: Session) -> list[Path]:
     """Files that something had begun to write."""
     return list(desk.folder.rglob(".*"))
 
@@ -54,58 +54,58 @@ def test_a_worker_tells_its_end(worked: Any) -> None:
     assert worked.job.error == ""
     assert worked.job.seconds > 0
     assert worked.job.kind == DIAGNOSE
-    assert jobs.job(worked.desk) == worked.job
+    assert workers.job(worked.desk) == worked.job
 
 
-def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare: Desk) -> None:
-    worker = jobs.start(bare, COMPARE)
+def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare: Session) -> None:
+    worker = workers.start(bare, COMPARE)
     assert at_work(worker).state == RUNNING
     began = time.monotonic()
     found = worker.cancel()
     assert time.monotonic() - began < 1.0
     assert not is_there(worker.pid)
     assert found.state == CANCELLED
-    assert jobs.job(bare) == found
+    assert workers.job(bare) == found
     assert hidden(bare) == []
-    assert comparing.comparison(bare) is None
+    assert session.comparing_comparison(bare) is None
     assert worker.cancel() == found
 
 
-def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare: Session, monkeypatch: pytest.MonkeyPatch) -> None:
     """A window asks every moment, and cancels in another thread."""
-    worker = jobs.start(bare, COMPARE)
+    worker = workers.start(bare, COMPARE)
     at_work(worker)
     heard: list[Job] = []
-    monkeypatch.setattr(jobs, "swept", lambda of: heard.append(worker.job()))
+    monkeypatch.setattr(workers, "swept", lambda of: heard.append(worker.job()))
     assert worker.cancel().state == CANCELLED
     assert [one.state for one in heard] == [RUNNING]
 
 
-def test_one_job_a_desk_at_a_time(bare: Desk) -> None:
-    worker = jobs.start(bare, COMPARE)
+def test_one_job_a_desk_at_a_time(bare: Session) -> None:
+    worker = workers.start(bare, COMPARE)
     with pytest.raises(BadInput, match="at work already"):
-        jobs.start(bare, DIAGNOSE)
+        workers.start(bare, DIAGNOSE)
     worker.cancel()
 
 
-def test_a_worker_that_dies_is_an_error_in_words(bare: Desk) -> None:
-    worker = jobs.start(bare, COMPARE)
+def test_a_worker_that_dies_is_an_error_in_words(bare: Session) -> None:
+    worker = workers.start(bare, COMPARE)
     at_work(worker)
     os.kill(worker.pid or 0, signal.SIGKILL)
     found = worker.wait(5)
     assert found.state == FAILED
     assert "signal 9" in found.error
-    assert jobs.job(bare) == found
+    assert workers.job(bare) == found
 
 
-def test_what_cannot_be_done_is_told_in_the_words_of_the_verb(bare: Desk) -> None:
-    found = jobs.start(bare, DIAGNOSE, candidates=["nonsense"]).wait(60)
+def test_what_cannot_be_done_is_told_in_the_words_of_the_verb(bare: Session) -> None:
+    found = workers.start(bare, DIAGNOSE, candidates=["nonsense"]).wait(60)
     assert found.state == FAILED
     assert "no effect is called 'nonsense'" in found.error
     assert "Traceback" not in found.error
 
 
-def test_a_worker_ends_with_whoever_started_it(bare: Desk, tmp_path: Path) -> None:
+def test_a_worker_ends_with_whoever_started_it(bare: Session, tmp_path: Path) -> None:
     script = tmp_path / "start.py"
     script.write_text(ORPHANED)
     with subprocess.Popen([sys.executable, script, bare.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
@@ -120,34 +120,34 @@ def test_a_worker_ends_with_whoever_started_it(bare: Desk, tmp_path: Path) -> No
     while is_there(pid) and time.monotonic() < until:
         time.sleep(0.02)
     assert not is_there(pid)
-    assert (jobs.recovered(opened(bare.folder)) or Job(kind="", asked={})).state == CANCELLED
+    assert (workers.recovered(opened(bare.folder)) or Job(kind="", asked={})).state == CANCELLED
 
 
-def test_a_file_that_says_nonsense_is_no_job(bare: Desk) -> None:
-    assert jobs.job(bare) is None
+def test_a_file_that_says_nonsense_is_no_job(bare: Session) -> None:
+    assert workers.job(bare) is None
     bare.job.write_text('{"kind": 1}')
-    assert jobs.job(bare) is None
-    assert jobs.recovered(bare) is None
+    assert workers.job(bare) is None
+    assert workers.recovered(bare) is None
 
 
-def test_there_are_no_other_kinds(bare: Desk) -> None:
+def test_there_are_no_other_kinds(bare: Session) -> None:
     with pytest.raises(ValueError, match="compare, diagnose"):
-        jobs.start(bare, "dance")
+        workers.start(bare, "dance")
 
 
 def test_progress_is_heard(worked: Any) -> None:
     assert {"fitting", "maps"} <= set(worked.heard)
 
 
-def test_a_failure_that_nobody_foresaw_is_told_and_written_down(bare: Desk) -> None:
-    found = jobs.start(bare, ADD).wait(60)  # nobody says which effect
+def test_a_failure_that_nobody_foresaw_is_told_and_written_down(bare: Session) -> None:
+    found = workers.start(bare, ADD).wait(60)  # nobody says which effect
     assert found.state == FAILED
     assert "nobody foresaw" in found.error
     assert "KeyError" in (bare.folder / "job.log").read_text()
 
 
-def test_a_desk_that_is_damaged_is_told_in_words(bare: Desk) -> None:
+def test_a_desk_that_is_damaged_is_told_in_words(bare: Session) -> None:
     (bare.folder / "desk.json").write_text("{")
-    found = jobs.start(bare, COMPARE).wait(60)
+    found = workers.start(bare, COMPARE).wait(60)
     assert found.state == FAILED
     assert "desk.json cannot be read" in found.error

@@ -8,26 +8,23 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.comparing.compared import modes_of
-from validation.desk import desk as desks
-from validation.desk import examples, held_against, scene, shapes
-from validation.desk.comparing import Compared
-from validation.desk.desk import Desk, begun
-from validation.desk.examples import EXAMPLES, Series
-from validation.desk.faults import faults
+from validation.app import examples, scene3d, session
+from validation.app.examples import EXAMPLES, Series
+from validation.app.session import Compared, Session, begun, faults
+from validation.compare.compare import modes_of
 
 MAST = "fmd+clumod-1"
 
 
 @pytest.fixture(scope="module")
-def desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Desk:
+def desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session:
     return begun(tmp_path_factory.mktemp("desks") / "scene", mast.model, mast.data)
 
 
 @pytest.fixture(scope="module")
-def found(desk: Desk) -> Compared:
+def found(desk: Session) -> Compared:
     """As much of a comparison as shapes ask for, of the model as drawn."""
-    ready = held_against.ground(desk)
+    ready = session.ground(desk)
     modes = tuple(modes_of(one, ready.problem.start) for one in ready.made)
     loads = ({},) * len(modes)
     named = [one.measured.name for one in ready.made]
@@ -40,9 +37,9 @@ def found(desk: Desk) -> Compared:
     return Known(summary={}, maps=(), modes=modes, offsets=ready.problem.start, loads=loads)
 
 
-def test_sensors_stand_where_the_campaign_says(desk: Desk) -> None:
-    shown = scene.scene(desk, MAST)
-    described = scene.the_campaign(desk, MAST)
+def test_sensors_stand_where_the_campaign_says(desk: Session) -> None:
+    shown = scene3d.scene(desk, MAST)
+    described = scene3d.the_campaign(desk, MAST)
     first = next(one for one in described.table.channels if one.name == "table-z1")
     sensor = next(one for one in shown.sensors if one.name == "table-z1")
     assert_allclose(sensor.position, np.asarray(first.places[0].position) - described.table.origin)
@@ -52,20 +49,20 @@ def test_sensors_stand_where_the_campaign_says(desk: Desk) -> None:
     assert shown.title == described.title
 
 
-def test_a_campaign_that_is_none_is_refused_with_the_nearest(desk: Desk) -> None:
+def test_a_campaign_that_is_none_is_refused_with_the_nearest(desk: Session) -> None:
     with pytest.raises(BadInput, match="Known are"):
-        scene.scene(desk, "fmd+clumod-2")
+        scene3d.scene(desk, "fmd+clumod-2")
 
 
 def test_the_nearest_mode_is_told_in_octaves(found: Compared) -> None:
     frequencies = [one.frequency for one in found.modes_of(MAST)]
-    number = shapes.nearest(found, MAST, 1.02 * frequencies[1])
+    number = scene3d.nearest(found, MAST, 1.02 * frequencies[1])
     assert number == 1
-    assert shapes.nearest(found, MAST, 1e-3) == 0
+    assert scene3d.nearest(found, MAST, 1e-3) == 0
 
 
-def test_a_shape_moves_the_mast_and_leaves_its_foot(desk: Desk, found: Compared) -> None:
-    one = shapes.shape(desk, found, MAST, 0)
+def test_a_shape_moves_the_mast_and_leaves_its_foot(desk: Session, found: Compared) -> None:
+    one = scene3d.shape(desk, found, MAST, 0)
     assert one.frequency == found.modes_of(MAST)[0].frequency
     sizes = {body.name: body.size.max() for body in one.bodies}
     assert sizes["flange"] < 1e-6 * max(sizes.values())
@@ -75,23 +72,23 @@ def test_a_shape_moves_the_mast_and_leaves_its_foot(desk: Desk, found: Compared)
     assert min(body.vertices[:, 2].min() for body in one.bodies) > 0.04  # it stands on the cover plate
 
 
-def test_the_mode_that_is_drawn_is_that_of_the_model_as_it_stands(desk: Desk, found: Compared) -> None:
+def test_the_mode_that_is_drawn_is_that_of_the_model_as_it_stands(desk: Session, found: Compared) -> None:
     """With the mast five times as stiff the first mode is one of the blade, and moves the mast less."""
-    drawn = shapes.shape(desk, found, MAST, 0)
+    drawn = scene3d.shape(desk, found, MAST, 0)
     stiff = replace(found, offsets={**found.offsets, "modulus:mast": float(np.log(5.0))})
-    other = shapes.shape(desk, stiff, MAST, 0)
+    other = scene3d.shape(desk, stiff, MAST, 0)
 
-    def share(of: shapes.Shape) -> float:
+    def share(of: scene3d.Shape) -> float:
         moved = {body.name: body.size.max() for body in of.bodies}
         return float(moved["mast"] / moved["lower-1"])
 
     assert share(other) < 0.7 * share(drawn)
 
 
-def test_what_has_no_modes_has_no_shape(desk: Desk, found: Compared) -> None:
+def test_what_has_no_modes_has_no_shape(desk: Session, found: Compared) -> None:
     for number in (-1, 99):
         with pytest.raises(BadInput, match="found"):
-            shapes.shape(desk, found, MAST, number)
+            scene3d.shape(desk, found, MAST, number)
 
 
 @pytest.mark.parametrize("name", [one.name for one in EXAMPLES])
@@ -107,7 +104,7 @@ def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, na
     assert heard[-1] == 1.0  # nothing was simulated again
     assert not any(one.grave for one in faults(made.model, made.data))
     desk = begun(tmp_path / "d", made.model, made.data, hold_out=made.hold_out, band=made.band, title=made.title)
-    assert desks.opened(desk.folder).asked.title == slow.title
+    assert session.opened(desk.folder).asked.title == slow.title
     assert not any("truth" in path for path in made.data)
 
 

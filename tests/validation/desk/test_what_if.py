@@ -8,19 +8,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
 from geometry.errors import BadInput, CheckFailed
-from validation.comparing.gathered import gathered
-from validation.desk import sliders, whatif
-from validation.desk.desk import Desk, begun
-from validation.desk.examples import Series
-from validation.desk.whatif import Table, Trace, WhatIf, what_if
-from validation.effects.catalogue import FAMILIES
-from validation.effects.described import examples
-from validation.effects.family import PENDULUM, SIDES
-from validation.effects.identifiers import parse
-from validation.models.model import Added
+from geometry.frames import Array
+from validation.app import whatif
+from validation.app.examples import Series
+from validation.app.session import Session, begun
+from validation.app.whatif import Table, Trace, WhatIf, what_if
+from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import PENDULUM, SIDES
+from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.report.effects import examples
+from validation.study import read_data
 
 TRIED = (
     "force-gain:fmd-z2=0.2",
@@ -44,13 +43,13 @@ TRIED = (
 
 
 @pytest.fixture(scope="module")
-def mast_desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Desk:
+def mast_desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session:
     """Nothing was compared there."""
     return begun(tmp_path_factory.mktemp("desks") / "mast", mast.model, mast.data)
 
 
 @pytest.fixture(scope="module")
-def table(mast_desk: Desk) -> Table:
+def table(mast_desk: Session) -> Table:
     """Of the series with a mast, at the model as drawn."""
     return whatif.table(mast_desk)
 
@@ -58,7 +57,7 @@ def table(mast_desk: Desk) -> Table:
 @pytest.fixture(scope="module")
 def predicted(mast: Series, table: Table) -> Callable[[str], tuple[SeriesPrediction, ...]]:
     """By effect, what `validation.prediction` says of the series, read anew."""
-    data = gathered(mast.data, table.model)
+    data = read_data(mast.data, table.model)
     drawn = predictions(table.model, data.campaigns)
 
     def of(effect: str) -> tuple[SeriesPrediction, ...]:
@@ -67,7 +66,7 @@ def predicted(mast: Series, table: Table) -> Callable[[str], tuple[SeriesPredict
     return of
 
 
-def by_least_squares(one: SeriesPrediction, tested: whatif.Tested, offsets: Any) -> Array:
+def by_least_squares(one: SeriesPrediction, tested: whatif.ReadyCampaign, offsets: Any) -> Array:
     """H of what the channels are predicted to read in the very runs: loads over motions, by an equation of one's own."""
     rows = one.at(offsets, derivatives=False).rows
     read = np.einsum("nck,rnk->rnc" if rows.ndim == 3 else "rnck,rnk->rnc", rows, tested.inputs)
@@ -165,7 +164,7 @@ def test_before_a_comparison_nothing_is_fitted(table: Table) -> None:
 
 
 def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: Table) -> None:
-    for effect in {one.family: one for one in reversed(sliders.reaching(table))}.values():
+    for effect in {one.family: one for one in reversed(whatif.reaching(table))}.values():
         for end in ("low", "start", "high"):
             written = effect.written({one.key: getattr(one, end) for one in effect.sliders})
             assert str(parse(written, table.words)) == written
@@ -191,7 +190,7 @@ def test_a_model_that_breaks_down_says_so(table: Table, monkeypatch: pytest.Monk
 
 
 def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
-    found = sliders.reaching(table)
+    found = whatif.reaching(table)
     assert {one.side for one in found} == set(SIDES) - {PENDULUM}
     ids = [one.id for one in found]
     assert len(set(ids)) == len(ids)
@@ -204,7 +203,7 @@ def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
     assert reached["force-gain:fmd-z2"] == ("fmd+cuboid", "fmd+clumod-1")
 
 
-def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Desk, table: Table) -> None:
+def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Session, table: Table) -> None:
     added = Added(named=parse("force-gain:fmd-z2=0.05", table.words))
     of = replace(
         table,
@@ -213,7 +212,7 @@ def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Desk, table: Ta
         offsets={**table.offsets, "force-gain:fmd-z2": 0.05},
         dragged={},
     )
-    effect = next(one for one in sliders.reaching(of) if one.id == "force-gain:fmd-z2")
+    effect = next(one for one in whatif.reaching(of) if one.id == "force-gain:fmd-z2")
     assert effect.in_model
     assert effect.sliders[0].start == 0.05
     moved = what_if(of, "force-gain:fmd-z2=0.08", 2, 2)
@@ -232,7 +231,7 @@ def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: Table) -> N
     for family in FAMILIES.values():
         typical = parse(examples(family)[0]).values
         for size in (*family.sizes, *(one for sizes in family.varying.values() for one in sizes)):
-            low, high, logarithmic = sliders.ends(size, typical.get(size.key))
+            low, high, logarithmic = whatif.ends(size, typical.get(size.key))
             assert size.low <= low < high <= size.high
             assert not logarithmic or low > 0
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.comparing.verdicts import expected_z2
-from validation.diagnosing.accepting import ABSURD, SCATTER, UNLIKELY, excess, of_noise, spread_of, standing
-from validation.engine.evaluation import Fit
-from validation.engine.fit import FLOOR
-from validation.engine.parameter import Parameter
+from validation.diagnose.accept import ABSURD, SCATTER, UNLIKELY, excess, goodness_of_fit, of_noise, spread_of
+from validation.estimation.fit import FLOOR
+from validation.estimation.problem import Parameter
+from validation.estimation.result import Fit
+from validation.estimation.verdicts import expected_z2
 
 FREEDOM, COUNT = 5000, 100
 
@@ -38,7 +38,7 @@ def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
-    monkeypatch.setattr("validation.diagnosing.accepting.observed", lambda measured, lines: seen)
+    monkeypatch.setattr("validation.estimation.likelihood.observed", lambda measured, lines: seen)
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
 
@@ -53,7 +53,7 @@ def one_far(z: float) -> np.ndarray:
 
 def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
     assert_allclose(of_noise(noisy), 0.5, rtol=1e-12)
-    assert_allclose(standing(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
+    assert_allclose(goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
 
 
 def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_ones_do(noisy: Any) -> None:
@@ -68,12 +68,14 @@ def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:
     """Two data sets of one size: 3 % and 4 % of each are 2.5 % of both."""
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
     assert_allclose(spread_of(noisy), 0.025, rtol=1e-12)
-    assert_allclose(standing(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12)
+    assert_allclose(
+        goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12
+    )
 
 
 def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) -> None:
     of = fitted(misfit=0.49)
-    found = standing(of, noisy)
+    found = goodness_of_fit(of, noisy)
     assert found.null
     assert found.text == ""
     assert_allclose(found.price, COUNT / expected_z2(of), rtol=1e-12)
@@ -82,8 +84,8 @@ def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) 
 
 
 def test_misfit_alone_refuses(noisy: Any) -> None:
-    limit = standing(fitted(), noisy).limit
-    below, above = (standing(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
+    limit = goodness_of_fit(fitted(), noisy).limit
+    below, above = (goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.text.startswith("chi² per degree of freedom")
     assert ";" not in above.text
@@ -94,7 +96,7 @@ def test_price_alone_refuses(noisy: Any) -> None:
     from scipy.stats import chi2
 
     z = np.sqrt(chi2.isf(UNLIKELY, 0.99 * COUNT) / COUNT)
-    below, above = (standing(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
+    below, above = (goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.largest < 2
     assert above.text.startswith("the tolerances pay")
@@ -102,13 +104,13 @@ def test_price_alone_refuses(noisy: Any) -> None:
 
 
 def test_one_tolerance_alone_refuses(noisy: Any) -> None:
-    below, above = (standing(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
+    below, above = (goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.likely > UNLIKELY
     assert above.text.startswith("a tolerance stands at 4.8 z")
 
 
 def test_everything_that_refuses_is_said(noisy: Any) -> None:
-    found = standing(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
+    found = goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
     assert found.text.count(";") == 2
     assert not found.null

@@ -7,18 +7,24 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.campaign import Processing
-from validation import cli
-from validation.comparing.gathered import Data, gathered
-from validation.diagnosing.afresh import afresh, can_be, rested, sizes
-from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.diagnosed import bench
-from validation.diagnosing.menu import candidates
-from validation.diagnosing.refitting import baseline, refitted
-from validation.diagnosing.searching import searched
-from validation.effects.identifiers import parse
-from validation.engine.parameter import EFFECT, Parameter
-from validation.models import reading
-from validation.models.model import Added, Model
+from validation.cli import main
+from validation.diagnose.candidates import candidates
+from validation.diagnose.diagnose import bench
+from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.search import (
+    baseline,
+    can_be,
+    refitting_refitted,
+    restarted_from_priors,
+    searched,
+    sizes,
+    tolerances_restarted,
+)
+from validation.effects.catalogue import parse
+from validation.estimation.problem import EFFECT, Parameter
+from validation.model import model_file
+from validation.model.model import Added, Model
+from validation.study import Data, read_data
 
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
 """[rad/(N m)] Of the flange; it moves the torsion of mast and blade by fifty times what is declared of a frequency."""
@@ -34,44 +40,44 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Data]:
     """Clumod with one blade on a flange that gives, and a model that does not know."""
     folder = tmp_path_factory.mktemp("afresh")
     model, campaign = folder / "model.toml", folder / "blade"
-    assert cli.run(["model", "fmd+clumod-1", "--out", str(model)]) == cli.DONE
-    assert cli.run(["simulate", "fmd+clumod-1", "--out", str(campaign), *DRIVEN, "--effect", f"{TORSION}={SIZE}"]) == cli.DONE
-    known = reading.read(str(model))
-    return known, gathered([str(campaign)], known)
+    assert main.run(["model", "fmd+clumod-1", "--out", str(model)]) == main.DONE
+    assert main.run(["simulate", "fmd+clumod-1", "--out", str(campaign), *DRIVEN, "--effect", f"{TORSION}={SIZE}"]) == main.DONE
+    known = model_file.read(str(model))
+    return known, read_data([str(campaign)], known)
 
 
 @pytest.fixture(scope="module")
-def soft(simulated: tuple[Model, Data]) -> Bench:
+def soft(simulated: tuple[Model, Data]) -> FittedData:
     """All lines of it."""
     return bench(*simulated)
 
 
 @pytest.fixture(scope="module")
-def paid(soft: Bench) -> Hypothesis:
+def paid(soft: FittedData) -> Candidate:
     """The model as it is, fitted to that: tolerances pay."""
     return baseline(soft)
 
 
 @pytest.fixture(scope="module")
-def torsion(soft: Bench) -> Added:
+def torsion(soft: FittedData) -> Added:
     return next(one for one in candidates(soft, only=["joint-compliance"]) if one.named.id == TORSION)
 
 
 @pytest.fixture(scope="module")
-def stuck(soft: Bench, paid: Hypothesis, torsion: Added) -> Hypothesis:
+def stuck(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added where the tolerances stand."""
-    return refitted(soft, paid, torsion)
+    return refitting_refitted(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
-def found(soft: Bench, paid: Hypothesis, torsion: Added) -> Hypothesis:
+def found(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added from where they are declared."""
-    return afresh(soft, paid, torsion)
+    return restarted_from_priors(soft, paid, torsion)
 
 
 @pytest.mark.proof
 def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(
-    paid: Hypothesis, stuck: Hypothesis, found: Hypothesis
+    paid: Candidate, stuck: Candidate, found: Candidate
 ) -> None:
     assert stuck.effects[-1].named.values[""] < 0.5 * SIZE
     assert found.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
@@ -92,9 +98,9 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(simulated: tupl
 
 
 @pytest.mark.proof
-def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Bench, found: Hypothesis) -> None:
+def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: FittedData, found: Candidate) -> None:
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
-    both = afresh(soft, found, mast)
+    both = restarted_from_priors(soft, found, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
     assert both.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert abs(both.effects[1].named.values[""]) < 0.05
@@ -103,17 +109,17 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Be
 
 @pytest.mark.proof
 def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
-    soft: Bench, paid: Hypothesis, found: Hypothesis
+    soft: FittedData, paid: Candidate, found: Candidate
 ) -> None:
-    again = rested(soft, found)
+    again = tolerances_restarted(soft, found)
     assert again.fit.cost <= found.fit.cost + 1e-6
     assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
-    assert rested(soft, paid).fit.cost <= paid.fit.cost + 1e-6
+    assert tolerances_restarted(soft, paid).fit.cost <= paid.fit.cost + 1e-6
 
 
 @pytest.mark.proof
-def test_from_home_a_size_that_had_not_come_through_does(soft: Bench, stuck: Hypothesis) -> None:
-    assert rested(soft, stuck).fit.cost < stuck.fit.cost - 1000
+def test_from_home_a_size_that_had_not_come_through_does(soft: FittedData, stuck: Candidate) -> None:
+    assert tolerances_restarted(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
 def test_one_sided_sizes_are_looked_at_on_that_side() -> None:

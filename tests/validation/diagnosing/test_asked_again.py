@@ -10,15 +10,13 @@ import numpy as np
 import pytest
 
 from geometry.errors import CheckFailed
-from validation.diagnosing import answering, asked_again, rounds
-from validation.diagnosing.asked_again import RIVALS, SHARE
-from validation.diagnosing.bench import Hypothesis
-from validation.diagnosing.refitting import _in
-from validation.diagnosing.rounds import Round, Tried
-from validation.effects.identifiers import parse
-from validation.effects.worth import WORTH
-from validation.engine.parameter import EFFECT, Parameter
-from validation.models.model import Added
+from validation.diagnose import diagnose, search
+from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.search import RIVALS, SHARE, CandidateFit, SearchStep, _in
+from validation.effects.catalogue import parse
+from validation.effects.effect import EVIDENCE_THRESHOLD
+from validation.estimation.problem import EFFECT, Parameter
+from validation.model.model import Added
 
 TOP, HUB, BLADE, LOSS = "point-mass:mast-top", "point-mass:hub-4", "modulus:lower-1", "structural-damping:lower-1"
 GONE = "cable:mast-top:lateral"
@@ -28,44 +26,46 @@ NOBODY: Any = None
 STANDS: Any = SimpleNamespace(null=True)
 
 
-def hypothesis(*ids: str, evidence: float) -> Hypothesis:
+def hypothesis(*ids: str, evidence: float) -> Candidate:
     """A fit of such effects."""
     fit: Any = SimpleNamespace(log_evidence=evidence)
-    return Hypothesis(effects=tuple(Added(named=parse(f"{id}=0.3")) for id in ids), fit=fit, problem=NOBODY)
+    return Candidate(effects=tuple(Added(named=parse(f"{id}=0.3")) for id in ids), fit=fit, problem=NOBODY)
 
 
-def found(*brought: tuple[str, float], at: Hypothesis) -> Round:
+def found(*brought: tuple[str, float], at: Candidate) -> SearchStep:
     """A round from `at` that tried these, the best first, and took that."""
-    tried = tuple(Tried(id=id, hypothesis=hypothesis(id, evidence=nats), evidence=nats, standing=STANDS) for id, nats in brought)
-    return Round(at=at, standing=NOBODY, screened=(), tried=tried, added=tried[0].id)
+    tried = tuple(
+        CandidateFit(id=id, hypothesis=hypothesis(id, evidence=nats), evidence=nats, standing=STANDS) for id, nats in brought
+    )
+    return SearchStep(at=at, standing=NOBODY, screened=(), tried=tried, added=tried[0].id)
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, at: Hypothesis, before: Sequence[Round], worth: Mapping[tuple[str, ...], float]
-) -> tuple[Hypothesis, tuple[Round, ...], list[str]]:
+    monkeypatch: pytest.MonkeyPatch, at: Candidate, before: Sequence[SearchStep], worth: Mapping[tuple[str, ...], float]
+) -> tuple[Candidate, tuple[SearchStep, ...], list[str]]:
     """What comes of it where fits of effects end at the evidence `worth`; and what was fitted instead."""
     fitted: list[str] = []
 
-    def without(bench: object, of: Hypothesis, added: Added) -> Hypothesis:
+    def without(bench: object, of: Candidate, added: Added) -> Candidate:
         rest = [one.named.id for one in of.effects if one is not added]
         return hypothesis(*rest, evidence=worth[tuple(sorted(rest))])
 
-    def instead(bench: object, of: Hypothesis, rest: Hypothesis, added: Added) -> Hypothesis:
+    def instead(bench: object, of: Candidate, rest: Candidate, added: Added) -> Candidate:
         ids = [*(one.named.id for one in rest.effects), added.named.id]
         fitted.append(added.named.id)
         return hypothesis(*ids, evidence=worth[tuple(sorted(ids))])
 
-    monkeypatch.setattr(asked_again, "_without", without)
-    monkeypatch.setattr(asked_again, "instead", instead)
-    monkeypatch.setattr(asked_again, "standing", lambda fit, problem: STANDS)
-    monkeypatch.setattr(rounds, "stands_out", lambda of: True)
-    monkeypatch.setattr(asked_again, "stays", lambda bench, one: one.id != GONE)
-    monkeypatch.setattr(rounds, "standing", lambda fit, problem: STANDS)
-    ended, more = asked_again.asked_again(NOBODY, at, before, lambda what, share: None)
+    monkeypatch.setattr(search, "_without", without)
+    monkeypatch.setattr(search, "instead", instead)
+    monkeypatch.setattr(search, "standing", lambda fit, problem: STANDS)
+    monkeypatch.setattr(search, "stands_out", lambda of: True)
+    monkeypatch.setattr(search, "stays", lambda bench, one: one.id != GONE)
+    monkeypatch.setattr(search, "standing", lambda fit, problem: STANDS)
+    ended, more = search.backward_elimination(NOBODY, at, before, lambda what, share: None)
     return ended, more, fitted
 
 
-def ids(of: Hypothesis) -> set[str]:
+def ids(of: Candidate) -> set[str]:
     return {one.named.id for one in of.effects}
 
 
@@ -88,8 +88,8 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch
     assert (first.again, first.added) == (HUB, TOP)
     assert [(one.id, one.evidence) for one in first.tried] == [(TOP, 5330.0), (HUB, 5300.0)]
     assert (second.again, second.added, second.tried[0].evidence) == (BLADE, BLADE, 460.0)
-    assert answering._why(first) == f"{TOP} brings 5330.0 nats beside {BLADE}, and {HUB} only 5300.0"
-    assert answering._why(replace(first, at=ALONE)) == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
+    assert diagnose._why(first) == f"{TOP} brings 5330.0 nats beside {BLADE}, and {HUB} only 5300.0"
+    assert diagnose._why(replace(first, at=ALONE)) == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
 
 
 def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,12 +98,12 @@ def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPa
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ended is at
     assert [one.again for one in again] == [one.added for one in again] == [HUB, BLADE]
-    assert answering._alike(at.effects, [*TWO, *again]) == ()
+    assert diagnose._alike(at.effects, [*TWO, *again]) == ()
 
 
 def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> None:
     at = hypothesis(HUB, BLADE, evidence=5330.0)
-    known = {(BLADE,): 5330.0 - WORTH + 1, (): 0.0}
+    known = {(BLADE,): 5330.0 - EVIDENCE_THRESHOLD + 1, (): 0.0}
     ended, again, fitted = asked(monkeypatch, at, TWO, known)
     assert (ids(ended), fitted) == ({BLADE}, [])
     assert [(one.again, one.added, ids(one.at)) for one in again] == [(BLADE, BLADE, set())]  # asked alone, where it is
@@ -116,9 +116,9 @@ def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ids(ended) == {TOP}
     assert [(one.again, one.added, ids(one.at)) for one in again] == [(HUB, TOP, {BLADE}), (TOP, TOP, set())]
-    best = answering._best(ended, [*TWO, *again])
+    best = diagnose._best(ended, [*TWO, *again])
     assert [one.id for one in best.tried] == [TOP, HUB]
-    assert answering._alike(ended.effects, [*TWO, *again]) == (TOP,)
+    assert diagnose._alike(ended.effects, [*TWO, *again]) == (TOP,)
 
 
 @pytest.mark.parametrize(("other", "worth"), [(LOSS, 19.0), (GONE, 500.0)])
@@ -135,27 +135,27 @@ def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(
 
 
 def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks(bench: object, of: Hypothesis, added: Added) -> Hypothesis:
+    def breaks(bench: object, of: Candidate, added: Added) -> Candidate:
         raise CheckFailed("the model breaks down")
 
-    monkeypatch.setattr(asked_again, "_without", breaks)
+    monkeypatch.setattr(search, "_without", breaks)
     at = hypothesis(HUB, BLADE, evidence=5330.0)
-    assert asked_again.asked_again(NOBODY, at, TWO, lambda what, share: None) == (at, ())
+    assert search.backward_elimination(NOBODY, at, TWO, lambda what, share: None) == (at, ())
 
 
 def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival() -> None:
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
     one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * SHARE - 1), at=ALONE)
-    rivals = asked_again._rivals(one, hypothesis(TOP, BLADE, evidence=0.0))
+    rivals = search._asked_again_rivals(one, hypothesis(TOP, BLADE, evidence=0.0))
     assert [each.id for each in rivals] == [id for id, _ in others[:RIVALS]]
-    few = asked_again._rivals(replace(one, tried=(one.tried[0], one.tried[-1])), hypothesis(TOP, evidence=0.0))
+    few = search._asked_again_rivals(replace(one, tried=(one.tried[0], one.tried[-1])), hypothesis(TOP, evidence=0.0))
     assert few == []
 
 
 @pytest.mark.parametrize(("other", "same"), [("absorber:hub-4=m:1,f:9,zeta:0.1", True), ("cable:hub-4:lateral=50", False)])
 def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other: str, same: bool) -> None:
     best = Added(named=parse("slosh:mast-top=m:0.002,f:19,zeta:0.02"))
-    begins = asked_again._at_home(Added(named=parse(other)), best)
+    begins = search._at_home(Added(named=parse(other)), best)
     assert (begins.named.values == best.named.values) is same
     assert begins.named.id == other.partition("=")[0]
 

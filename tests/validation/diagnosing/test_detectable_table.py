@@ -2,9 +2,9 @@
 
 import pytest
 
-from validation.diagnosing.detectable_table import grid, rows
-from validation.diagnosing.diagnosis import Detectable
-from validation.diagnosing.practical import said
+from validation.diagnose.diagnosis import Detectable
+from validation.effects.practical_units import said
+from validation.report.diagnose import grid, rows
 
 FOUND = (
     Detectable(id="force-gain:fmd-z2", size=0.0149, unit="1"),

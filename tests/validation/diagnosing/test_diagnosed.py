@@ -5,22 +5,31 @@ from functools import cache
 
 import pytest
 
-from validation import cli
-from validation.comparing.gathered import gathered
-from validation.diagnosing import diagnosed as whole
-from validation.diagnosing import unequal
-from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosed import bench, diagnosed
-from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, MISTAKE, NONLINEAR, NOTHING, Cause, Diagnosis, Level, Size
-from validation.effects.identifiers import parse
-from validation.models import reading
+from validation.cli import main
+from validation.diagnose import diagnose
+from validation.diagnose.diagnose import bench, diagnosed
+from validation.diagnose.diagnosis import (
+    AMBIGUOUS,
+    MISSING,
+    MISTAKE,
+    NONLINEAR,
+    NOTHING,
+    Cause,
+    Diagnosis,
+    EffectEstimate,
+    FittedData,
+    LevelDifference,
+)
+from validation.effects.catalogue import parse
+from validation.model import model_file
+from validation.study import read_data
 
 GAIN = "force-gain:fmd-z2"
 ASKED = ("force-gain", "cell-stiffness")
 
 FAST = ("--octaves-per-minute", "60", "--band", "5", "20", "--rate", "256", "--model", "rigid")
 
-Made = Callable[..., Bench]
+Made = Callable[..., FittedData]
 
 
 @pytest.fixture(scope="module")
@@ -28,16 +37,16 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     """``made(effect, ...)``: the Cuboid on the shaker with these planted, and a model that does not know of them."""
     folder = tmp_path_factory.mktemp("diagnosed")
     file = folder / "model.toml"
-    assert cli.run(["model", "fmd+cuboid", "--out", str(file)]) == cli.DONE
+    assert main.run(["model", "fmd+cuboid", "--out", str(file)]) == main.DONE
     file.write_text(file.read_text(encoding="utf-8").replace('kind = "beam"', 'kind = "rigid"'), encoding="utf-8")
-    model = reading.read(str(file))
+    model = model_file.read(str(file))
 
     @cache
-    def of(*effects: str) -> Bench:
+    def of(*effects: str) -> FittedData:
         campaign = folder / f"cuboid-{len(list(folder.iterdir()))}"
         options = ("--seed", "3", "--tolerances", "0.3", *FAST, *(word for one in effects for word in ("--effect", one)))
-        assert cli.run(["simulate", "fmd+cuboid", "--out", str(campaign), *options]) == cli.DONE
-        return bench(model, gathered([str(campaign)], model), hold_out=("z",))
+        assert main.run(["simulate", "fmd+cuboid", "--out", str(campaign), *options]) == main.DONE
+        return bench(model, read_data([str(campaign)], model), hold_out=("z",))
 
     return of
 
@@ -87,12 +96,12 @@ def test_a_mistake_alone_is_its_own_class(made: Made) -> None:
     assert found.equivalence_class == ("polarity:fmd-x12",)
 
 
-LEVEL = Level(data_set="cuboid", runs=("x-at-0.5", "x"), axis="x", channels=("fmd-x12",), frequency=12.0, sigma=40.0)
+LEVEL = LevelDifference(data_set="cuboid", runs=("x-at-0.5", "x"), axis="x", channels=("fmd-x12",), frequency=12.0, sigma=40.0)
 
 
 def cause(text: str, evidence: float) -> Cause:
     named = parse(text)
-    return Cause(named=named, sizes=(Size(key="", value=named.value, unit="N", low=1.0, high=2.0),), evidence=evidence)
+    return Cause(named=named, sizes=(EffectEstimate(key="", value=named.value, unit="N", low=1.0, high=2.0),), evidence=evidence)
 
 
 @pytest.fixture
@@ -100,8 +109,8 @@ def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnos
     """``unlike(cause, ...)``: the diagnosis where two levels differ, and `nonlinear` ranks these."""
 
     def of(*ranking: Cause) -> Diagnosis:
-        monkeypatch.setattr(whole, "levels", lambda of: (LEVEL,))
-        monkeypatch.setattr(unequal, "nonlinear", lambda *given, **more: ranking)
+        monkeypatch.setattr(diagnose, "levels", lambda of: (LEVEL,))
+        monkeypatch.setattr(diagnose, "nonlinear", lambda *given, **more: ranking)
         return diagnosed(made())
 
     return of
@@ -110,7 +119,7 @@ def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnos
 def test_where_two_levels_differ_nothing_linear_is_fitted(
     unlike: Callable[..., Diagnosis], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delattr(whole, "searched")
+    monkeypatch.delattr(diagnose, "searched")
     found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 60.0))
     assert found.verdict == NONLINEAR
     assert found.levels == (LEVEL,)

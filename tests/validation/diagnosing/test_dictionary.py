@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.diagnosing.bench import Bench
-from validation.diagnosing.dictionary import OCCAM, _shape, reaches, smallest_mass
-from validation.diagnosing.menu import TINY, TINY_AT
-from validation.effects.identifiers import parse
-from validation.engine.screening import Told
+from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, _shape, reaches, smallest_mass
+from validation.diagnose.diagnosis import FittedData
+from validation.effects.catalogue import parse
+from validation.estimation.screening import ScoreTest
 
 FREQUENCY = np.linspace(4.0, 32.0, 57)
 
@@ -35,8 +34,8 @@ def test_the_shape_of_the_menu_s_own_resonator_is_one() -> None:
     assert_allclose(_shape(FREQUENCY, TINY_AT["f"], TINY_AT["zeta"]), 1.0, rtol=1e-14)
 
 
-def told(deviation: float) -> Told:
-    return Told(name="", estimate=0.0, information=deviation**-2)
+def told(deviation: float) -> ScoreTest:
+    return ScoreTest(name="", estimate=0.0, information=deviation**-2)
 
 
 def test_the_smallest_mass_grows_with_the_root_of_the_evidence_and_with_the_deviation() -> None:
@@ -52,11 +51,11 @@ def test_the_smallest_mass_brings_the_evidence_that_is_asked_for() -> None:
 
 
 def test_what_the_data_do_not_tell_has_no_smallest_mass() -> None:
-    assert smallest_mass(Told(name="", estimate=0.0, information=0.0), 8.0) == np.inf
+    assert smallest_mass(ScoreTest(name="", estimate=0.0, information=0.0), 8.0) == np.inf
 
 
 @pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])
 def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f: float, there: bool) -> None:
     made = SimpleNamespace(measured=SimpleNamespace(frequency=FREQUENCY))
     named = parse(f"slosh:mast-top=m:0.1,f:{f},zeta:0.01")
-    assert reaches(cast(Bench, SimpleNamespace(made=(made,))), named) is there
+    assert reaches(cast(FittedData, SimpleNamespace(made=(made,))), named) is there

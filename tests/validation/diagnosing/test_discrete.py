@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from geometry.errors import CheckFailed
-from identification.units import UNITS
-from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import Cause
-from validation.diagnosing.discrete import mistakes
-from validation.effects.identifiers import Named, parse_all
-from validation.effects.targets import COVER, FMD, TABLE
-from validation.models.model import Added, Model
+from identification.campaign import UNITS
+from validation.diagnose.diagnosis import Cause, FittedData
+from validation.diagnose.mistakes import mistakes
+from validation.effects.catalogue import Named, parse_all
+from validation.effects.effect import COVER, FMD, TABLE
+from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
-from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.plan import Plan
+from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
 
 MODEL = Model(source="model.toml", title="a laboratory", article="fmd+clumod-1", cell_stiffness=np.array((4e8, 4e8, 2e9)))
@@ -25,7 +24,7 @@ LINES = np.linspace(5.0, 10.0, 26)
 CUBOID = "fmd+disc+cuboid"
 CHANNELS = (*TABLE, *COVER, *FMD)
 
-Tested = Callable[..., Bench]
+Tested = Callable[..., FittedData]
 
 
 def made(*texts: str, name: str = "cuboid") -> SeriesPrediction:
@@ -41,9 +40,9 @@ def right() -> SeriesPrediction:
     return made()
 
 
-def bench(*made: SeriesPrediction, effects: Sequence[Named] = ()) -> Bench:
+def bench(*made: SeriesPrediction, effects: Sequence[Named] = ()) -> FittedData:
     model = replace(MODEL, effects=tuple(Added(named=one, fixed=True) for one in effects))
-    return Bench(model=model, campaigns=tuple(one.tested.campaign for one in made), made=made)
+    return FittedData(model=model, campaigns=tuple(one.tested.campaign for one in made), made=made)
 
 
 def wrong(one: SeriesPrediction, *texts: str) -> SeriesPrediction:

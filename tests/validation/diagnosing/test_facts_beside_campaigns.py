@@ -7,20 +7,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.comparing.gathered import Data
-from validation.diagnosing.against_facts import against, contradictions
-from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.diagnosed import bench
-from validation.diagnosing.menu import candidates
-from validation.diagnosing.refitting import baseline, refitted
-from validation.diagnosing.screened import Screened
-from validation.diagnosing.screening import screen
-from validation.diagnosing.swinging import advised
-from validation.effects.identifiers import parse
-from validation.engine.evaluation import Fit
-from validation.models.model import Added, Model
-from validation.pendulum import rope_pendulum
-from validation.pendulum_corrections import rope_amplitude_factor
+from validation.classical.pendulum import rope_amplitude_factor, rope_pendulum
+from validation.diagnose.candidates import candidates, screen
+from validation.diagnose.diagnose import bench
+from validation.diagnose.diagnosis import Candidate, FittedData, Screened
+from validation.diagnose.pendulum import advised, against, contradictions
+from validation.diagnose.search import baseline, refitting_refitted
+from validation.effects.catalogue import parse
+from validation.estimation.result import Fit
+from validation.model.model import Added, Model
+from validation.study import Data
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import VirtualTest, simulate
 
@@ -29,7 +25,7 @@ BALANCE = 0.05
 
 MODEL = Model(source="model.toml", title="", article="fmd+cuboid", cell_stiffness=np.array((4e8, 4e8, 2e9)))
 
-Made = Callable[..., Bench]
+Made = Callable[..., FittedData]
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +37,10 @@ def test_of_cuboid() -> VirtualTest:
 @pytest.fixture(scope="module")
 def body() -> tuple[float, float]:
     """Mass [kg] and moment of inertia about z [kg m²] of the Cuboid as drawn."""
-    from geometry import multibody
+    from geometry import routes
     from geometry.articles import built_in
 
-    inertia = multibody.inertia(built_in("cuboid"))
+    inertia = routes.inertia(built_in("cuboid"))
     return float(inertia.mass), float(inertia.tensor_cog[2, 2])
 
 
@@ -52,7 +48,7 @@ def body() -> tuple[float, float]:
 def made(test_of_cuboid: VirtualTest, tmp_path: Path) -> Made:
     """``made(text of a file, ...)``: the campaign and these files on a bench."""
 
-    def of(*texts: str) -> Bench:
+    def of(*texts: str) -> FittedData:
         paths = [tmp_path / f"file-{k}.toml" for k in range(len(texts))]
         for path, text in zip(paths, texts, strict=True):
             path.write_text(text, encoding="utf-8")
@@ -89,11 +85,11 @@ def fitted(test_of_cuboid: VirtualTest) -> Fit:
     return baseline(bench(MODEL, Data(campaigns=(test_of_cuboid.campaign,)))).fit
 
 
-def standing(of: Bench, fitted: Fit) -> Hypothesis:
-    return Hypothesis(effects=(), fit=fitted, problem=of.problem())
+def standing(of: FittedData, fitted: Fit) -> Candidate:
+    return Candidate(effects=(), fit=fitted, problem=of.problem())
 
 
-def of_mass(of: Bench, fitted: Fit) -> Screened:
+def of_mass(of: FittedData, fitted: Fit) -> Screened:
     return by_id(screen(of, standing(of, fitted), candidates(of, only=("rigid-inertia:m",))))["rigid-inertia:m"]
 
 
@@ -133,7 +129,7 @@ def test_a_fault_of_the_measurement_that_settles_it_is_said(made: Made, fitted: 
     of = made(weighed(body[0] + 1.0))
     base = standing(of, fitted)
     named = parse("gravity=1")
-    (text,) = contradictions(of, base, Hypothesis(effects=(Added(named=named),), fit=base.fit, problem=base.problem))
+    (text,) = contradictions(of, base, Candidate(effects=(Added(named=named),), fit=base.fit, problem=base.problem))
     assert text.endswith("; with gravity they still disagree")
 
 
@@ -151,7 +147,7 @@ def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made: 
     wide = found["pendulum-amplitude"]
     assert wide.evidence > 100
     assert_allclose(wide.added.named.value, 0.4, rtol=0.03)
-    child = refitted(of, base, wide.added)
+    child = refitting_refitted(of, base, wide.added)
     assert_allclose(child.effects[0].named.value, 0.4, rtol=0.03)
     # the integral over the size and Laplace's approximation of it differ by the normalisation of a half prior
     assert_allclose(child.fit.log_evidence - base.fit.log_evidence, wide.evidence, atol=1.0)

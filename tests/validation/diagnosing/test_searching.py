@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.diagnosing import searching
-from validation.diagnosing.answering import _why
-from validation.diagnosing.bench import Hypothesis
-from validation.diagnosing.rounds import Round, Tried, ranked, stays
-from validation.diagnosing.screened import Screened
-from validation.diagnosing.searching import (
+from validation.diagnose import search
+from validation.diagnose.diagnose import _why
+from validation.diagnose.diagnosis import Candidate, Screened
+from validation.diagnose.search import (
     AFRESH,
     ALIASES,
     INSTEAD,
@@ -23,19 +21,21 @@ from validation.diagnosing.searching import (
     SHORT,
     STRUCTURAL,
     TRIED,
+    CandidateFit,
+    SearchStep,
     _as_a_rival,
     _elsewhere,
     _nearby,
     _promising,
     _rivals,
     _within,
+    in_band,
+    ranked,
 )
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import STRUCTURE
-from validation.effects.identifiers import parse
-from validation.effects.worth import worth
-from validation.engine.screening import Told
-from validation.models.model import Added
+from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import STRUCTURE, evidence_threshold
+from validation.estimation.screening import ScoreTest
+from validation.model.model import Added
 
 LOUD = tuple(
     f"{family}:{target}=0.1" for family in ("force-gain", "force-delay", "force-highpass") for target in ("fmd-z1", "fmd-z2")
@@ -47,7 +47,10 @@ def screened(*texts: str, evidence: float = 100.0) -> list[Screened]:
     """All of them, the first one promising the most."""
     return [
         Screened(
-            added=Added(named=parse(text)), evidence=evidence - k, told=Told(name="", estimate=0.0, information=0.0), plausible=1
+            added=Added(named=parse(text)),
+            evidence=evidence - k,
+            told=ScoreTest(name="", estimate=0.0, information=0.0),
+            plausible=1,
         )
         for k, text in enumerate(texts)
     ]
@@ -88,11 +91,11 @@ def test_few_promises_are_all_fitted(count: int) -> None:
     assert len(_promising(screened(*LOUD[:count]))) == count
 
 
-def tried(text: str) -> Tried:
+def tried(text: str) -> CandidateFit:
     """A fit that ended there."""
     nobody: Any = None
-    hypothesis = Hypothesis(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
-    return Tried(id=hypothesis.effects[0].named.id, hypothesis=hypothesis, evidence=100.0, standing=nobody)
+    hypothesis = Candidate(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
+    return CandidateFit(id=hypothesis.effects[0].named.id, hypothesis=hypothesis, evidence=100.0, standing=nobody)
 
 
 def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first() -> None:
@@ -142,7 +145,7 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> Non
     found = screened("slosh:mast-top=m:1,f:4,zeta:0.01", "slosh:hub-3=m:1,f:4,zeta:0.01", *springs)
     asked: list[Screened] = []
 
-    def fits(some: Sequence[Screened]) -> list[Tried]:
+    def fits(some: Sequence[Screened]) -> list[CandidateFit]:
         asked.append(ids(list(some)))
         return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
 
@@ -155,20 +158,20 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> Non
 
 
 def test_an_effect_that_is_no_resonator_stays_wherever_it_ends() -> None:
-    assert stays(BAND, tried("cable:mast-top:lateral=5000"))
-    assert not stays(BAND, tried("absorber:mast-top=m:0.9,f:90,zeta:0.01"))
+    assert in_band(BAND, tried("cable:mast-top:lateral=5000"))
+    assert not in_band(BAND, tried("absorber:mast-top=m:0.9,f:90,zeta:0.01"))
 
 
 def stands(null: bool) -> Any:
     return SimpleNamespace(null=null)
 
 
-def ended(text: str, evidence: float, null: bool = False) -> Tried:
+def ended(text: str, evidence: float, null: bool = False) -> CandidateFit:
     return replace(tried(text), evidence=evidence, standing=stands(null))
 
 
 def unstuck(
-    monkeypatch: pytest.MonkeyPatch, of: Sequence[Tried], promises: Sequence[float], gain: float, null: bool = False
+    monkeypatch: pytest.MonkeyPatch, of: Sequence[CandidateFit], promises: Sequence[float], gain: float, null: bool = False
 ) -> Any:
     """What comes of fits of such promises where a fit afresh ends `gain` [nats] off each; and which were."""
     found = [replace(screened(f"{one.id}=1")[0], evidence=promise) for one, promise in zip(of, promises, strict=True)]
@@ -178,10 +181,10 @@ def unstuck(
         asked.append(added.named.id)
         return added.named.id
 
-    monkeypatch.setattr(searching, "afresh", again)
-    monkeypatch.setattr(searching, "judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
+    monkeypatch.setattr(search, "afresh", again)
+    monkeypatch.setattr(search, "judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
     nobody: Any = None
-    best_first = searching._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
+    best_first = search._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
     return best_first, asked
 
 
@@ -222,9 +225,9 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pyte
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(searching, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
+    monkeypatch.setattr(search, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
-    assert worth("structural-damping") - SHORT > 15.0 > 14.0 > worth("force-gain") - SHORT
+    assert evidence_threshold("structural-damping") - SHORT > 15.0 > 14.0 > evidence_threshold("force-gain") - SHORT
     nobody: Any = None
     tried_ones = _nearby(nobody, nobody, stands(null=True), found, lambda what, share: None)
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
@@ -236,17 +239,17 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
 def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(
     monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
 ) -> None:
-    monkeypatch.setattr(searching, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
-    monkeypatch.setattr(searching, "afresh", lambda bench, at, added: added.named.id)
-    monkeypatch.setattr(searching, "judged", lambda at, id: ended(f"{id}=0.1", again))
+    monkeypatch.setattr(search, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
+    monkeypatch.setattr(search, "afresh", lambda bench, at, added: added.named.id)
+    monkeypatch.setattr(search, "judged", lambda at, id: ended(f"{id}=0.1", again))
     nobody: Any = None
     assert _as_a_rival(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept
 
 
-def a_round(found: Sequence[Screened], gone: tuple[str, ...] = ()) -> Round:
+def a_round(found: Sequence[Screened], gone: tuple[str, ...] = ()) -> SearchStep:
     """In which no fit is left."""
     nobody: Any = None
-    return Round(at=nobody, standing=nobody, screened=tuple(found), tried=(), added="", gone=gone)
+    return SearchStep(at=nobody, standing=nobody, screened=tuple(found), tried=(), added="", gone=gone)
 
 
 def test_a_round_without_a_fit_says_why() -> None:

@@ -7,12 +7,11 @@ from pathlib import Path
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.article_reference import Asked
-from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING
-from validation.diagnosing.swings import only_classical
-from validation.models.model import Model
-from validation.swing.asked import Words, setup
-from validation.swing.record import recorded, write
+from validation.classical.swing import Words, recorded, setup, write
+from validation.diagnose.diagnosis import AMBIGUOUS, MISSING
+from validation.diagnose.pendulum import only_classical
+from validation.model.model import Model
+from validation.reference.reference import ArticleOptions
 
 MODEL = Model(source="model.toml", title="", article="fmd+clumod-4")
 
@@ -32,7 +31,7 @@ def swing(tmp_path: Path) -> Swing:
         off_centre = hidden.pop("off_centre", None)
         upright = {"ropes": None, "axis": "z", "along": None, "links": None, "start": "twist"}
         words = Words(texts={**texts, **hidden}, off_centre=off_centre, cycles=3, rate=15.0, seed=1, **upright)
-        found = recorded(setup("clumod-4", words, Asked()))
+        found = recorded(setup("clumod-4", words, ArticleOptions()))
         folder = tmp_path / name
         folder.mkdir()
         path = write(folder, found.setup, found.swing, found.signal, found.decay)

@@ -11,19 +11,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.diagnosing.classical.answering import answering
-from validation.diagnosing.classical.candidates import candidates, pendulum_candidates
-from validation.diagnosing.classical.judged import judged
-from validation.diagnosing.classical.nouns import SwingAnswer
-from validation.diagnosing.classical.observed import observed
-from validation.diagnosing.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN
-from validation.diagnosing.swings import only_classical
-from validation.effects.catalogue import FAMILIES
-from validation.effects.identifiers import parse_all
-from validation.effects.stages import Swing as Stage
-from validation.models.model import Added, Model
-from validation.pendulum import rope_pendulum
-from validation.prediction.facts import facts
+from validation.classical.pendulum import rope_pendulum
+from validation.diagnose.classical import SwingAnswer, answering, candidates, judged, observed, pendulum_candidates
+from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN
+from validation.diagnose.pendulum import only_classical
+from validation.effects.catalogue import FAMILIES, parse_all
+from validation.effects.stages import PendulumSwing as Stage
+from validation.model.model import Added, Model
+from validation.prediction.classical_facts import facts
 
 G = 9.81
 HEAD = """format = 1
@@ -55,10 +50,10 @@ def clumod() -> Model:
 @pytest.fixture(scope="module")
 def body() -> tuple[float, float]:
     """Mass [kg] and moment of inertia about z [kg m²] of Clumod as drawn."""
-    from geometry import multibody
+    from geometry import routes
     from geometry.articles import built_in
 
-    inertia = multibody.inertia(built_in("clumod-4"))
+    inertia = routes.inertia(built_in("clumod-4"))
     return float(inertia.mass), float(inertia.tensor_cog[2, 2])
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from validation.diagnosing.diagnosis import VERDICTS
+from validation.diagnose.diagnosis import VERDICTS
 
 Run = Callable[..., tuple[int, str, str]]
 

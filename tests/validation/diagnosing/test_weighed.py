@@ -7,9 +7,7 @@ from scipy.integrate import quad
 from scipy.special import log_ndtr
 from scipy.stats import norm
 
-from validation.diagnosing.classical.curve import Curve, curve
-from validation.diagnosing.classical.pairs import both
-from validation.diagnosing.classical.weighed import weighed
+from validation.diagnose.classical import InterpolatedCurve, both, curve, weighed
 
 PLAUSIBLE = 0.5
 LEFT = np.array([0.3, -0.2, 0.5])
@@ -23,11 +21,11 @@ def precision() -> np.ndarray:
     return np.linalg.inv(spread @ spread.T)
 
 
-def linear(low: float = -6 * PLAUSIBLE, slope: np.ndarray = SLOPE) -> Curve:
+def linear(low: float = -6 * PLAUSIBLE, slope: np.ndarray = SLOPE) -> InterpolatedCurve:
     return curve(lambda sizes: sizes[:, None] * slope, low, 6 * PLAUSIBLE)
 
 
-def squared() -> Curve:
+def squared() -> InterpolatedCurve:
     return curve(lambda sizes: sizes[:, None] ** 2 * SLOPE, 0.0, 6 * PLAUSIBLE)
 
 

@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
 from geometry.sensors import ChannelTable, motion_rows, resultants
 from validation.effects import catalogue
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.laboratory import laboratory
+from validation.effects.catalogue import parse_all
 from validation.virtual_test.plan import MULTI, RIGID, Plan, exact
-from validation.virtual_test.runs import runs
-from validation.virtual_test.simulate import recording
+from validation.virtual_test.planted import planted
+from validation.virtual_test.simulate import laboratory, recording, runs
 
 RATE = 256.0
 

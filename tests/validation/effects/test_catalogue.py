@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.measurement_chain import chain
-from validation.effects import nothing, sound
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import AMPLITUDE, CHANNEL_STAGE, MISTAKE, OPENED, Family
-from validation.effects.identifiers import parse
-from validation.effects.targets import COVER, FIXED, FMD, TABLE, Vocabulary
-from validation.virtual_test.laboratory import laboratory
+from identification.chain import chain
+from validation.effects import catalogue
+from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import AMPLITUDE, CHANNEL_STAGE, COVER, FIXED, FMD, MISTAKE, OPENED, TABLE, Family, Vocabulary
 from validation.virtual_test.plan import Plan, exact
+from validation.virtual_test.simulate import laboratory
 
 SOFT = 3.0
 """What a fault must be beyond the tolerance at least, by standard deviations, to be a fault."""
@@ -44,7 +42,7 @@ def targets_of(family: Family, words: Vocabulary) -> list[tuple[str, ...]]:
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
 def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
-    for field in sound.WORDS:
+    for field in catalogue.WORDS:
         assert getattr(family, field).strip(), f"{family.name}: {field}"
     assert family.mistaken_for
     ids = {one.partition(":")[0] for one in family.mistaken_for if " " not in one}  # the others say it in words
@@ -68,12 +66,12 @@ def test_sizes_are_sane(family: Family) -> None:
 
 @pytest.mark.parametrize("family", WITH_EQUATION, ids=by_name)
 def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family: Family) -> None:
-    sound.require_usable(family, family.name)
+    catalogue.require_usable(family, family.name)
     example = parse(family.example.split(", or ")[0])
-    before = nothing.tried(family.stage)
+    before = catalogue.tried(family.stage)
     changed = family.change(before, example.targets, _within(family, example.values))
-    assert not nothing.unchanged(before, changed)
-    assert nothing.unchanged(before, before)
+    assert not catalogue.unchanged(before, changed)
+    assert catalogue.unchanged(before, before)
 
 
 def _within(family: Family, values):
@@ -85,7 +83,7 @@ def _within(family: Family, values):
 def test_equations_of_channels_add(family: Family) -> None:
     from dataclasses import replace
 
-    example, reading = parse(family.example.split(", or ")[0]), nothing.tried(CHANNEL_STAGE)
+    example, reading = parse(family.example.split(", or ")[0]), catalogue.tried(CHANNEL_STAGE)
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)
     one, two, both = (

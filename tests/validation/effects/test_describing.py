@@ -8,11 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import resultants
-from validation.effects.catalogue import FAMILIES
-from validation.effects.describing import clipped
-from validation.effects.family import CHANNEL_STAGE
-from validation.effects.identifiers import parse
-from validation.effects.stages import Reading
+from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import CHANNEL_STAGE
+from validation.effects.stages import ChannelResponse, clipped
 
 POINTS = 4096
 """Of one period: the corner of a clipped sine leaves (1 / POINTS)² in its fundamental."""
@@ -29,9 +27,9 @@ def sine() -> np.ndarray:
     return np.sin(2 * np.pi * np.arange(POINTS) / POINTS)
 
 
-def reading(amplitude: list[float], channels: tuple[str, ...] = CELLS, peak: float | None = None) -> Reading:
+def reading(amplitude: list[float], channels: tuple[str, ...] = CELLS, peak: float | None = None) -> ChannelResponse:
     n, c = len(amplitude), len(channels)
-    return Reading(
+    return ChannelResponse(
         frequency=np.linspace(5.0, 6.0, n),
         channels=channels,
         rows=np.ones((n, c, 6), dtype=np.complex128),
@@ -40,9 +38,9 @@ def reading(amplitude: list[float], channels: tuple[str, ...] = CELLS, peak: flo
     )
 
 
-def read(effect: str, stage: Reading) -> np.ndarray:
+def read(effect: str, stage: ChannelResponse) -> np.ndarray:
     named = parse(effect)
-    changed: Reading = FAMILIES[named.family].change(stage, named.targets, named.values)
+    changed: ChannelResponse = FAMILIES[named.family].change(stage, named.targets, named.values)
     return changed.rows[:, :, 0]
 
 
@@ -86,15 +84,15 @@ def test_what_a_lifted_cell_lacks_goes_to_the_others_without_a_trace_in_the_resu
 
 @pytest.fixture(scope="module")
 def layout():
-    from validation.virtual_test.laboratory import laboratory
     from validation.virtual_test.plan import Plan, exact
+    from validation.virtual_test.simulate import laboratory
 
     return laboratory(exact(Plan(article="fmd+cuboid"))).layout
 
 
 @pytest.mark.parametrize("effect", ["saturation:fmd-z1=0.05", "gap:2=500"])
 def test_a_run_that_states_no_amplitude_is_taken_for_linear(effect: str) -> None:
-    quiet = Reading(frequency=np.array([5.0]), channels=CELLS, rows=np.ones((1, 4, 6), complex))
+    quiet = ChannelResponse(frequency=np.array([5.0]), channels=CELLS, rows=np.ones((1, 4, 6), complex))
     assert_allclose(read(effect, quiet), 1.0)
     assert FAMILIES[effect.partition(":")[0]].stage == CHANNEL_STAGE
 
@@ -111,12 +109,10 @@ def sweep_of_z():
     """Spectra of a sweep along z of a rigid block, nothing else drawn; no third harmonic reaches `below_harmonics`."""
     from dataclasses import replace
 
-    from validation.effects.identifiers import parse_all
-    from validation.virtual_test.effects.planting import planted
-    from validation.virtual_test.laboratory import laboratory
+    from validation.effects.catalogue import parse_all
     from validation.virtual_test.plan import RIGID, Plan, exact
-    from validation.virtual_test.runs import runs
-    from validation.virtual_test.simulate import recording
+    from validation.virtual_test.planted import planted
+    from validation.virtual_test.simulate import laboratory, recording, runs
 
     plan = replace(
         exact(Plan(article="fmd+disc+cuboid", model=RIGID, band=(8.0, 32.0), octaves_per_minute=10.0, cross=0.0)),

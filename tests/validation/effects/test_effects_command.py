@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from validation import cli
-from validation.effects import page
+from validation.cli import main
 from validation.effects.catalogue import FAMILIES
+from validation.report import effects
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -20,7 +20,7 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
     def run(*arguments: str) -> tuple[int, str, str]:
-        code = cli.run(["effects", *arguments])
+        code = main.run(["effects", *arguments])
         return code, *capsys.readouterr()
 
     return run
@@ -30,7 +30,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 def test_the_list_names_every_family_whatever_the_width(run: Run, columns: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", columns)
     code, out, err = run()
-    assert (code, err) == (cli.DONE, "")
+    assert (code, err) == (main.DONE, "")
     words = out.replace("[", " ").replace(":", " ").split()
     assert set(FAMILIES) <= set(words)
     assert "…" not in out
@@ -41,7 +41,7 @@ def test_the_list_names_every_family_whatever_the_width(run: Run, columns: str, 
 def test_each_has_a_page_of_its_own_with_all_that_is_known_of_it(run: Run, name: str) -> None:
     code, out, _ = run(name)
     family, flat = FAMILIES[name], " ".join(out.split())
-    assert code == cli.DONE
+    assert code == main.DONE
     for said in (family.what, family.equation, family.confirmed_by, family.reference, *family.mistaken_for):
         assert " ".join(said.split()) in flat
     assert "{target" not in out
@@ -76,7 +76,7 @@ def test_json_holds_every_size_and_no_figure_that_is_none(run: Run) -> None:
 )
 def test_what_is_not_there_ends_with_2_and_the_nearest(run: Run, name: str, says: str) -> None:
     code, out, err = run(name)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert says in err
 
 
@@ -89,14 +89,14 @@ def test_a_users_effects_are_listed_with_the_file_they_come_from(run: Run, root:
 
 
 def test_the_page_of_the_catalogue_is_that_of_the_code(root: Path) -> None:
-    again = "write it again: python -m validation.effects.page"
-    assert page.text(root) == (root / page.PAGE).read_text(encoding="utf-8"), again
+    again = "write it again: python -m validation.report.effects"
+    assert effects.text(root) == (root / effects.PAGE).read_text(encoding="utf-8"), again
 
 
 def test_the_page_is_written_where_it_is_asked_for(root: Path, tmp_path: Path) -> None:
     written = tmp_path / "effects.md"
-    subprocess.run([sys.executable, "-P", "-m", "validation.effects.page", str(written)], cwd=root, check=True)
-    assert written.read_text(encoding="utf-8") == (root / page.PAGE).read_text(encoding="utf-8")
+    subprocess.run([sys.executable, "-P", "-m", "validation.report.effects", str(written)], cwd=root, check=True)
+    assert written.read_text(encoding="utf-8") == (root / effects.PAGE).read_text(encoding="utf-8")
 
 
 def test_the_example_of_an_effect_of_ones_own_finds_its_equation_and_its_size(root: Path) -> None:

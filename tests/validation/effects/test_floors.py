@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.effects.catalogue import FAMILIES
-from validation.effects.floors import NEAREST, leak
-from validation.effects.stages import Floor
+from validation.effects.stages import NEAREST, NoiseModel, leak
 
 RATE, DURATION = 512.0, 8.0
 CHANNELS = ("cover-z3", "fmd-z1")
@@ -18,8 +17,8 @@ def full_record(signal: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     return signal @ np.exp(-2j * np.pi * np.outer(t, frequency)) / RATE
 
 
-def floor(frequency: np.ndarray, deviation: float, **more: np.ndarray) -> Floor:
-    return Floor(
+def floor(frequency: np.ndarray, deviation: float, **more: np.ndarray) -> NoiseModel:
+    return NoiseModel(
         frequency=frequency,
         channels=CHANNELS,
         quantities=("acceleration", "force"),

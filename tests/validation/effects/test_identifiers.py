@@ -8,10 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.errors import BadInput
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import PENDULUM
-from validation.effects.identifiers import Named, parse, parse_all
-from validation.effects.targets import FIXED, Vocabulary
+from validation.effects.catalogue import FAMILIES, Named, parse, parse_all
+from validation.effects.effect import FIXED, PENDULUM, Vocabulary
 
 
 def examples() -> list[str]:

@@ -14,19 +14,18 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation import cli
-from validation.effects import catalogue, own
-from validation.effects.catalogue import FAMILIES, SOURCES
-from validation.effects.family import Family, Size
-from validation.effects.identifiers import parse
-from validation.effects.stages import Reading
-from validation.virtual_test.effects.planting import planted
+from validation.cli import main
+from validation.effects import catalogue
+from validation.effects.catalogue import FAMILIES, SOURCES, parse
+from validation.effects.effect import Family, SizeSpec
+from validation.effects.stages import ChannelResponse
+from validation.virtual_test.planted import planted
 
 EXAMPLE = "force-lowpass:fmd-z2=1e-3"
 
 WHOLE = """
 from dataclasses import replace
-from validation.effects.family import CHANNEL_STAGE, FORCES, Family, Size
+from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, Size
 
 def change(reading, targets, values):
     rows = reading.rows.copy()
@@ -69,7 +68,7 @@ def test_a_file_is_found_keeps_its_equation_and_can_be_typed(folder: Callable[..
     assert SOURCES["drift-of-gain"] == str(where / "mine.py")
     assert list(FAMILIES)[-1] == "drift-of-gain"
     named = parse("drift-of-gain:fmd-z2=0.25")
-    reading = Reading(frequency=np.array([5.0]), channels=("fmd-z1", "fmd-z2"), rows=np.ones((1, 2, 6), complex))
+    reading = ChannelResponse(frequency=np.array([5.0]), channels=("fmd-z1", "fmd-z2"), rows=np.ones((1, 2, 6), complex))
     changed = family.change(reading, named.targets, named.values)
     assert_allclose(changed.rows[0, :, 0], [1.0, 1.25])
 
@@ -184,10 +183,10 @@ def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(
     (whole,) = catalogue.load(folder(mine=WHOLE))
     catalogue._forget(whole.name)
     with suppress(BadInput):
-        catalogue._add(own.of(replace(whole, **{field: junk}), "mine.py"), "mine.py")
+        catalogue._add(catalogue.of(replace(whole, **{field: junk}), "mine.py"), "mine.py")
 
 
-@pytest.mark.parametrize("field", [one.name for one in fields(Size)])
+@pytest.mark.parametrize("field", [one.name for one in fields(SizeSpec)])
 @pytest.mark.parametrize("junk", JUNK, ids=lambda junk: type(junk).__name__)
 def test_nor_does_junk_in_a_size(field: str, junk: object, folder: Callable[..., Path]) -> None:
     (whole,) = catalogue.load(folder(mine=WHOLE))
@@ -235,7 +234,7 @@ def test_what_is_no_folder_of_effects_is_refused(folder: Callable[..., Path], tm
 
 def test_an_equation_that_fails_later_is_told_in_words(folder: Callable[..., Path]) -> None:
     (family,) = catalogue.load(folder(mine=changed('1 + values[""]', '1 + (values[""] if values[""] < 0.2 else [][0])')))
-    reading = Reading(frequency=np.array([5.0]), channels=("fmd-z2",), rows=np.ones((1, 1, 6), complex))
+    reading = ChannelResponse(frequency=np.array([5.0]), channels=("fmd-z2",), rows=np.ones((1, 1, 6), complex))
     with pytest.raises(BadInput, match=r"mine\.py: `change`: line 7, .* raised IndexError: list index out of range"):
         family.change(reading, ("fmd-z2",), {"": 0.3})
 
@@ -269,7 +268,7 @@ def test_an_installed_package_brings_effects_by_entry_point(folder: Callable[...
 def test_the_option_puts_them_into_simulate_wherever_it_stands(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for order in (["--list-effects", "--effects-from"], ["--effects-from"]):
         more = [] if "--list-effects" in order else ["--list-effects"]
-        assert cli.run(["simulate", *order, str(root / "examples" / "effects"), *more]) == cli.DONE
+        assert main.run(["simulate", *order, str(root / "examples" / "effects"), *more]) == main.DONE
         out, _ = capsys.readouterr()
         assert "dashpot:mast-top=30" in out
         assert "force-lowpass:fmd-z2=1e-3" in out
@@ -279,7 +278,7 @@ def test_a_broken_folder_ends_with_2_and_no_traceback(
     folder: Callable[..., Path], massline: Callable[..., subprocess.CompletedProcess[str]], root: Path, code: Path
 ) -> None:
     run = massline("simulate", "fmd+cuboid", "--out", "x", "--effects-from", str(folder(mine="\nx = 1 / 0\n")), cwd=code)
-    assert run.returncode == cli.BAD_INPUT
+    assert run.returncode == main.BAD_INPUT
     assert "line 2, `x = 1 / 0`, raised ZeroDivisionError" in run.stderr
     assert "Traceback" not in run.stderr
 
@@ -288,6 +287,6 @@ def test_a_users_effect_is_planted_and_stands_in_the_truth(
     root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     arguments = ["simulate", "fmd+cuboid", "--effects-from", str(root / "examples" / "effects"), "--effect", EXAMPLE]
-    assert cli.run([*arguments, "--octaves-per-minute", "120", "--out", str(tmp_path / "c")]) == cli.DONE
+    assert main.run([*arguments, "--octaves-per-minute", "120", "--out", str(tmp_path / "c")]) == main.DONE
     truth = json.loads((tmp_path / "c.truth.json").read_text(encoding="utf-8"))
     assert "force-lowpass:fmd-z2" in json.dumps(truth)

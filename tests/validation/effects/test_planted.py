@@ -12,12 +12,11 @@ import numpy.typing as npt
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from geometry.arrays import Array
 from geometry.errors import BadInput
+from geometry.frames import Array
 from geometry.sensors import Channel, row, summation
-from validation.effects.catalogue import FAMILIES
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import planted
+from validation.effects.catalogue import FAMILIES, parse_all
+from validation.virtual_test.planted import planted
 
 Recorder = Callable[..., Any]
 RATE = 256.0
@@ -252,7 +251,7 @@ def test_effects_add_to_what_was_drawn(recorder: Recorder) -> None:
 
 
 def _tolerances():
-    from geometry.tolerances import Tolerances
+    from geometry.sensors import Tolerances
 
     return Tolerances()
 

@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
-from validation.effects.describing import WARP, clipped
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.laboratory import laboratory
+from geometry.frames import Array
+from validation.effects.catalogue import parse_all
+from validation.effects.stages import WARP, clipped
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES
 from validation.virtual_test.plan import RIGID, Plan, exact
-from validation.virtual_test.runs import runs
-from validation.virtual_test.simulate import recording
+from validation.virtual_test.planted import planted
+from validation.virtual_test.simulate import laboratory, recording, runs
 
 NAMES = (*ACCELEROMETERS, *FORCES)
 STEP = 0.01

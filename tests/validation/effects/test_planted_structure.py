@@ -9,27 +9,22 @@ import numpy.typing as npt
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.rig import Rig
-from fem.base_excitation.rig_structure import dynamic_mass
+from fem.base_excitation.rig import Rig, dynamic_mass
 from fem.damping import Damping
 from geometry.articles.locations import location
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about
 from geometry.inertia import PARAMETERS, Inertia
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.drawn import Part
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.effects.reach import reaching, require_reaching
-from validation.virtual_test.hooks import Effect
-from validation.virtual_test.laboratory import Laboratory, laboratory
-from validation.virtual_test.plan import RIGID, Plan, exact
-from validation.virtual_test.simulate import simulate
+from validation.effects.catalogue import parse_all
+from validation.virtual_test.plan import RIGID, Part, Plan, PlantedEffect, exact
+from validation.virtual_test.planted import planted, reaching, require_reaching
+from validation.virtual_test.simulate import ShakerLaboratory, laboratory, simulate
 
 LINES = np.array([4.0, 9.0, 20.0, 32.0])
 OMEGA = (2 * np.pi * LINES)[:, None, None]
 
-Lab = Callable[..., Laboratory]
+Lab = Callable[..., ShakerLaboratory]
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +32,7 @@ def lab() -> Lab:
     """``lab(article, *effects)``: a laboratory without errors."""
 
     @cache
-    def make(article: str, *effects: str, model: str = "beam") -> Laboratory:
+    def make(article: str, *effects: str, model: str = "beam") -> ShakerLaboratory:
         return laboratory(replace(exact(Plan(article=article, model=model)), effects=planted(parse_all(effects))))
 
     return make
@@ -263,7 +258,7 @@ def test_what_cannot_act_is_refused_by_the_simulation_itself(effect: str, says: 
 
 
 def test_an_effect_of_no_family_is_its_makers_own_affair() -> None:
-    plan = Plan(article="fmd+clumod-1", effects=(Effect(id="mine:nowhere"),))
+    plan = Plan(article="fmd+clumod-1", effects=(PlantedEffect(id="mine:nowhere"),))
     assert laboratory(plan).made.modes is not None
 
 

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.spectra.peak_hold import hann
-from identification.spectra.sweep_bias import sweep_bias
+from identification.spectra.peak_hold import hann, sweep_bias
 from validation.effects.catalogue import FAMILIES
-from validation.effects.stages import Mounted
-from validation.effects.swept import operator, window
+from validation.effects.stages import MountedDynamicMass, operator, window
 
 RATE, BLOCK = 564.0, 8192
 RESONANCE = 12.3
@@ -91,6 +89,6 @@ def test_splines_between_lines_converge_with_the_fourth_power_of_their_distance(
 
 def test_full_records_and_runs_that_state_no_sweep_are_left_alone() -> None:
     H = np.random.default_rng(1).standard_normal((4, 6, 6)).astype(complex)
-    plain = Mounted(frequency=np.arange(4) + 5.0, matrix=H)
+    plain = MountedDynamicMass(frequency=np.arange(4) + 5.0, matrix=H)
     for stage in (plain, replace(plain, block=14.5), replace(plain, sweep_rate=0.03)):
         assert FAMILIES["sweep-bias"].change(stage, (), {}) is stage

@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 from uncertainties import ufloat
 
-from fem.flexible_body.rope_pendulum.simulation import small_period
-from fem.flexible_body.rope_pendulum.suspension import on_three_ropes, on_two_ropes
+from fem.exudyn.rope_pendulum import small_period
+from fem.exudyn.rope_statics import on_three_ropes, on_two_ropes
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
+from validation.classical.pendulum import CompoundSwing, RopeSwing, Terms, rope_pendulum
 from validation.effects.catalogue import FAMILIES
-from validation.effects.family import PENDULUM
-from validation.effects.stages import Swing
-from validation.pendulum import rope_pendulum
-from validation.pendulum_corrections import CompoundSwing, RopeSwing, Terms
+from validation.effects.effect import PENDULUM
+from validation.effects.stages import PendulumSwing
 
 MASS, YAW, RADIUS, LENGTH, GRAVITY = 47.23, 2.289, 0.3, 2.0, 9.81
 """The shared page's example."""
@@ -28,17 +27,17 @@ def body() -> Inertia:
     return Inertia.from_cog(mass=MASS, cog=np.zeros(3), tensor=np.diag([1.9, 2.1, YAW]))
 
 
-def ideal(radii: tuple[float, ...] = (RADIUS,) * 3, length: float = LENGTH) -> Swing:
+def ideal(radii: tuple[float, ...] = (RADIUS,) * 3, length: float = LENGTH) -> PendulumSwing:
     square = radii[0] * radii[1] if len(radii) == 2 else radii[0] ** 2
     period = 2 * np.pi * np.sqrt(YAW * length / (MASS * GRAVITY * square))
     known = {"mass": MASS, "inertia": YAW, "length": length, "gravity": GRAVITY}
-    return Swing(period=period, ropes=len(radii), radii=np.array(radii), **known)
+    return PendulumSwing(period=period, ropes=len(radii), radii=np.array(radii), **known)
 
 
-def shifted(name: str, size: float, swing: Swing | None = None) -> float:
+def shifted(name: str, size: float, swing: PendulumSwing | None = None) -> float:
     """Relative change of the period."""
     swing = ideal() if swing is None else swing
-    changed: Swing = FAMILIES[name].change(swing, (), {"": size})
+    changed: PendulumSwing = FAMILIES[name].change(swing, (), {"": size})
     return changed.period / swing.period - 1
 
 
@@ -105,7 +104,7 @@ def test_the_corrections_take_off_what_the_effects_put_on(name: str, term: str, 
 def test_a_body_on_a_pivot_has_the_amplitude_of_the_plane_pendulum() -> None:
     arm = 0.4
     period = 2 * np.pi * np.sqrt((YAW + MASS * arm**2) / (MASS * GRAVITY * arm))
-    wide = FAMILIES["pendulum-amplitude"].change(Swing(period=period, ropes=0), (), {"": 0.5})
+    wide = FAMILIES["pendulum-amplitude"].change(PendulumSwing(period=period, ropes=0), (), {"": 0.5})
     found = CompoundSwing(
         mass=ufloat(MASS, 1e-12), gravity=ufloat(GRAVITY, 1e-12), arm=ufloat(arm, 1e-12), period=ufloat(wide.period, 1e-12)
     )
@@ -118,7 +117,7 @@ def test_air_is_measured_with_the_article() -> None:
     assert found == pytest.approx(YAW + 0.01, rel=1e-12)
 
 
-def same_shift(name: str, shift: float, swing: Swing) -> float:
+def same_shift(name: str, shift: float, swing: PendulumSwing) -> float:
     """The size at which `name` moves the period by `shift`."""
     from scipy.optimize import brentq
 
@@ -157,4 +156,4 @@ def test_a_body_outside_its_ropes_would_fall_over() -> None:
     with pytest.raises(BadInput, match="would fall over"):
         FAMILIES["off-centre-suspension"].change(ideal(), (), {"": 0.31})
     with pytest.raises(BadInput, match="needs the pendulum's radii"):
-        FAMILIES["off-centre-suspension"].change(Swing(period=2.0), (), {"": 0.01})
+        FAMILIES["off-centre-suspension"].change(PendulumSwing(period=2.0), (), {"": 0.01})

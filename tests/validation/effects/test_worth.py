@@ -3,7 +3,7 @@
 import pytest
 
 from validation.effects.catalogue import FAMILIES
-from validation.effects.worth import WORTH, WORTH_OF, worth
+from validation.effects.effect import EVIDENCE_THRESHOLD, WORTH_OF, evidence_threshold
 
 
 def test_a_limit_of_its_own_belongs_to_a_family_of_the_catalogue() -> None:
@@ -12,11 +12,16 @@ def test_a_limit_of_its_own_belongs_to_a_family_of_the_catalogue() -> None:
 
 @pytest.mark.parametrize("family", sorted(FAMILIES))
 def test_every_family_is_asked_for_its_own_limit_or_the_common_one(family: str) -> None:
-    assert worth(family) == WORTH_OF.get(family, WORTH)
-    assert 3.0 < worth(family) < 30.0  # more than 20 to 1, and within what a null or a clear fault brings
+    assert evidence_threshold(family) == WORTH_OF.get(family, EVIDENCE_THRESHOLD)
+    assert 3.0 < evidence_threshold(family) < 30.0  # more than 20 to 1, and within what a null or a clear fault brings
 
 
 def test_a_loss_factor_is_asked_for_more_than_a_gain_and_a_modulus_for_less() -> None:
-    assert worth("modulus") < worth("force-gain") < worth("cell-stiffness") < worth("structural-damping")
-    assert worth("structural-damping") == worth("layer-damping")
-    assert worth("an-effect-of-somebody") == WORTH
+    assert (
+        evidence_threshold("modulus")
+        < evidence_threshold("force-gain")
+        < evidence_threshold("cell-stiffness")
+        < evidence_threshold("structural-damping")
+    )
+    assert evidence_threshold("structural-damping") == evidence_threshold("layer-damping")
+    assert evidence_threshold("an-effect-of-somebody") == EVIDENCE_THRESHOLD

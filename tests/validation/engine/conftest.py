@@ -8,9 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from validation.engine.measured import Measured
-from validation.engine.parameter import DECLARED, EFFECT, IDENTIFIED, Parameter
-from validation.engine.prediction import Change, Predicted
+from validation.estimation.problem import DECLARED, EFFECT, IDENTIFIED, Change, Measured, Parameter, Predicted
 
 PICK_UPS = ("a1", "a2", "a3", "a4", "a5")
 FORCES = tuple(f"f{k}" for k in range(1, 9))

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine import likelihood
-from validation.engine.conveying import FEW, ways
-from validation.engine.likelihood import Observed
-from validation.engine.prediction import Change, Conveyed, Predicted
+from validation.estimation import likelihood
+from validation.estimation.likelihood import FEW, ObservedLines, ways
+from validation.estimation.problem import Change, Conveyed, Predicted
 
 LINES, CHANNELS, INPUTS, QUANTITIES, RUNS = 7, 9, 2, 3, 2
 LOADED = (3, 4, 5, 6, 8)
@@ -44,12 +43,12 @@ def predicted(drawn) -> Predict:
 
 
 @pytest.fixture
-def seen(drawn) -> Callable[[bool], Observed]:
-    def made(known: bool) -> Observed:
+def seen(drawn) -> Callable[[bool], ObservedLines]:
+    def made(known: bool) -> ObservedLines:
         spread = np.abs(drawn(RUNS, LINES, CHANNELS))
         inputs = drawn(RUNS, LINES, INPUTS) if known else None
         values = drawn(RUNS, LINES, CHANNELS)
-        return Observed(runs=("x", "y"), values=values, noise=spread, floor=0 * spread, inputs=inputs)
+        return ObservedLines(runs=("x", "y"), values=values, noise=spread, floor=0 * spread, inputs=inputs)
 
     return made
 

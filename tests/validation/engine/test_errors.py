@@ -7,9 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
-from validation.engine.errors import share, squares
-from validation.engine.evaluate import evaluate
-from validation.engine.problem import Problem
+from validation.estimation.evaluate import evaluate, share, squares
+from validation.estimation.problem import Problem
 
 
 def error(toy, offsets=()):

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.fit import fit
-from validation.engine.parameter import FITTED, PLAIN
-from validation.engine.prediction import Predicted
-from validation.engine.problem import Problem
+from validation.estimation.fit import fit
+from validation.estimation.problem import FITTED, PLAIN, Predicted, Problem
 
 
 def linear(lab, truth, tolerances):

@@ -7,14 +7,21 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
-from validation.engine.cost import cost_of
-from validation.engine.descent import direct
-from validation.engine.evaluation import Fit
-from validation.engine.fit import PLAIN_FLOOR, fit, parents_point
-from validation.engine.measured import Measured
-from validation.engine.parameter import DECLARED, EFFECT, FITTED, NOMINAL, PLAIN, Parameter
-from validation.engine.prediction import Change, Predicted
-from validation.engine.problem import Problem
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import PLAIN_FLOOR, direct, fit, parents_point
+from validation.estimation.problem import (
+    DECLARED,
+    EFFECT,
+    FITTED,
+    NOMINAL,
+    PLAIN,
+    Change,
+    Measured,
+    Parameter,
+    Predicted,
+    Problem,
+)
+from validation.estimation.result import Fit
 
 TRUTH = {"mass": 0.06, "inertia": -0.04, "damping": 0.3, "frequency:one": 0.02}
 

@@ -7,12 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.engine.evaluate import evaluate
-from validation.engine.fit import PLAIN_FLOOR, fit
-from validation.engine.hold_out import every_block, folds, held, named, without
-from validation.engine.parameter import PLAIN
-from validation.engine.problem import Problem
-from validation.engine.refit import refitted, solved
+from validation.estimation.evaluate import evaluate, every_block, folds, held, named, refitted, solved, without
+from validation.estimation.fit import PLAIN_FLOOR, fit
+from validation.estimation.problem import PLAIN, Problem
 
 TRUTH = {"mass": 0.03, "inertia": -0.02, "damping": 0.2, "frequency:one": 0.01, "frequency:first": 0.015, "frequency:two": -0.01}
 

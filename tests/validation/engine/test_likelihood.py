@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.cost import cost_of
-from validation.engine.likelihood import floor_of, normals, observed, residual, total
-from validation.engine.parameter import FITTED
-from validation.engine.problem import Problem
+from validation.estimation.cost import cost_of
+from validation.estimation.likelihood import floor_of, normals, observed, residual, total
+from validation.estimation.problem import FITTED, Problem
 
 FLOOR = 0.0015
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.engine.problem import Problem
-from validation.engine.thinning import AT_MOST, chosen
+from validation.estimation.problem import AT_MOST, Problem, chosen
 
 
 def test_parameters_of_the_same_name_are_one(lab):

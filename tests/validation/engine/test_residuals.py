@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.fit import fit
-from validation.engine.likelihood import floor_of
-from validation.engine.parameter import FITTED, PLAIN
-from validation.engine.problem import Problem
-from validation.engine.residuals import residuals
+from validation.estimation.evaluate import residuals
+from validation.estimation.fit import fit
+from validation.estimation.likelihood import floor_of
+from validation.estimation.problem import FITTED, PLAIN, Problem
 
 
 @pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])

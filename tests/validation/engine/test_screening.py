@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.fit import child, fit, nearby, unfitted
-from validation.engine.parameter import EFFECT, FITTED, IDENTIFIED, PLAIN
-from validation.engine.problem import Problem
-from validation.engine.screening import Told, in_the_fit, screened
+from validation.estimation.fit import child, fit, nearby, unfitted
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, PLAIN, Problem
+from validation.estimation.screening import ScoreTest, in_the_fit, screened
 
 OFFSET = 0.02
 """Small beside the bending of the toy, large beside its noise."""
@@ -82,10 +81,10 @@ def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains(lab):
 
 
 def test_the_smallest_size_that_is_told_brings_just_that_evidence():
-    told = Told(name="x", estimate=0.0, information=1e4, tolerance=0.003)
+    told = ScoreTest(name="x", estimate=0.0, information=1e4, tolerance=0.003)
     size = told.detectable(0.1, 10.0)
-    assert_allclose(Told(name="x", estimate=size, information=1e4, tolerance=0.003).evidence(0.1), 10.0, rtol=1e-9)
-    assert np.isinf(Told(name="x", estimate=0.0, information=0.0).detectable(0.1, 10.0))
+    assert_allclose(ScoreTest(name="x", estimate=size, information=1e4, tolerance=0.003).evidence(0.1), 10.0, rtol=1e-9)
+    assert np.isinf(ScoreTest(name="x", estimate=0.0, information=0.0).detectable(0.1, 10.0))
     assert np.isinf(told.detectable(0.003, 10.0))
 
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.fit import FLOOR, fit
-from validation.engine.parameter import FITTED, Parameter
-from validation.engine.problem import Problem
-from validation.engine.screening import screened
+from validation.estimation.fit import FLOOR, fit
+from validation.estimation.problem import FITTED, Parameter, Problem
+from validation.estimation.screening import screened
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -7,10 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.engine.fit import fit
-from validation.engine.parameter import PLAIN
-from validation.engine.problem import Problem
-from validation.engine.starting import start
+from validation.estimation.fit import fit, start
+from validation.estimation.problem import PLAIN, Problem
 
 TRUTH = {"appendage[m]": 0.4, "appendage[f]": np.log(26.3 / 20.0), "mass": 0.01}
 

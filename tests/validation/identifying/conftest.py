@@ -8,23 +8,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.frames import Pose
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place
 from identification.campaign import Campaign, Excitation, Run
-from identification.closed_checks import Finding
-from identification.cross_motion import CrossMotion
-from identification.elastic.model import dynamic_mass
-from identification.elastic.terms import ElasticTerms
-from identification.identified import Identified
-from identification.request import Request, Tare
+from identification.consistency import Finding
+from identification.dynamic_mass import CrossMotion
+from identification.elastic.model import ElasticTerms, dynamic_mass
+from identification.request import Identified, Request, Tare
 from identification.spectra.line_spectra import Spectra
-from validation.identifying.findings import Findings, Lines, Study
-from validation.identifying.reported import reported
-from validation.pictures.identification import DrawnResiduals
+from validation.identify.identify import DrawnResiduals, IdentificationFindings, Study, UsedLines, reported
 
 INPUTS = ("noise", "force-gain", "accelerometer-position", "tare")
 FREQUENCY = np.linspace(4.0, 32.0, 141)
@@ -70,7 +66,7 @@ def make_campaign() -> Callable[..., Campaign]:
 @pytest.fixture(scope="session")
 def clumod() -> Inertia:
     """Clumod with one blade in its own frame."""
-    return multibody.inertia(built_in("clumod-1"))
+    return routes.inertia(built_in("clumod-1"))
 
 
 @pytest.fixture(scope="session")
@@ -108,9 +104,9 @@ def identified(way: str, inertia: Inertia, terms: ElasticTerms, share: float) ->
 
 
 @pytest.fixture(scope="session")
-def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
+def found(clumod: Inertia, terms: ElasticTerms) -> IdentificationFindings:
     """An identification of Clumod with one blade that came out as drawn, self-calibrated, and 1 % too heavy, plain."""
-    true, fmd = clumod.placed(MOUNTED), multibody.inertia(built_in("fmd"))
+    true, fmd = clumod.placed(MOUNTED), routes.inertia(built_in("fmd"))
     results = tuple(
         reported(identified(way, true.scaled(factor), terms, share), MOUNTED)
         for way, factor, share in (("plain", 1.01, 3e-3), ("self-calibrated", 1.0, 1e-3))
@@ -123,7 +119,7 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
     study[2, 0] = np.nan
     shared = np.abs(np.random.default_rng(1).standard_normal((6, len(FREQUENCY), 3))) * 1e-3
     stack = campaign("fmd+clumod-1")
-    return Findings(
+    return IdentificationFindings(
         article="clumod-1",
         origin="article",
         request=Request(campaign=stack, tares=(Tare(campaign=campaign("fmd+disc+cuboid"), known=None),)),
@@ -137,7 +133,7 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
             column=np.full(6, 0.45),
             text=tuple(f"{axis}: the quotient is off by 1 %" for axis in MOTIONS),
         ),
-        lines=Lines(
+        lines=UsedLines(
             frequency=FREQUENCY,
             condition=np.where(kept > 0, 3.0, 180.0),
             limit=100.0,
@@ -167,14 +163,14 @@ def found(clumod: Inertia, terms: ElasticTerms) -> Findings:
 
 
 @pytest.fixture
-def result_file(found: Findings, tmp_path: Path) -> Callable[..., Path]:
+def result_file(found: IdentificationFindings, tmp_path: Path) -> Callable[..., Path]:
     """``result_file(**changes)``: what `massline identify --json` prints of `found`, in a file."""
-    from validation.identifying.as_json import as_json
     from validation.output import json_text
+    from validation.report.identify import identification_json
 
     def write(**changes: object) -> Path:
         path = tmp_path / "identify.json"
-        path.write_text(json_text({**as_json(replace(found, **changes))}))
+        path.write_text(json_text({**identification_json(replace(found, **changes))}))
         return path
 
     return write

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from geometry.errors import BadInput
-from geometry.tolerances import Tolerances
+from geometry.sensors import Tolerances
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.identifying.asked import Asked, ready
-from validation.identifying.known import takes_fmd_off
+from validation.identify.identify import IdentifyOptions, ready
+from validation.model.setups import takes_fmd_off
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -73,14 +73,14 @@ def test_what_cannot_be_used_is_refused_by_name(
 ) -> None:
     given = {key: tuple(folders.get(v, v) for v in value) if key == "tares" else value for key, value in changes.items()}
     with pytest.raises(BadInput) as refused:
-        ready(Asked(campaign=folders["article"], **given))
+        ready(IdentifyOptions(campaign=folders["article"], **given))
     assert source in refused.value.source
     assert words in str(refused.value)
     assert refused.value.remedy
 
 
 def test_the_known_article_is_by_default_what_the_tare_says(folders: dict[str, str]) -> None:
-    asked = Asked(campaign=folders["article"], tares=(folders["tare"],))
+    asked = IdentifyOptions(campaign=folders["article"], tares=(folders["tare"],))
     by_default, by_name = ready(asked), ready(replace(asked, known=("disc+cuboid",)))
     known = [one.request.tares[0].known for one in (by_default, by_name)]
     assert known[0] is not None
@@ -91,18 +91,18 @@ def test_the_known_article_is_by_default_what_the_tare_says(folders: dict[str, s
 
 def test_how_well_a_known_article_is_known_can_be_said(folders: dict[str, str]) -> None:
     usual, poor = (
-        ready(Asked(campaign=folders["article"], tares=(folders["tare"],), **said)).request.tares[0].relative_sd
+        ready(IdentifyOptions(campaign=folders["article"], tares=(folders["tare"],), **said)).request.tares[0].relative_sd
         for said in ({}, {"known_tolerance": "0.5 %"})
     )
     assert (usual, poor) == (3e-4, 5e-3)
 
 
 def test_a_tare_on_a_bare_fmd_knows_nothing_on_it(folders: dict[str, str]) -> None:
-    assert ready(Asked(campaign=folders["article"], tares=(folders["bare"],))).request.tares[0].known is None
+    assert ready(IdentifyOptions(campaign=folders["article"], tares=(folders["bare"],))).request.tares[0].known is None
 
 
 def test_a_tare_without_a_mounting_is_taken_to_stand_on_the_cover_plate_and_that_is_said(folders: dict[str, str]) -> None:
-    (said,) = ready(Asked(campaign=folders["article"], tares=(folders["unmounted"],))).warnings
+    (said,) = ready(IdentifyOptions(campaign=folders["article"], tares=(folders["unmounted"],))).warnings
     assert "[mounting] is missing" in said
     assert "reconstruction" in said
 
@@ -112,16 +112,16 @@ def test_a_tare_without_a_mounting_is_taken_to_stand_on_the_cover_plate_and_that
 )
 def test_only_a_tare_of_the_same_hardware_takes_the_fmd_off(tare: str | None, taken: bool, folders: dict[str, str]) -> None:
     tares = () if tare is None else (folders[tare],)
-    assert takes_fmd_off(ready(Asked(campaign=folders["article"], tares=tares, any_hardware=True)).request) == taken
+    assert takes_fmd_off(ready(IdentifyOptions(campaign=folders["article"], tares=tares, any_hardware=True)).request) == taken
 
 
 def test_a_band_that_reaches_beyond_the_sweeps_is_said(folders: dict[str, str]) -> None:
-    (said,) = ready(Asked(campaign=folders["article"], band=(2.0, 20.0))).warnings
+    (said,) = ready(IdentifyOptions(campaign=folders["article"], band=(2.0, 20.0))).warnings
     assert "drive 4 to 32 Hz only" in said
 
 
 def test_tolerances_and_stiffness_arrive_in_si(folders: dict[str, str]) -> None:
-    asked = Asked(
+    asked = IdentifyOptions(
         campaign=folders["article"], tolerances=("gain=0.2 %", "position=0.3 mm", "delay=5 us"), cell_stiffness=(1e8, 1e8, 4e8)
     )
     request = ready(asked).request
@@ -134,10 +134,10 @@ def test_tolerances_and_stiffness_arrive_in_si(folders: dict[str, str]) -> None:
 
 def test_a_weighing_of_the_article_alone_needs_a_tare(folders: dict[str, str], root: Path) -> None:
     weighing = str(root / "examples" / "clumod-1-weighing.toml")
-    (fact,) = ready(Asked(campaign=folders["article"], tares=(folders["tare"],), classical=(weighing,))).request.facts
+    (fact,) = ready(IdentifyOptions(campaign=folders["article"], tares=(folders["tare"],), classical=(weighing,))).request.facts
     assert fact.value == pytest.approx(32.955, abs=0.001)
     with pytest.raises(BadInput, match="A tare takes the FMD off"):
-        ready(Asked(campaign=folders["article"], classical=(weighing,)))
+        ready(IdentifyOptions(campaign=folders["article"], classical=(weighing,)))
 
 
 def test_an_fmd_that_is_known_beforehand_comes_from_a_result_file(folders: dict[str, str], tmp_path: Path) -> None:
@@ -146,7 +146,7 @@ def test_an_fmd_that_is_known_beforehand_comes_from_a_result_file(folders: dict[
         'format = 1\narticle = "fmd"\n[inertia]\nmass = "18.08 kg"\ncog = ["0 mm", "0 mm", "24.4 mm"]\n'
         'moments = ["0.253 kg m^2", "0.253 kg m^2", "0.4997 kg m^2"]\n'
     )
-    request = ready(Asked(campaign=folders["article"], fmd=str(path))).request
+    request = ready(IdentifyOptions(campaign=folders["article"], fmd=str(path))).request
     assert request.fmd is not None
     np.testing.assert_allclose([request.fmd.mass, request.fmd.cog[2]], [18.08, 0.0244], rtol=1e-12)
     assert takes_fmd_off(request)
@@ -154,7 +154,9 @@ def test_an_fmd_that_is_known_beforehand_comes_from_a_result_file(folders: dict[
 
 def test_progress_names_the_campaign_that_is_read(folders: dict[str, str]) -> None:
     heard: list[tuple[str, float]] = []
-    ready(Asked(campaign=folders["article"], tares=(folders["tare"],)), lambda words, share: heard.append((words, share)))
+    ready(
+        IdentifyOptions(campaign=folders["article"], tares=(folders["tare"],)), lambda words, share: heard.append((words, share))
+    )
     assert [words for words, share in heard if share == 1.0] == [folders["article"], folders["tare"]]
 
 

@@ -7,17 +7,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Pose
 from geometry.inertia import PARAMETERS, Inertia
 from identification.elastic.fit import fit
-from identification.elastic.model import dynamic_mass
+from identification.elastic.model import ElasticTerms, dynamic_mass
 from identification.elastic.study import BandStudy, study
-from identification.elastic.terms import ElasticTerms
-from validation.identifying import band
-from validation.statement import about_cog
+from validation.identify import identify
+from validation.reference.statement import about_cog
 
 MOUNTED = Pose(position=np.array([0.0, 0.0, 0.045]))
 
@@ -25,7 +24,7 @@ MOUNTED = Pose(position=np.array([0.0, 0.0, 0.045]))
 @pytest.fixture(scope="module")
 def of(clumod: Inertia, terms: ElasticTerms) -> BandStudy:
     lines = np.linspace(4.0, 32.0, 281)
-    M = (clumod.placed(MOUNTED) + multibody.inertia(built_in("fmd"))).mass_matrix
+    M = (clumod.placed(MOUNTED) + routes.inertia(built_in("fmd"))).mass_matrix
     residual = np.diag([8e-6, 8e-6, 1e-5, 2e-6, 2e-6, 1e-7])
     slow = replace(terms, residual=residual, damping=np.diag(4 * np.pi * terms.frequency * 0.004))
     H = DynamicMass(frequency=lines, matrix=dynamic_mass(M, slow, lines))
@@ -37,7 +36,7 @@ def _identification(article: Inertia, modes: int | None) -> SimpleNamespace:
 
 
 def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of: BandStudy, clumod: Inertia) -> None:
-    drawn = band.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
+    drawn = identify.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
     assert list(drawn.maps) == ["3 elastic terms", "no elastic terms"]
     size = np.array([clumod.mass, 1, 1, 1, *6 * [clumod.moments_cog.max()]])
     # Every cell's fit ends when a step is 1e-4 of a standard deviation, which is a model error of 0.2 %.
@@ -46,7 +45,7 @@ def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of: BandStu
 
 
 def test_without_elastic_terms_the_band_makes_the_result(of: BandStudy, clumod: Inertia) -> None:
-    rigid = band.maps(_identification(clumod.placed(MOUNTED), 0), of, MOUNTED)
+    rigid = identify.maps(_identification(clumod.placed(MOUNTED), 0), of, MOUNTED)
     assert list(rigid.maps) == ["no elastic terms"]
     moments = rigid.maps["no elastic terms"][..., 4]
     assert np.ptp(moments) > 0.1 * clumod.moments_cog[0]
@@ -54,15 +53,15 @@ def test_without_elastic_terms_the_band_makes_the_result(of: BandStudy, clumod: 
 
 def test_a_verdict_says_when_narrower_bands_lead_elsewhere(of: BandStudy) -> None:
     told = dict.fromkeys(PARAMETERS, "trustworthy")
-    assert band.verdicts(told, of, rigid=False) == told
-    said = band.verdicts(told, of, rigid=True)
+    assert identify.verdicts(told, of, rigid=False) == told
+    said = identify.verdicts(told, of, rigid=True)
     assert "narrower bands" in said["Ixx"]
     assert said["Ixx"].startswith("trustworthy")
 
 
 def test_a_study_that_says_nothing_changes_no_verdict(of: BandStudy) -> None:
     told = dict.fromkeys(PARAMETERS, "trustworthy")
-    assert band.verdicts(told, replace(of, cells=of.cells[:1]), rigid=False) == told
+    assert identify.verdicts(told, replace(of, cells=of.cells[:1]), rigid=False) == told
 
 
 def test_the_rigid_way_is_tried_below_all_other_bands_and_the_elastic_one_is_not(of: BandStudy, clumod: Inertia) -> None:
@@ -78,10 +77,10 @@ def test_the_rigid_way_is_tried_below_all_other_bands_and_the_elastic_one_is_not
 
 def test_a_cell_knows_how_well_it_knows(of: BandStudy, clumod: Inertia) -> None:
     """A narrow band knows less, and its interval is drawn in the frame of the result."""
-    drawn = band.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
+    drawn = identify.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
     half = drawn.half_widths["3 elastic terms"]
     assert half.shape == (2, 2, 10)
     assert np.all(half[1, 0] > half[0, 1])
-    about_f = band.maps(_identification(clumod.placed(MOUNTED), None), of, Pose()).half_widths["3 elastic terms"]
+    about_f = identify.maps(_identification(clumod.placed(MOUNTED), None), of, Pose()).half_widths["3 elastic terms"]
     assert_allclose(half[..., 4:], about_f[..., 4:], rtol=1e-6)  # moments about the CoG do not know the origin
     assert_allclose(half[..., 0], 1.96 * of.map("deviation")[:, :, 1, 0], rtol=1e-4)

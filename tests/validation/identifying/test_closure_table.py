@@ -9,14 +9,14 @@ import pytest
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from validation.identifying import closure_table
-from validation.published import published
-from validation.statement import Statement
+from validation.reference.published import published
+from validation.reference.statement import Statement
+from validation.report import identify
 
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, Statement]:
-    return closure_table.rows("clumod-1", {})
+    return identify.rows("clumod-1", {})
 
 
 def _values(said: Statement) -> list[float | None]:
@@ -32,14 +32,14 @@ def test_exudyn_and_the_pendulum_say_what_cad_says(rows: dict[str, Statement]) -
 
 
 def test_the_papers_errors_stand_beside_it(rows: dict[str, Statement]) -> None:
-    _, deviations = closure_table.grids(rows)
+    _, deviations = identify.grids(rows)
     printed = next(line for line in deviations.lines if line[0] == "in print: identified")
     numbers = [float(cell) for cell in printed[1:]]
     assert_allclose(numbers, [2.94, 0.39, -5.45, 13.01, 2.18, 15.50, -2.60], atol=0.0051)
 
 
 def test_every_source_has_one_row_and_cad_is_what_it_is_held_against(rows: dict[str, Statement]) -> None:
-    values, deviations = closure_table.grids(rows)
+    values, deviations = identify.grids(rows)
     names = [line[0] for line in values.lines]
     in_print = [f"in print: {column}" for column in published("clumod-1").statements]
     assert names == ["CAD", "exudyn, flexible body", "pendulum, swung by exudyn", *in_print]
@@ -49,7 +49,7 @@ def test_every_source_has_one_row_and_cad_is_what_it_is_held_against(rows: dict[
 def test_the_example_puts_an_identification_in_its_rows(
     root: Path, result_file: Callable[..., Path], rows: dict[str, Statement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(closure_table, "rows", lambda article, identified: {**rows, **identified})
+    monkeypatch.setattr(identify, "rows", lambda article, identified: {**rows, **identified})
     printed = io.StringIO()
     main = runpy.run_path(str(root / "examples" / "closure_table.py"))["main"]
     main(Console(file=printed, width=160), str(result_file()))

@@ -13,13 +13,12 @@ from numpy.testing import assert_allclose
 from geometry.errors import CheckFailed
 from geometry.inertia import Inertia
 from identification import campaign_file
-from identification import identify as driver
+from identification import identify as identification_identify
 from identification.campaign import Campaign
 from identification.identify import Identification, identify
-from validation import cli
-from validation.identifying import drawn
-from validation.identifying import run as running
-from validation.identifying.asked import Asked, ready
+from validation.cli import main
+from validation.identify.identify import IdentifyOptions, ready
+from validation.report import identify as report_identify
 
 Run = Callable[..., tuple[int, str, str]]
 QUICK = ("--modes", "0", "--no-study", "--band", "5", "25")
@@ -45,14 +44,16 @@ def series(example: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) ->
 @pytest.fixture(scope="module")
 def done(series: Path) -> Identification:
     """The driver's own result on the block."""
-    return identify(ready(Asked(campaign=str(series / "block"), modes="0", band=(5.0, 25.0), study=False)).request)
+    return identify(ready(IdentifyOptions(campaign=str(series / "block"), modes="0", band=(5.0, 25.0), study=False)).request)
 
 
 @pytest.fixture
 def driven(done: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
     """The driver answers every request with what it found on the block."""
     monkeypatch.setattr(
-        running, "identify", lambda request, progress: replace(done, request=request, tares=(done.article,) * len(request.tares))
+        report_identify,
+        "identify",
+        lambda request, progress: replace(done, request=request, tares=(done.article,) * len(request.tares)),
     )
 
 
@@ -64,7 +65,7 @@ def block(example: dict[str, Any]) -> Inertia:
 
 def test_the_command_ends_where_the_driver_does(series: Path, run: Run, done: Identification) -> None:
     code, out, _ = run("identify", str(series / "block"), *QUICK, "--json")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert_allclose(json.loads(out)["inertia"]["mass_kg"], done.self_calibrated.inertia.mass, rtol=1e-9)
 
 
@@ -72,9 +73,11 @@ def test_the_command_ends_where_the_driver_does(series: Path, run: Run, done: Id
 def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(
     series: Path, block: Inertia, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(drawn, "full", lambda title, curves, path, note: path.touch())  # 72 panels; test_shown draws them
+    monkeypatch.setattr(
+        report_identify, "full", lambda title, curves, path, note: path.touch()
+    )  # 72 panels; test_shown draws them
     code, out, err = run("identify", str(series / "block"), *QUICK, "--json", "--out", str(tmp_path / "kept"))
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     printed = json.loads(out)
     assert json.loads((tmp_path / "kept" / "identify.json").read_text()) == printed
     assert (printed["article"], printed["origin"]) == ("fmd+disc+cuboid", "F")
@@ -92,7 +95,7 @@ def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(
 @pytest.mark.usefixtures("driven")
 def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series: Path, run: Run, block: Inertia) -> None:
     code, out, _ = run("identify", str(series / "block"), "--tare", str(series / "bare"), *QUICK, "--json")
-    assert code == cli.DONE
+    assert code == main.DONE
     printed = json.loads(out)
     assert (printed["article"], printed["origin"]) == ("disc+cuboid", "article")
     assert_allclose(printed["inertia"]["cog_mm"][2], 1e3 * block.cog[2] - 45, atol=1)
@@ -102,7 +105,7 @@ def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series: Path, run: R
 @pytest.mark.usefixtures("driven")
 def test_the_page_names_both_ways_and_what_is_in_the_result(series: Path, run: Run) -> None:
     code, out, _ = run("identify", str(series / "block"), *QUICK)
-    assert code == cli.DONE
+    assert code == main.DONE
     text = " ".join(out.split())
     for words in ("plain", "self-calibrated", "5 to 25 Hz", "the FMD's moving part is in the result", "0 elastic terms"):
         assert words in text
@@ -111,7 +114,7 @@ def test_the_page_names_both_ways_and_what_is_in_the_result(series: Path, run: R
 @pytest.mark.usefixtures("driven")
 def test_a_frame_of_the_users_own_moves_the_cog_and_is_kept_for_validate(series: Path, block: Inertia, run: Run) -> None:
     code, out, _ = run("identify", str(series / "block"), *QUICK, "--json", "--frame", "0 0 100 mm; z 90 deg")
-    assert code == cli.DONE
+    assert code == main.DONE
     printed = json.loads(out)
     assert_allclose(printed["inertia"]["cog_mm"], [0, 0, 0], atol=2)
     assert_allclose(printed["inertia"]["moi_cog_kgm2"][0], block.moments_cog[1], rtol=0.02)
@@ -120,14 +123,14 @@ def test_a_frame_of_the_users_own_moves_the_cog_and_is_kept_for_validate(series:
 
 def test_a_motion_that_no_run_drives_is_named(series: Path, run: Run) -> None:
     code, out, err = run("identify", str(series / "twice"), *QUICK)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert "twice: `run`: no run drives gamma; runs x and gamma are the same recording" in " ".join(err.split())
     assert "Traceback" not in err
 
 
 def test_a_band_too_narrow_for_the_study_is_refused_by_its_option(series: Path, run: Run) -> None:
     code, _, err = run("identify", str(series / "block"), "--band", "5", "5.5")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert err.startswith("massline: --band: 5 to 5.5 Hz is too narrow for the band study")
     assert "--no-study" in err
 
@@ -138,9 +141,9 @@ def test_a_joint_fit_that_fails_does_not_hide_the_plain_result(
     def fails(*_: object, **__: object) -> None:
         raise CheckFailed("it does not settle")
 
-    monkeypatch.setattr(driver, "calibrated", fails)
+    monkeypatch.setattr(identification_identify, "calibrated", fails)
     code, out, err = run("identify", str(series / "block"), *QUICK, "--json")
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     said = json.loads(out)
     assert said["result"] == "plain"
     assert "self_calibrated" not in said
@@ -156,11 +159,11 @@ def test_a_joint_fit_that_fails_does_not_hide_the_plain_result(
 def test_other_hardware_is_refused_without_being_asked_for_and_said_with_it(series: Path, run: Run) -> None:
     asked = ("identify", str(series / "block"), "--tare", str(series / "other"), *QUICK)
     code, _, err = run(*asked)
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "lab/2" in err
     assert "--any-hardware" in err
     code, out, _ = run(*asked, "--any-hardware")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "on other hardware, which takes no FMD off: its moving part is in the result" in " ".join(out.split())
 
 
@@ -168,8 +171,8 @@ def test_ctrl_c_leaves_no_half_written_folder(series: Path, run: Run, tmp_path: 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(running, "identify", interrupted)
+    monkeypatch.setattr(report_identify, "identify", interrupted)
     code, out, err = run("identify", str(series / "block"), *QUICK, "--out", str(tmp_path / "kept"))
-    assert (code, out) == (cli.INTERRUPTED, "")
+    assert (code, out) == (main.INTERRUPTED, "")
     assert "interrupted" in err
     assert not (tmp_path / "kept").exists()

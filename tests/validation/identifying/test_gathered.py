@@ -6,12 +6,11 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from geometry.inertia import Inertia
-from identification.identified import Identified
-from validation.identifying.findings import Findings
-from validation.identifying.gathered import residuals, rigid
+from identification.request import Identified
+from validation.identify.identify import IdentificationFindings, residuals, rigid
 
 
-def test_the_rigid_body_behind_a_dynamic_mass_is_found_whatever_was_left_out(found: Findings) -> None:
+def test_the_rigid_body_behind_a_dynamic_mass_is_found_whatever_was_left_out(found: IdentificationFindings) -> None:
     assert found.dynamic_mass is not None
     assert found.lines is not None
     assert found.rigid is not None
@@ -35,7 +34,7 @@ def test_a_rigid_result_takes_no_elastic_terms_off(clumod: Inertia) -> None:
     assert_allclose(rigid(of, one), body.mass_matrix, atol=1e-12)
 
 
-def test_residuals_are_shares_of_what_channels_of_a_kind_read(found: Findings) -> None:
+def test_residuals_are_shares_of_what_channels_of_a_kind_read(found: IdentificationFindings) -> None:
     assert found.spectra is not None
     table = found.spectra.table
     names = tuple(table.names[k] for k in table.select(quantity="acceleration"))

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from identification.campaign import Campaign
 from identification.quality import NORMAL_95
-from validation.identifying import classical
-from validation.identifying.known import above_fmd, known, stated
+from validation.identify import identify
+from validation.model.setups import above_fmd, known, stated
 
 Make = Callable[..., Campaign]
 
@@ -28,8 +28,8 @@ def test_the_known_article_and_the_fmd_make_the_built_in_stack(make_campaign: Ma
     body, said = known("disc+cuboid", make_campaign("fmd+disc+cuboid", mounting=seat))
     assert body is not None
     assert not said
-    stack = multibody.inertia(built_in("fmd+disc+cuboid"))
-    assert_allclose((body + multibody.inertia(built_in("fmd"))).parameters, stack.parameters, rtol=1e-12, atol=1e-12)
+    stack = routes.inertia(built_in("fmd+disc+cuboid"))
+    assert_allclose((body + routes.inertia(built_in("fmd"))).parameters, stack.parameters, rtol=1e-12, atol=1e-12)
 
 
 def test_without_a_mounting_the_seat_of_the_fmd_is_taken_and_said(make_campaign: Make) -> None:
@@ -99,19 +99,19 @@ def _file(folder: Path, text: str) -> str:
 
 def test_a_weighing_is_a_fact_whose_tolerance_is_its_95_per_cent_half_width(tmp_path: Path, make_campaign: Make) -> None:
     name = _file(tmp_path, WEIGHING.replace("ARTICLE", "clumod-1"))
-    (fact,), words = classical.facts([name], make_campaign("fmd+clumod-1"), tared=True)
+    (fact,), words = identify.facts([name], make_campaign("fmd+clumod-1"), tared=True)
     assert (fact.quantity, fact.value, fact.source) == ("mass_kg", pytest.approx(32.95), name)
     assert not words
-    from validation import weighing
-    from validation.measurement_file import read
+    from validation.classical import weigh
+    from validation.classical.files import read
 
-    assert fact.sd == pytest.approx(weighing.reduce(read(name, ("weighing",))).results["mass"].std_dev / NORMAL_95)
+    assert fact.sd == pytest.approx(weigh.reduce(read(name, ("weighing",))).results["mass"].std_dev / NORMAL_95)
 
 
 def test_a_cog_and_a_product_follow_the_mount(tmp_path: Path, make_campaign: Make) -> None:
     pose = Pose(position=np.array([0.01, 0.0, 0.045]), rotation=rotation_about("z", np.pi / 2))
     name = _file(tmp_path, COG)
-    facts, _ = classical.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
+    facts, _ = identify.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
     by_name = {fact.quantity: fact.value for fact in facts}
     # The article's x lies along the campaign's y.
     assert by_name == {
@@ -126,13 +126,13 @@ def test_every_fact_is_what_the_body_itself_would_say(tmp_path: Path, make_campa
     """The rule of signs against the body turned as a whole, by a quarter turn the other way."""
     pose = Pose(position=np.zeros(3), rotation=rotation_about("z", -np.pi / 2))
     name = _file(tmp_path, COG)
-    body = multibody.inertia(built_in("clumod-1"))
+    body = routes.inertia(built_in("clumod-1"))
     from geometry.inertia import Inertia
 
     tensor = body.tensor_cog.copy()
     tensor[0, 0], tensor[0, 2], tensor[2, 0] = 6.42, 0.10, 0.10
     seen = Inertia.from_cog(body.mass, [0.002, 0.0, 0.2706], tensor).placed(pose)
-    facts, _ = classical.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
+    facts, _ = identify.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
     for fact in facts:
         kind, axes = fact.quantity.split("_")[:2]
         rows = ["xyz".index(letter) for letter in axes]
@@ -143,19 +143,19 @@ def test_every_fact_is_what_the_body_itself_would_say(tmp_path: Path, make_campa
 def test_an_askew_mount_is_refused_where_it_would_mix_components(tmp_path: Path, make_campaign: Make) -> None:
     askew = Pose(position=np.array([0.0, 0.0, 0.045]), rotation=rotation_about("z", 0.3))
     with pytest.raises(BadInput, match="lies askew"):
-        classical.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=askew), tared=True)
+        identify.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=askew), tared=True)
 
 
 @pytest.mark.parametrize(("article", "tared"), [("clumod-4", True), ("clumod-1", False), ("fmd+clumod-1", True)])
 def test_a_result_about_another_body_is_refused(article: str, tared: bool, tmp_path: Path, make_campaign: Make) -> None:
     name = _file(tmp_path, WEIGHING.replace("ARTICLE", article))
     with pytest.raises(BadInput, match=f"it is about {article.replace('+', '.')}") as refused:
-        classical.facts([name], make_campaign("fmd+clumod-1"), tared=tared)
+        identify.facts([name], make_campaign("fmd+clumod-1"), tared=tared)
     assert refused.value.field == "article.name"
 
 
 def test_assumed_tolerances_are_said(make_campaign: Make) -> None:
-    facts, words = classical.facts(["clumod-4-published"], make_campaign("fmd+clumod-4"), tared=True)
+    facts, words = identify.facts(["clumod-4-published"], make_campaign("fmd+clumod-4"), tared=True)
     assert {fact.quantity for fact in facts} >= {"mass_kg", "cog_z_mm", "moi_zz_cog_kgm2"}
     assert "assumed" in words[0]
 
@@ -163,5 +163,5 @@ def test_assumed_tolerances_are_said(make_campaign: Make) -> None:
 def test_a_cog_needs_to_know_where_its_origin_stands(tmp_path: Path, make_campaign: Make) -> None:
     assert stated(make_campaign("fmd+clumod-1", mounting=None)) is None
     with pytest.raises(BadInput, match="is missing") as refused:
-        classical.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=None), tared=True)
+        identify.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=None), tared=True)
     assert refused.value.field == "mounting"

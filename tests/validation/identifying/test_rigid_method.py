@@ -6,21 +6,17 @@ import numpy as np
 import pytest
 
 from fem.damping import Damping
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
 from geometry.inertia import PARAMETERS
 from identification import campaign_file
-from identification.classical import QUANTITIES
-from identification.identified import counts
 from identification.identify import Identification, identify
-from validation.identifying import run as running
-from validation.identifying import table
-from validation.identifying.asked import Asked, Ready, ready
-from validation.identifying.findings import Findings
-from validation.identifying.gathered import gathered
-from validation.identifying.run import answer
-from validation.statement import about_cog
-from validation.tables.text import page
+from identification.request import QUANTITIES, counts
+from validation.identify.identify import IdentificationFindings, IdentifyOptions, PreparedRequest, gathered, ready
+from validation.reference.statement import about_cog
+from validation.report import identify as report_identify
+from validation.report.document import page
+from validation.report.identify import answer
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
 
@@ -29,21 +25,21 @@ FAST = Plan(article="fmd+clumod-1", seed=7, damping=Damping(ratio=0.03), octaves
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Ready:
+def made(tmp_path_factory: pytest.TempPathFactory) -> PreparedRequest:
     place = tmp_path_factory.mktemp("elastic")
     for article in ("fmd+clumod-1", "fmd+disc+cuboid"):
         campaign_file.write(place / article, simulate(replace(FAST, article=article)).campaign)
-    asked = Asked(campaign=str(place / "fmd+clumod-1"), tares=(str(place / "fmd+disc+cuboid"),), modes="0", study=False)
+    asked = IdentifyOptions(campaign=str(place / "fmd+clumod-1"), tares=(str(place / "fmd+disc+cuboid"),), modes="0", study=False)
     return ready(asked)
 
 
 @pytest.fixture(scope="module")
-def done(made: Ready) -> Identification:
+def done(made: PreparedRequest) -> Identification:
     return identify(made.request)
 
 
 @pytest.fixture(scope="module")
-def shown(made: Ready, done: Identification) -> Findings:
+def shown(made: PreparedRequest, done: Identification) -> IdentificationFindings:
     return gathered(made, done)
 
 
@@ -55,9 +51,9 @@ def test_the_band_ends_below_the_first_resonance(done: Identification) -> None:
     assert any("first resonance" in reason for reason in done.exclusions.reasons)
 
 
-def test_the_errors_are_of_the_kind_of_table_2(shown: Findings) -> None:
+def test_the_errors_are_of_the_kind_of_table_2(shown: IdentificationFindings) -> None:
     """Of the paper: mass +2.9 %, CoG z 13 mm, moments up to 15 %."""
-    true = about_cog(multibody.inertia(built_in("clumod-1")))
+    true = about_cog(routes.inertia(built_in("clumod-1")))
     apart = shown.result.values - true
     assert 0.005 < apart[0] / true[0] < 0.06
     assert 5e-3 < abs(apart[3]) < 60e-3
@@ -65,20 +61,27 @@ def test_the_errors_are_of_the_kind_of_table_2(shown: Findings) -> None:
     assert np.abs(apart[1:3]).max() < 5e-3
 
 
-def test_all_ten_are_flagged_and_the_page_says_which_result_counts(shown: Findings) -> None:
+def test_all_ten_are_flagged_and_the_page_says_which_result_counts(shown: IdentificationFindings) -> None:
     assert shown.result.identified.way == "plain"
     assert all(shown.verdict[name].startswith("dominated by elasticity") for name in (*PARAMETERS, *QUANTITIES))
-    text = " ".join(page(table.title(shown), table.grids(shown), table.notes(shown), 132).split())
+    text = " ".join(
+        page(
+            report_identify.title(shown),
+            report_identify.identification_grids(shown),
+            report_identify.identification_notes(shown),
+            132,
+        ).split()
+    )
     assert "the plain result is the one that counts" in text
     assert "taken for rigid from 4 to" in text
 
 
 def test_an_elastic_article_is_no_failure_of_the_command(
-    made: Ready, done: Identification, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    made: PreparedRequest, done: Identification, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(running, "ready", lambda *_: made)
-    monkeypatch.setattr(running, "identify", lambda *_: done)
-    answer(Asked(campaign="somewhere"), None, as_json=True, folder=None, keep=False)
+    monkeypatch.setattr(report_identify, "ready", lambda *_: made)
+    monkeypatch.setattr(report_identify, "identify", lambda *_: done)
+    answer(IdentifyOptions(campaign="somewhere"), None, as_json=True, folder=None, keep=False)
     assert '"result": "plain"' in capsys.readouterr().out
 
 

@@ -11,24 +11,22 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import PARAMETERS
-from validation.identifying import drawn, table
-from validation.identifying.as_json import as_json
-from validation.identifying.drawn import draw
-from validation.identifying.findings import Findings
-from validation.identifying.reported import reported
+from validation.identify.identify import IdentificationFindings, reported
 from validation.output import json_text
-from validation.statement import QUANTITIES
-from validation.tables.text import page
+from validation.reference.statement import QUANTITIES
+from validation.report import identify
+from validation.report.document import page
+from validation.report.identify import draw, identification_json
 
 Write = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
 
 
-def _page(found: Findings, width: int = 132) -> str:
-    return page(table.title(found), table.grids(found), table.notes(found), width)
+def _page(found: IdentificationFindings, width: int = 132) -> str:
+    return page(identify.title(found), identify.identification_grids(found), identify.identification_notes(found), width)
 
 
-def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Findings) -> None:
+def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: IdentificationFindings) -> None:
     mass = next(line for line in _page(found).splitlines() if line.lstrip().startswith("Mass m"))
     plain, better = (one.values[0] for one in found.results)
     assert f"{plain:.2f}" in mass
@@ -52,48 +50,48 @@ def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Findings) -
         "from the article's own origin",
     ],
 )
-def test_the_page_says(words: str, found: Findings) -> None:
+def test_the_page_says(words: str, found: IdentificationFindings) -> None:
     assert words in " ".join(_page(found, 200).split())
 
 
-def test_page_and_json_say_how_the_block_bootstrap_agrees(found: Findings) -> None:
+def test_page_and_json_say_how_the_block_bootstrap_agrees(found: IdentificationFindings) -> None:
     assert "Block bootstrap" not in _page(found)
-    assert as_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
+    assert identification_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
     one = found.result
     again = replace(one.identified, resampled=1.3**2 * one.identified.covariance)
     with_it = replace(found, results=(found.results[0], reported(again, Pose())))
     assert "standard deviations 1.30 to 1.30 times those of the intervals" in " ".join(_page(with_it).split())
-    assert as_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
+    assert identification_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
 
 
-def test_crosses_compare_with_the_interval_of_the_difference(found: Findings) -> None:
+def test_crosses_compare_with_the_interval_of_the_difference(found: IdentificationFindings) -> None:
     assert found.study is not None
     what = "no elastic terms"
-    alone = drawn._map(found.study, what, found.result, 0).half_width
+    alone = identify._map(found.study, what, found.result, 0).half_width
     wide = replace(found.study, half_widths={what: np.full((3, 3, 10), 3.0)})
-    both = drawn._map(wide, what, found.result, 0).half_width
+    both = identify._map(wide, what, found.result, 0).half_width
     scale = 100 / found.result.values[0]
     assert_allclose(both, np.hypot(alone, 3.0 * scale), rtol=1e-12)
     assert_allclose(alone, scale * found.result.half_width[0], rtol=1e-12)
 
 
-def test_where_the_better_way_failed_the_plain_result_is_shown(found: Findings) -> None:
+def test_where_the_better_way_failed_the_plain_result_is_shown(found: IdentificationFindings) -> None:
     plain, better = found.results
     failed = replace(found, results=(plain, replace(better, identified=replace(better.identified, converged=False))))
     assert failed.result is plain
-    assert as_json(failed)["result"] == "plain"
-    assert_allclose(as_json(failed)["inertia"]["mass_kg"], plain.values[0])
+    assert identification_json(failed)["result"] == "plain"
+    assert_allclose(identification_json(failed)["inertia"]["mass_kg"], plain.values[0])
     assert "verdict on the plain result" in " ".join(_page(failed).split())
 
 
-def test_elastic_terms_are_listed_by_frequency(found: Findings) -> None:
-    grid = next(one for one in table.grids(found) if one.header[0].startswith("elastic"))
+def test_elastic_terms_are_listed_by_frequency(found: IdentificationFindings) -> None:
+    grid = next(one for one in identify.identification_grids(found) if one.header[0].startswith("elastic"))
     shown = [float(line[0]) for line in grid.lines]
     assert shown == sorted(shown)
     assert len(shown) == 3
 
 
-def test_a_page_of_80_columns_cuts_no_figure(found: Findings) -> None:
+def test_a_page_of_80_columns_cuts_no_figure(found: IdentificationFindings) -> None:
     narrow = _page(found, 80)
     for quantity, value in zip(QUANTITIES, found.result.values, strict=True):
         assert any(quantity.label in line for line in narrow.splitlines()), quantity.label
@@ -101,15 +99,15 @@ def test_a_page_of_80_columns_cuts_no_figure(found: Findings) -> None:
     assert max(map(len, narrow.splitlines())) <= 80
 
 
-def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: Findings) -> None:
+def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: IdentificationFindings) -> None:
     bare = replace(found, request=replace(found.request, tares=()), origin="F")
     text = " ".join(_page(bare).split())
     assert "no tare, so the FMD's moving part is in the result" in text
     assert "CoG from F, the centre of the force-measuring plane" in text
 
 
-def test_the_json_keeps_the_contract(found: Findings) -> None:
-    printed = json.loads(json_text(as_json(found)))
+def test_the_json_keeps_the_contract(found: IdentificationFindings) -> None:
+    printed = json.loads(json_text(identification_json(found)))
     assert set(printed) >= {"article", "origin", "frequency_band_hz", "inertia", "interval95", "verdict", "warnings"}
     assert set(printed["inertia"]) == {"mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2", "about"}
     assert set(printed["verdict"]) == set(PARAMETERS)
@@ -128,21 +126,21 @@ def test_validate_reads_the_json_and_passes_what_is_right(result_file: Write, ru
     assert "95 % intervals" in out
 
 
-def test_validate_takes_the_interval_for_the_tolerance(result_file: Write, run: Run, found: Findings) -> None:
+def test_validate_takes_the_interval_for_the_tolerance(result_file: Write, run: Run, found: IdentificationFindings) -> None:
     code, out, _ = run("validate", str(result_file()), "--against", "clumod-1", "--json")
     rows = json.loads(out)["rows"]
     assert code == 0
     assert_allclose([row["tolerance"] for row in rows], found.result.half_width * [q.per_si for q in QUANTITIES], rtol=1e-9)
 
 
-def test_validate_refuses_what_is_wrong(result_file: Write, run: Run, found: Findings) -> None:
+def test_validate_refuses_what_is_wrong(result_file: Write, run: Run, found: IdentificationFindings) -> None:
     plain = result_file(results=found.results[:1])
     code, _, err = run("validate", str(plain), "--against", "clumod-1")
     assert code == 1
     assert "Mass m" in err
 
 
-def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, found: Findings) -> None:
+def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, found: IdentificationFindings) -> None:
     frame = Pose(position=np.array([0.05, 0.0, 0.3]), rotation=rotation_about("z", 0.4) @ rotation_about("x", 0.2))
     seen = tuple(reported(one.identified, Pose(position=np.array([0.0, 0.0, 0.045])) @ frame) for one in found.results)
     path = result_file(results=seen, frame=frame)
@@ -170,7 +168,7 @@ def test_validate_refuses_the_result_of_another_article(result_file: Write, run:
     assert "clumod-1" in err
 
 
-def test_every_picture_is_drawn_and_is_no_empty_page(found: Findings, tmp_path: Path) -> None:
+def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindings, tmp_path: Path) -> None:
     from PIL import Image
 
     paths = draw(found, tmp_path)
@@ -182,6 +180,6 @@ def test_every_picture_is_drawn_and_is_no_empty_page(found: Findings, tmp_path: 
             assert len(picture.convert("RGB").getcolors(1 << 24) or ()) > 50, path.name
 
 
-def test_pictures_without_evidence_are_left_out(found: Findings, tmp_path: Path) -> None:
+def test_pictures_without_evidence_are_left_out(found: IdentificationFindings, tmp_path: Path) -> None:
     bare = replace(found, lines=None, residuals=None, study=None, spectra=None, dynamic_mass=None)
     assert [path.name for path in draw(bare, tmp_path)] == ["identify-clumod-1-shares.png"]

@@ -7,13 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from validation.engine.measured import Measured
-from validation.engine.parameter import Parameter
-from validation.engine.prediction import Change, Lines, Offsets, Predicted
-from validation.engine.problem import Problem
-from validation.ladders.nouns import Body, Conditions, Errors, Rung, Size, Source
+from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Problem
+from validation.history.history import Body, Conditions, Errors, Source, Version, VersionSize
 
-MakeRung = Callable[..., Rung]
+MakeRung = Callable[..., Version]
 
 
 def errors(plain: float, held_out: float | None = None) -> Errors:
@@ -43,11 +40,11 @@ def body(shift: float = 0.0) -> Body:
 def rung() -> MakeRung:
     """``rung(number, parent, model, ...)`` with figures that mean nothing."""
 
-    def make(number: int = 0, parent: int | None = None, model: str = "a = 1\n", **more: object) -> Rung:
+    def make(number: int = 0, parent: int | None = None, model: str = "a = 1\n", **more: object) -> Version:
         given: dict[str, object] = {
             "cause": "start" if parent is None else "added",
             "effect": "" if parent is None else "force-gain:fmd-z2",
-            "effects": {"force-gain:fmd-z2": (Size(key="", value=0.0801, unit="1", deviation=0.0013),)},
+            "effects": {"force-gain:fmd-z2": (VersionSize(key="", value=0.0801, unit="1", deviation=0.0013),)},
             "conditions": Conditions(data=(Source(path="../one", digest="ab" * 32),), hold_out=("one/x",), band=(4.0, 32.0)),
             "errors": errors(4.1, 4.3),
             "gain": None if parent is None else 27.3,
@@ -58,7 +55,7 @@ def rung() -> MakeRung:
             "settings": {"effects_from": ["mine"]},
             "when": "2026-11-21T17:00:00+00:00",
         }
-        return Rung(number=number, parent=parent, model=model, **{**given, **more})  # type: ignore[arg-type]
+        return Version(number=number, parent=parent, model=model, **{**given, **more})  # type: ignore[arg-type]
 
     return make
 

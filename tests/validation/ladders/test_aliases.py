@@ -5,9 +5,8 @@ from collections.abc import Callable
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.parameter import EFFECT, IDENTIFIED, SENSOR, Parameter
-from validation.engine.problem import Problem
-from validation.ladders.aliases import NOTICED, alias, noticed
+from validation.estimation.problem import EFFECT, IDENTIFIED, SENSOR, Parameter, Problem
+from validation.history.verdict import NOTICED, alias, noticed
 
 MakeProblem = Callable[..., Problem]
 

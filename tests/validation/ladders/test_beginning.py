@@ -5,16 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from validation.effects.identifiers import parse
-from validation.effects.targets import Vocabulary
-from validation.engine.fit import fit
-from validation.engine.measured import Measured
-from validation.engine.parameter import DECLARED, PLAIN, Parameter
-from validation.engine.prediction import Change, Predicted
-from validation.engine.problem import Problem
-from validation.ladders.beginning import begun
-from validation.models.model import Added
-from validation.prediction import applied
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
+from validation.estimation.fit import fit
+from validation.estimation.problem import DECLARED, PLAIN, Change, Measured, Parameter, Predicted, Problem
+from validation.history.add import starting_sizes
+from validation.model.model import Added
+from validation.prediction import effects
 
 WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 MASS = Parameter(name="mass", unit="kg", tolerance=0.05, kind=DECLARED, nominal=20.0, logarithmic=True)
@@ -62,7 +59,7 @@ def problem(added: Added) -> Problem:
         noise=np.full(values.shape, 2e-3),
         inputs=np.ones(values.shape, dtype=complex),
     )
-    return Problem((Beside(measured=measured, parameters=(MASS, *applied.parameters((added,)))),))
+    return Problem((Beside(measured=measured, parameters=(MASS, *effects.parameters((added,)))),))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +73,7 @@ def problem(added: Added) -> Problem:
 )
 def test_a_resonator_is_found_from_where_it_begins(text: str, left: tuple[str, ...]) -> None:
     added = Added(named=parse(text, WORDS))
-    found = begun(added, left, problem(added), {"mass": 0.015})
+    found = starting_sizes(added, left, problem(added), {"mass": 0.015})
     assert found.named.values["f"] == pytest.approx(TRUTH["f"], rel=0.04)
     whole = problem(found)
     fitted = fit(whole, PLAIN, start=fit(without(whole), PLAIN), floor=0.0)
@@ -103,4 +100,4 @@ class Without:
 
 def test_what_is_fixed_begins_as_it_was_asked_for() -> None:
     added = Added(named=parse("appendage:z=m:0.05,f:10,zeta:0.01", WORDS), fixed=True)
-    assert begun(added, (), problem(replace(added, fixed=False)), {}) is added
+    assert starting_sizes(added, (), problem(replace(added, fixed=False)), {}) is added

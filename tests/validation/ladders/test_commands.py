@@ -13,16 +13,15 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
-from validation import cli
-from validation.comparing.asked import Asked, ready
-from validation.comparing.compared import compared
-from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.ladders import adding
-from validation.ladders.climbing import standing
-from validation.ladders.judging import Bench, Judged, judged
-from validation.ladders.nouns import Rung
-from validation.models.model import Model
-from validation.report import corrected
+from validation.cli import main
+from validation.compare.compare import compared
+from validation.estimation.result import Evaluation, Fit, Share
+from validation.history import add
+from validation.history.add import EvaluatedModel, JudgedData, judged
+from validation.history.history import Version, history_position
+from validation.model.model import Model
+from validation.report import identify
+from validation.study import CompareOptions, ready
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -38,14 +37,14 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("ladder")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        assert cli.run(["simulate", "fmd+cuboid", "--out", "cuboid", *PLAN]) == cli.DONE
-        assert cli.run(["model", "fmd+cuboid", "--out", "model.toml"]) == cli.DONE
+        assert main.run(["simulate", "fmd+cuboid", "--out", "cuboid", *PLAN]) == main.DONE
+        assert main.run(["model", "fmd+cuboid", "--out", "model.toml"]) == main.DONE
         text = Path("model.toml").read_text(encoding="utf-8").replace('kind = "beam"', RIGID)
         Path("model.toml").write_text(f"# mine\n{text}", encoding="utf-8")
         shutil.copy("model.toml", "before.toml")
         _interrupted(patch)
         Path("interrupted.json").write_text(json.dumps(_state()), encoding="utf-8")
-        assert cli.run(["add", "model.toml", GAIN]) == cli.DONE
+        assert main.run(["add", "model.toml", GAIN]) == main.DONE
     return folder
 
 
@@ -58,12 +57,12 @@ def _interrupted(patch: pytest.MonkeyPatch) -> None:
         return judged(bench, model, parent, progress)
 
     with patch.context() as inner:
-        inner.setattr(adding, "judged", only_before)
-        assert cli.run(["add", "model.toml", GAIN, "cuboid"]) == cli.INTERRUPTED
+        inner.setattr(add, "judged", only_before)
+        assert main.run(["add", "model.toml", GAIN, "cuboid"]) == main.INTERRUPTED
 
 
 def _state() -> dict[str, Any]:
-    at = standing(Path("model.toml"))
+    at = history_position(Path("model.toml"))
     return {"text": at.text, "rungs": len(at.ladder.rungs), "on": at.rung.number if at.rung else None}
 
 
@@ -76,7 +75,7 @@ def made(once: Path, run: Run) -> Path:
 
 def ladder(run: Run, *arguments: str) -> dict[str, Any]:
     code, out, err = run("ladder", "model.toml", "--json", "--no-plot", *arguments)
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     found: dict[str, Any] = json.loads(out)
     return found
 
@@ -108,7 +107,7 @@ def test_the_right_effect_is_found_and_its_error_falls(made: Path, run: Run) -> 
 def test_a_comparison_does_not_doubt_the_model_that_has_the_right_effect(made: Path, run: Run) -> None:
     """Nothing but tolerances is left: what a fit leaves on runs that it has not seen is what they explain."""
     code, out, err = run("compare", str(made), "cuboid", "--json")
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     found = json.loads(out)
     verdicts = {one["name"]: one["verdict"] for one in found["errors"]}
     assert set(verdicts.values()) == {None, "good"}, verdicts
@@ -125,14 +124,14 @@ def test_the_model_file_holds_the_effect_and_every_other_line(made: Path) -> Non
 def test_undo_brings_back_every_byte_and_ladder_goes_up_again(made: Path, run: Run) -> None:
     after = made.read_bytes()
     code, out, _ = run("undo", "model.toml")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert "it stands on rung 0" in out
     assert made.read_bytes() == Path("before.toml").read_bytes()
     assert ladder(run, "--go", "1")["current"] == 1
     assert made.read_bytes() == after
 
 
-def no_fit(bench: Bench, model: Model, parent: Rung | None, progress: object = None) -> Judged:
+def no_fit(bench: JudgedData, model: Model, parent: Version | None, progress: object = None) -> EvaluatedModel:
     """What a rung of any figures is made of, in no time."""
     none = Fit(
         parameters=(), offsets=np.zeros(0), covariance=np.zeros((0, 0)), cost=0.0, chi2=1.0, degrees_of_freedom=1,
@@ -140,7 +139,7 @@ def no_fit(bench: Bench, model: Model, parent: Rung | None, progress: object = N
     )  # fmt: skip
     share = Share(percent=1.0)
     found = Evaluation(nominal=share, plain=share, held_out=None, held_out_nominal=None, plain_fit=none, fitted=none)
-    return Judged(model=model, evaluation=found, body=None)
+    return EvaluatedModel(model=model, evaluation=found, body=None)
 
 
 @pytest.mark.parametrize("effect", ["polarity:fmd-z1", "channel-swap:fmd-z1:fmd-z2"])
@@ -150,9 +149,9 @@ def test_an_effect_without_a_size_is_added_to_a_bare_model(
 ) -> None:
     shutil.copytree(once / "cuboid", "cuboid")
     shutil.copy(once / "before.toml", "model.toml")
-    monkeypatch.setattr(adding, "judged", no_fit)
+    monkeypatch.setattr(add, "judged", no_fit)
     code, out, err = run("add", "model.toml", effect, "cuboid", "--band", "8", "16", *form)
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     assert effect in out
     if form:
         assert [one["id"] for one in json.loads(out)["after"]["effects"]] == [effect]
@@ -163,7 +162,7 @@ def test_an_effect_without_a_size_is_added_to_a_bare_model(
 def test_a_mistake_is_taken_out_of_data_that_nothing_fits_with_it(once: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of swapped channels no fit converges: the rung below has no figures, and any other effect is still refused."""
 
-    def judged_or_failed(bench: Bench, model: Model, parent: Rung | None, progress: object = None) -> Judged:
+    def judged_or_failed(bench: JudgedData, model: Model, parent: Version | None, progress: object = None) -> EvaluatedModel:
         if not model.effects:
             raise CheckFailed("the fit does not converge")
         assert parent is None
@@ -171,12 +170,12 @@ def test_a_mistake_is_taken_out_of_data_that_nothing_fits_with_it(once: Path, ru
 
     shutil.copytree(once / "cuboid", "cuboid")
     shutil.copy(once / "before.toml", "model.toml")
-    monkeypatch.setattr(adding, "judged", judged_or_failed)
+    monkeypatch.setattr(add, "judged", judged_or_failed)
     code, _, err = run("add", "model.toml", "force-gain:fmd-z1", "cuboid", "--band", "8", "16")
-    assert code == cli.FAILED_CHECK
+    assert code == main.FAILED_CHECK
     assert "does not converge" in err
     code, out, err = run("add", "model.toml", "channel-swap:fmd-z1:fmd-z2", "cuboid", "--band", "8", "16")
-    assert code == cli.DONE, err
+    assert code == main.DONE, err
     assert "the fit does not converge" in " ".join(out.split())
     found = ladder(run)
     assert [one["errors"] is None for one in found["rungs"]] == [True, False]
@@ -186,7 +185,7 @@ def test_a_mistake_is_taken_out_of_data_that_nothing_fits_with_it(once: Path, ru
 
 def test_the_page_marks_the_rung_and_draws_the_fall(made: Path, run: Run) -> None:
     code, out, err = run("ladder", "model.toml")
-    assert code == cli.DONE
+    assert code == main.DONE
     assert f"→ 1 {GAIN}" in out
     assert "  0 the model at first" in out
     assert "cuboid, rung 1" in out
@@ -212,22 +211,22 @@ def test_a_report_has_the_inertia_of_the_rung_and_without_a_ladder_finds_the_sam
 
     def quiet(what: str, share: float) -> None: ...
 
-    asked = Asked(model="model.toml", data=("cuboid",))
+    asked = CompareOptions(model="model.toml", data=("cuboid",))
     model, data = ready(asked, quiet)
     found = compared(model, data, (), quiet)
-    at = standing(made)
+    at = history_position(made)
     assert at.rung is not None
-    (kept,), _ = corrected.identified(asked, model, data, found, at, quiet)
+    (kept,), _ = identify.identified(asked, model, data, found, at, quiet)
     (here,) = at.rung.bodies
     assert kept is here
-    (fitted,), _ = corrected.identified(asked, model, data, found, None, quiet)
+    (fitted,), _ = identify.identified(asked, model, data, found, None, quiet)
     assert_allclose((fitted.values - here.values) / here.deviation, 0.0, atol=0.01)
     assert_allclose(fitted.half_width, here.half_width, rtol=0.01)
     elsewhere = replace(asked, band=(9.0, 15.0))  # the rung stands on other lines, and does not speak for these
-    (other,), _ = corrected.identified(elsewhere, model, data, found, at, quiet)
+    (other,), _ = identify.identified(elsewhere, model, data, found, at, quiet)
     assert other is not here
     bare = replace(model, effects=())
-    assert corrected.identified(elsewhere, bare, data, found, at, quiet) == ((), "")
+    assert identify.identified(elsewhere, bare, data, found, at, quiet) == ((), "")
 
 
 def test_an_edit_by_hand_is_said(made: Path, run: Run) -> None:
@@ -257,7 +256,7 @@ def test_what_cannot_be_added_is_refused_in_words_and_nothing_changes(
 ) -> None:
     before = made.read_bytes(), Path("model.ladder.json").read_bytes()
     code, out, err = run("add", "model.toml", *arguments)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert words in err
     assert (made.read_bytes(), Path("model.ladder.json").read_bytes()) == before
 
@@ -267,7 +266,7 @@ def test_exact_aliases_are_refused_with_their_direction(made: Path, run: Run) ->
     # of a rigid body the two halves of gravity cancel to rounding
     made.write_text(f'{text}\n[[effect]]\nid = "gravity"\nvalue = 0.0\nfixed = true\n', encoding="utf-8")
     code, _, err = run("add", "model.toml", "accelerometer-tilt")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "cannot tell it from what is in the model" in err
     assert "gravity" in err
     assert "--alias-ok" in err
@@ -278,14 +277,14 @@ def test_without_data_or_a_ladder_it_says_what_is_missing(once: Path, run: Run) 
     assert "there is no data" in run("add", "model.toml", GAIN)[2]
     for command in ("ladder", "undo"):
         code, _, err = run(command, "model.toml")
-        assert code == cli.BAD_INPUT
+        assert code == main.BAD_INPUT
         assert "has no ladder" in err
 
 
 def test_data_that_moved_away_or_changed_are_said(made: Path, run: Run) -> None:
     Path("cuboid").rename("elsewhere")
     code, _, err = run("add", "model.toml", "force-gain:fmd-z1")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "stands on cuboid, which is not there any more" in err
 
 
@@ -295,7 +294,7 @@ def test_a_damaged_ladder_is_refused_by_every_command_and_kept(made: Path, run: 
     before = beside.read_bytes(), made.read_bytes()
     for arguments in (("ladder", "model.toml"), ("undo", "model.toml"), ("add", "model.toml", "force-gain:fmd-z1")):
         code, _, err = run(*arguments)
-        assert code == cli.BAD_INPUT
+        assert code == main.BAD_INPUT
         assert "model.ladder.json" in err
     assert (beside.read_bytes(), made.read_bytes()) == before
 
@@ -312,7 +311,7 @@ def test_an_own_effect_is_looked_for_where_the_ladder_had_it(made: Path, run: Ru
     made.write_text(f'{made.read_text(encoding="utf-8")}\n[[effect]]\nid = "force-sag:fmd-z1"\nvalue = 0.1\n', encoding="utf-8")
     for arguments in (("compare", "model.toml", "cuboid"), ("add", "model.toml", "force-gain:fmd-z1")):
         code, _, err = run(*arguments)
-        assert code == cli.BAD_INPUT
+        assert code == main.BAD_INPUT
         assert "no effect is called 'force-sag'" in err
         assert "--effects-from mine/effects" in err
 
@@ -328,8 +327,8 @@ def test_a_folder_that_cannot_be_written_is_said_before_the_fit(made: Path, run:
     def full(path: Path) -> None:
         raise OSError(30, "Read-only file system", str(path))
 
-    monkeypatch.setattr(adding, "probe", full)
-    monkeypatch.setattr(adding, "judged", None)
+    monkeypatch.setattr(add, "probe", full)
+    monkeypatch.setattr(add, "judged", None)
     code, _, err = run("add", "model.toml", "force-gain:fmd-z1")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "Read-only file system" in err

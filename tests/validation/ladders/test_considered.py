@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.engine.fit import fit
-from validation.engine.parameter import EFFECT, PLAIN, SENSOR, Parameter
-from validation.engine.problem import Problem
-from validation.ladders.considered import covariance, of_fit
+from validation.estimation.fit import fit
+from validation.estimation.problem import EFFECT, PLAIN, SENSOR, Parameter, Problem
+from validation.history.add import covariance, of_fit
 
 MakeProblem = Callable[..., Problem]
 

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.ladders import file
-from validation.ladders.nouns import Errors, Ladder, Rung
+from validation.history import history
+from validation.history.history import Errors, Ladder, Version
 
-MakeRung = Callable[..., Rung]
+MakeRung = Callable[..., Version]
 
 
 @pytest.fixture
@@ -27,11 +27,11 @@ def ladder(rung: MakeRung) -> Ladder:
 
 def test_what_was_written_is_read_back(ladder: Ladder, tmp_path: Path) -> None:
     path = tmp_path / "model.ladder.json"
-    file.write(path, ladder, "model.toml")
-    found = file.read(path)
+    history.write(path, ladder, "model.toml")
+    found = history.read(path)
     assert found.current == ladder.current
     for one, other in zip(found.rungs, ladder.rungs, strict=True):
-        for name in {each.name for each in fields(Rung)} - {"bodies"}:
+        for name in {each.name for each in fields(Version)} - {"bodies"}:
             assert getattr(one, name) == getattr(other, name), name
         for body, its in zip(one.bodies, other.bodies, strict=True):
             assert body.article == its.article
@@ -44,12 +44,12 @@ def test_the_text_of_a_model_comes_back_byte_by_byte(tmp_path_factory: pytest.Te
     if any("\ud800" <= one <= "\udfff" for one in text):
         return  # no file in UTF-8 holds half a character
     path = tmp_path_factory.getbasetemp() / "any.ladder.json"
-    file.write(path, Ladder(rungs=(Rung(number=0, parent=None, cause="start", model=text),), current=0), "model.toml")
-    assert file.read(path).rung(0).model == text
+    history.write(path, Ladder(rungs=(Version(number=0, parent=None, cause="start", model=text),), current=0), "model.toml")
+    assert history.read(path).rung(0).model == text
 
 
 def test_a_person_reads_the_model_line_by_line(ladder: Ladder) -> None:
-    table = json.loads(file.text(ladder, "model.toml"))
+    table = json.loads(history.text(ladder, "model.toml"))
     assert table["format"] == 1
     assert table["rungs"][1]["model"] == ["a = 2"]
     assert table["rungs"][1]["errors"]["plain_percent"] == 4.1
@@ -59,7 +59,7 @@ def test_a_person_reads_the_model_line_by_line(ladder: Ladder) -> None:
 
 def test_figures_that_are_not_there_are_null_and_no_json_of_our_own(ladder: Ladder) -> None:
     nowhere = replace(ladder.rung(1), gain=float("-inf"), errors=replace(_errors(ladder), log_evidence=float("nan")))
-    text = file.text(Ladder(rungs=(ladder.rung(0), nowhere), current=0), "model.toml")
+    text = history.text(Ladder(rungs=(ladder.rung(0), nowhere), current=0), "model.toml")
     assert json.loads(text, parse_constant=lambda word: pytest.fail(word))["rungs"][1]["evidence_gain_nats"] is None
 
 
@@ -80,11 +80,11 @@ def changed(change: Callable[[dict[str, Any]], object]) -> Callable[[str], str]:
 
 def test_a_ladder_from_before_the_price_was_kept_is_read(ladder: Ladder, tmp_path: Path) -> None:
     path = tmp_path / "model.ladder.json"
-    table = json.loads(file.text(ladder, "model.toml"))
+    table = json.loads(history.text(ladder, "model.toml"))
     for one in (one["errors"] for one in table["rungs"] if one["errors"]):
         del one["tolerance_z2_expected"], one["largest_z"]
     path.write_text(json.dumps(table), encoding="utf-8")
-    found = file.read(path).rungs[1].errors
+    found = history.read(path).rungs[1].errors
     assert found is not None
     assert found.due_z2 == found.tolerances  # the most that it can be
 
@@ -114,16 +114,16 @@ def test_what_is_no_whole_ladder_is_refused_in_words_and_left_alone(
     damage: Callable[[str], str], words: str, ladder: Ladder, tmp_path: Path
 ) -> None:
     path = tmp_path / "model.ladder.json"
-    path.write_text(damage(file.text(ladder, "model.toml")), encoding="utf-8")
+    path.write_text(damage(history.text(ladder, "model.toml")), encoding="utf-8")
     before = path.read_bytes()
     with pytest.raises(BadInput, match=words) as raised:
-        file.read(path)
+        history.read(path)
     assert str(path) in str(raised.value)
     assert path.read_bytes() == before
 
 
 def test_the_ladder_stands_beside_its_model() -> None:
-    assert file.beside(Path("a/my.model.toml")) == Path("a/my.model.ladder.json")
+    assert history.path_beside(Path("a/my.model.toml")) == Path("a/my.model.ladder.json")
 
 
 def test_distances_are_told_in_standard_deviations(rung: MakeRung) -> None:

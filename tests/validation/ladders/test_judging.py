@@ -3,10 +3,9 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from validation.engine.parameter import IDENTIFIED, Parameter
-from validation.engine.problem import Problem
-from validation.ladders.judging import Bench, judged
-from validation.models.model import Model
+from validation.estimation.problem import IDENTIFIED, Parameter, Problem
+from validation.history.add import JudgedData, judged
+from validation.model.model import Model
 
 KNOWN = (Parameter(name="fmd:m", unit="kg", tolerance=1.0, kind=IDENTIFIED),)
 
@@ -18,6 +17,6 @@ def test_nominal_and_plain_error_on_what_was_held_out_are_of_the_same_data(affin
         (prediction,) = affine(KNOWN, {"fmd:m": 0.1}, seed=seed).predictions
         found.append(replace(prediction, measured=replace(prediction.measured, name=name, configuration=name)))
     series = Problem(tuple(found))
-    of = judged(Bench(problem=lambda model: series), Model(source="m", title="m", article="fmd+cuboid"), None).evaluation
+    of = judged(JudgedData(problem=lambda model: series), Model(source="m", title="m", article="fmd+cuboid"), None).evaluation
     assert of.held_out_configurations is not None
     assert (of.held_out, of.held_out_nominal) == (None, None)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from validation.pictures.ladder import spread
+from validation.report.charts.history import spread
 
 HEIGHTS = st.lists(st.floats(-200.0, 200.0), min_size=1, max_size=8)
 

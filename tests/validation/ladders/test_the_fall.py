@@ -10,25 +10,23 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.ladders import drawn
-from validation.ladders.climbing import Standing
-from validation.ladders.nouns import Ladder, Rung
-from validation.pictures import ladder as pages
-from validation.plots.ladder import falling_errors
+from validation.history.history import HistoryPosition, Ladder, Version
+from validation.report.charts import history
+from validation.report.charts.history import falling_errors
 
 
 def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(
-    rung: Callable[..., Rung], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rung: Callable[..., Version], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of 270 tolerances that the data hardly tell, 40 is due in all. The sum is 30.25: beside one each that seems nothing."""
     rungs = tuple(rung(k, k - 1 if k else None) for k in range(2))
     rungs = tuple(replace(one, errors=replace(one.errors, expected_z2=40.0)) for one in rungs if one.errors is not None)
-    at = Standing(path=tmp_path / "model.toml", text="", ladder=Ladder(rungs=rungs, current=1), rung=rungs[1])
-    seen: list[pages.DrawnRung] = []
-    monkeypatch.setattr(pages, "draw_fall", lambda title, rungs, *rest: seen.extend(rungs))
-    monkeypatch.setattr(pages, "draw_inertia", lambda *rest, **more: None)
-    drawn.draw(at, tmp_path)
-    (price,) = (name for name in pages.FITTED if "z²" in name)
+    at = HistoryPosition(path=tmp_path / "model.toml", text="", ladder=Ladder(rungs=rungs, current=1), rung=rungs[1])
+    seen: list[history.DrawnRung] = []
+    monkeypatch.setattr(history, "draw_fall", lambda title, rungs, *rest: seen.extend(rungs))
+    monkeypatch.setattr(history, "draw_inertia", lambda *rest, **more: None)
+    history.draw(at, tmp_path)
+    (price,) = (name for name in history.FITTED if "z²" in name)
     on_paper = [one.errors[price] for one in seen]
     (line,) = (one for one in falling_errors(at).data if "z²" in one.name and one.mode != "markers")
     assert_allclose(on_paper, 30.25 / 40.0, rtol=1e-12)

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from validation.comparing.verdicts import absurd
-from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.engine.parameter import SENSOR, Parameter
-from validation.ladders.judging import Judged, rung_with
-from validation.ladders.nouns import Errors, Rung, Size
-from validation.ladders.verdict import verdict, worth
-from validation.models.model import Model
+from validation.estimation.problem import SENSOR, Parameter
+from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.verdicts import absurd
+from validation.history.add import EvaluatedModel, rung_with
+from validation.history.history import Errors, Version, VersionSize
+from validation.history.verdict import is_worth_adding, verdict
+from validation.model.model import Model
 
-MakeRung = Callable[..., Rung]
+MakeRung = Callable[..., Version]
 ID = "force-gain:fmd-z2"
 NO_EFFECT = Model(source="m.toml", title="", article="fmd+cuboid")
 
@@ -26,8 +26,8 @@ def errors(plain: float, held_out: float | None, **more: object) -> Errors:
     return Errors(plain=plain, held_out=held_out, log_evidence=0.0, **{**given, **more})  # type: ignore[arg-type]
 
 
-def told(rung: MakeRung, before: Errors, after: Errors, *, gain: float = 30.0, size: Size | None = None) -> str:
-    size = size or Size(key="", value=0.08, unit="1", deviation=0.002)
+def told(rung: MakeRung, before: Errors, after: Errors, *, gain: float = 30.0, size: VersionSize | None = None) -> str:
+    size = size or VersionSize(key="", value=0.08, unit="1", deviation=0.002)
     old = rung(0, None, errors=before)
     new = rung(1, 0, errors=after, gain=gain, effects={ID: (size,)})
     return " ".join(verdict(old, new, {"": 0.003}, {"": 0.0}))
@@ -62,7 +62,7 @@ def test_what_holds_only_where_it_was_fitted_is_said(rung: MakeRung) -> None:
     ],
 )
 def test_a_size_within_its_tolerance_is_no_fault(value: float, deviation: float | None, words: str, rung: MakeRung) -> None:
-    size = Size(key="", value=value, unit="1", deviation=deviation)
+    size = VersionSize(key="", value=value, unit="1", deviation=deviation)
     assert words in told(rung, errors(4.0, 4.2), errors(2.0, 2.0), size=size)
 
 
@@ -99,7 +99,7 @@ def test_the_ladder_and_compare_judge_a_fit_alike(z: list[float], tolerance: flo
     )
     share = Share(percent=2.0)
     found = Evaluation(nominal=share, plain=share, held_out=None, held_out_nominal=None, plain_fit=of, fitted=of)
-    new = rung_with(rung(1, 0), Judged(model=NO_EFFECT, evaluation=found, body=None)).errors
+    new = rung_with(rung(1, 0), EvaluatedModel(model=NO_EFFECT, evaluation=found, body=None)).errors
     assert new is not None
     assert ("pay for it" in told(rung, errors(4.0, 4.2), new)) == absurd(of)
 
@@ -115,6 +115,6 @@ def test_fits_that_did_not_converge_come_first(rung: MakeRung) -> None:
 
 
 def test_without_evidence_nothing_is_worth_a_parameter(rung: MakeRung) -> None:
-    assert worth(rung(1, 0, gain=9.0))
-    assert not worth(rung(1, 0, gain=5.0))
-    assert not worth(replace(rung(1, 0), gain=None))
+    assert is_worth_adding(rung(1, 0, gain=9.0))
+    assert not is_worth_adding(rung(1, 0, gain=5.0))
+    assert not is_worth_adding(replace(rung(1, 0), gain=None))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geometry.articles import NAMES
-from validation.models import reading
+from validation.model import model_file
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -20,7 +20,7 @@ STACKS = ("fmd", *(f"fmd+{name}" for name in NAMES if name != "fmd"), "fmd+disc+
 def test_every_stack_on_the_fmd_has_one(run: Run, article: str) -> None:
     code, printed, said = run("model", article)
     assert (code, said) == (0, "")
-    model = reading.of_text(printed, "m.toml")
+    model = model_file.of_text(printed, "m.toml")
     assert (model.article, model.fmd, model.effects) == (article, None, ())
     assert printed.count("#") > 20
 
@@ -31,9 +31,9 @@ def test_it_is_written_and_not_written_over(run: Run) -> None:
     code, _, said = run("model", "fmd+clumod-4", "--out", "lab.toml")
     assert code == 2
     assert "lab.toml: `--out`: it is there already" in said
-    assert reading.read("lab.toml").tolerances.delay == 5e-5
+    assert model_file.read("lab.toml").tolerances.delay == 5e-5
     assert run("model", "fmd+clumod-4", "--out", "lab.toml", "--force")[0] == 0
-    assert reading.read("lab.toml").article == "fmd+clumod-4"
+    assert model_file.read("lab.toml").article == "fmd+clumod-4"
 
 
 def test_a_model_file_is_written_anew(run: Run) -> None:
@@ -43,32 +43,34 @@ def test_a_model_file_is_written_anew(run: Run) -> None:
     code, printed, _ = run("model", "mine.toml")
     assert code == 0
     assert "# relative gain of a force channel\n[[effect]]" in printed
-    assert dict(reading.of_text(printed, "m").effects[0].deviation) == {"": 0.01}
+    assert dict(model_file.of_text(printed, "m").effects[0].deviation) == {"": 0.01}
 
 
 def test_a_model_in_json_becomes_one_that_can_be_edited(run: Run) -> None:
     from geometry.errors import BadInput
-    from validation.effects.identifiers import parse
-    from validation.models.model import Added
-    from validation.models.writing import with_effect
+    from validation.effects.catalogue import parse
+    from validation.model.model import Added
+    from validation.model.model_file import with_effect
 
     text, added = '{"format": 1, "model": {"article": "fmd"}}', Added(named=parse("polarity:fmd-z1"))
     Path("lab.json").write_text(text)
     with pytest.raises(BadInput, match=r"massline model lab\.json --out FILE\.toml writes it as TOML"):
         with_effect(text, added, "lab.json")
     assert run("model", "lab.json", "--out", "lab.toml")[0] == 0
-    assert reading.of_text(with_effect(Path("lab.toml").read_text(), added), "lab.toml").effects[0].named.id == "polarity:fmd-z1"
+    assert (
+        model_file.of_text(with_effect(Path("lab.toml").read_text(), added), "lab.toml").effects[0].named.id == "polarity:fmd-z1"
+    )
 
 
 def test_figures_of_the_drawing_can_be_taken_from_their_comment(run: Run) -> None:
     """Taking the signs # away and the drawing out makes it a statement of one's own."""
-    from geometry import multibody
+    from geometry import routes
     from geometry.articles import built_in
 
     text = run("model", "fmd")[1].replace('inertia = "drawing"\n', "")
     for key in ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
         text = text.replace(f"# {key}", key)
-    stated, drawn = reading.of_text(text, "m.toml").fmd, multibody.inertia(built_in("fmd"))
+    stated, drawn = model_file.of_text(text, "m.toml").fmd, routes.inertia(built_in("fmd"))
     assert stated is not None
     np.testing.assert_allclose(stated.parameters, drawn.parameters, rtol=2e-3, atol=1e-6)  # printed with four digits
 
@@ -79,7 +81,7 @@ def test_a_users_own_files_stand_on_the_fmd(run: Run) -> None:
     (folder / "satellite.h5").touch()
     code, _, said = run("model", "models/satellite.h5", "--out", "models/lab.toml")
     assert (code, said) == (0, "massline: wrote models/lab.toml.\n")
-    model = reading.read("models/lab.toml")
+    model = model_file.read("models/lab.toml")
     assert (model.article, model.own) == ("fmd+satellite", {"fmd+satellite": "models/satellite.h5"})
     assert '"fmd+satellite" = "satellite.h5"' in Path("models/lab.toml").read_text()
     (folder / "bracket.step").touch()

@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
-from geometry.tolerances import Tolerances
-from validation.effects.catalogue import FAMILIES
-from validation.effects.identifiers import parse
-from validation.models import reading, writing
-from validation.models.model import Added, Model, StructureTolerances
+from geometry.sensors import Tolerances
+from validation.effects.catalogue import FAMILIES, parse
+from validation.model import model_file
+from validation.model.model import Added, Model, StructureTolerances
 
 SMALLEST = 'format = 1\n[model]\narticle = "fmd+clumod-1"\n'
 
@@ -83,14 +82,14 @@ def everything() -> Model:
 
 
 def test_three_lines_are_a_model() -> None:
-    model = reading.of_text(SMALLEST, "m.toml")
+    model = model_file.of_text(SMALLEST, "m.toml")
     assert (model.article, model.kind, model.effects, model.fmd) == ("fmd+clumod-1", "beam", (), None)
     assert (model.tolerances, model.structure) == (Tolerances(), StructureTolerances())
 
 
 def test_what_is_written_is_read_back_to_the_last_bit() -> None:
     model = everything()
-    again = reading.of_text(writing.text(model), "m.toml")
+    again = model_file.of_text(model_file.text(model), "m.toml")
     for name in ("title", "article", "hardware", "gravity", "fmd_tolerance", "tolerances", "kind", "modes", "damping_ratio"):
         assert getattr(again, name) == getattr(model, name), name
     assert again.structure == model.structure
@@ -102,7 +101,7 @@ def test_what_is_written_is_read_back_to_the_last_bit() -> None:
     np.testing.assert_array_equal(again.cell_stiffness, model.cell_stiffness)
     kept = [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in again.effects]
     assert kept == [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in model.effects]
-    assert writing.text(again) == writing.text(model)
+    assert model_file.text(again) == model_file.text(model)
 
 
 def test_every_tolerance_has_its_key_in_the_file() -> None:
@@ -117,7 +116,7 @@ def test_every_tolerance_has_its_key_in_the_file() -> None:
         tolerances=Tolerances(**strange),
         structure=StructureTolerances(**halves),
     )
-    again = reading.of_text(writing.text(model), "m.toml")
+    again = model_file.of_text(model_file.text(model), "m.toml")
     assert (again.tolerances, again.structure) == (model.tolerances, model.structure)
 
 
@@ -134,8 +133,8 @@ def test_figures_of_a_file_survive_reading_and_writing(mass: float, cog: list[fl
         f"[laboratory.fmd]\nmass_kg = {mass!r}\ncog_mm = {cog!r}\nmoi_cog_kgm2 = [{moment!r}, {moment!r}, {moment!r}]\n"
         f"[tolerances]\nposition_mm = {position!r}\nangle_deg = {angle!r}\n"
     )
-    model = reading.of_text(text, "m.toml")
-    again = reading.of_text(writing.text(model), "m.toml")
+    model = model_file.of_text(text, "m.toml")
+    again = model_file.of_text(model_file.text(model), "m.toml")
     assert model.fmd is not None
     assert again.fmd is not None
     np.testing.assert_array_equal(again.fmd.parameters, model.fmd.parameters)
@@ -146,13 +145,13 @@ def test_figures_of_a_file_survive_reading_and_writing(mass: float, cog: list[fl
 def test_the_example_of_every_family_can_stand_in_a_model(family: str) -> None:
     example = FAMILIES[family].example.partition(", or ")[0]
     model = Model(source="m.toml", title="", article="fmd+clumod-4", effects=(added(example),))
-    again = reading.of_text(writing.text(model), "m.toml").effects[0].named
+    again = model_file.of_text(model_file.text(model), "m.toml").effects[0].named
     assert (again.id, dict(again.values)) == (parse(example).id, dict(parse(example).values))
 
 
 def test_dimensions_may_be_written_as_tables() -> None:
-    flat = reading.of_text(SMALLEST + '[structure.dimensions]\n"clumod.mast.outer_diameter_mm" = 60\n', "m.toml")
-    deep = reading.of_text(SMALLEST + "[structure.dimensions.clumod.mast]\nouter_diameter_mm = 60.0\n", "m.toml")
+    flat = model_file.of_text(SMALLEST + '[structure.dimensions]\n"clumod.mast.outer_diameter_mm" = 60\n', "m.toml")
+    deep = model_file.of_text(SMALLEST + "[structure.dimensions.clumod.mast]\nouter_diameter_mm = 60.0\n", "m.toml")
     assert flat.changes == deep.changes == {"clumod.mast.outer_diameter_mm": 60.0}
 
 
@@ -220,14 +219,14 @@ def test_dimensions_may_be_written_as_tables() -> None:
 )
 def test_what_cannot_be_meant_is_refused_by_name(text: str, field: str, says: str) -> None:
     with pytest.raises(BadInput, match=re.escape(says)) as refused:
-        reading.of_text(text, "lab.toml")
+        model_file.of_text(text, "lab.toml")
     assert refused.value.source == "lab.toml"
     assert refused.value.field.startswith(field)
 
 
 def test_a_file_that_is_not_there_says_how_to_get_one(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"there is no such file\. Write one with `massline model ARTICLE"):
-        reading.read(tmp_path / "none.toml")
+        model_file.read(tmp_path / "none.toml")
 
 
 def test_an_own_model_is_found_from_the_folder_of_the_file(tmp_path: Path) -> None:
@@ -237,28 +236,28 @@ def test_an_own_model_is_found_from_the_folder_of_the_file(tmp_path: Path) -> No
         'format = 1\n[model]\narticle = "fmd+mine"\n[structure]\nkind = "own"\n[structure.own]\n"fmd+mine" = "mine.h5"\n'
         '[[effect]]\nid = "point-mass:antenna"\nvalue = 0.3\n[[effect]]\nid = "modulus:boom"\nvalue = 0.1\n'
     )
-    model = reading.read(path)
+    model = model_file.read(path)
     assert model.own == {"fmd+mine": str(tmp_path / "mine.h5")}
     assert [one.named.target for one in model.effects] == ["antenna", "boom"]
-    assert '"fmd+mine" = "mine.h5"' in writing.text(model)
+    assert '"fmd+mine" = "mine.h5"' in model_file.text(model)
 
 
 def test_an_own_model_of_no_known_kind_is_refused(tmp_path: Path) -> None:
     (tmp_path / "mine.xyz").touch()
     text = SMALLEST + f"[structure.own]\n'fmd+mine' = '{tmp_path}/mine.xyz'\n"
     with pytest.raises(BadInput, match=r"`structure.own.fmd\+mine`: a file that ends in .xyz cannot be read"):
-        reading.of_text(text, "lab.toml")
+        model_file.of_text(text, "lab.toml")
 
 
 def test_a_new_effect_comes_last_and_all_before_it_stays() -> None:
-    edited = writing.with_effect(BY_HAND, added("unit:cover-z3=g"))
+    edited = model_file.with_effect(BY_HAND, added("unit:cover-z3=g"))
     assert edited.startswith(BY_HAND)
-    assert [one.named.id for one in reading.of_text(edited, "m").effects][-1] == "unit:cover-z3"
-    assert writing.without_effect(edited, "unit:cover-z3") == BY_HAND
+    assert [one.named.id for one in model_file.of_text(edited, "m").effects][-1] == "unit:cover-z3"
+    assert model_file.without_effect(edited, "unit:cover-z3") == BY_HAND
 
 
 def test_a_new_value_leaves_comments_and_order() -> None:
-    edited = writing.with_effect(BY_HAND, added("force-gain:fmd-z2=0.0785", _=0.0021))
+    edited = model_file.with_effect(BY_HAND, added("force-gain:fmd-z2=0.0785", _=0.0021))
     before, after = BY_HAND.splitlines(), edited.splitlines()
     assert [line for line in after if line not in before] == ["value = 0.0785          # by fit", "sd = 0.0021"]
     assert [line for line in before if line not in after] == ["value = 0.08          # by fit"]
@@ -267,7 +266,7 @@ def test_a_new_value_leaves_comments_and_order() -> None:
 
 def test_a_resonator_keeps_its_comments_too() -> None:
     new = added("appendage:z=m:0.06,f:22,zeta:0.02", m=0.001, f=0.2)
-    edited = writing.with_effect(BY_HAND, new)
+    edited = model_file.with_effect(BY_HAND, new)
     assert "value = { m = 0.06, f = 22.0, zeta = 0.02 }   # resonator" in edited
     assert "sd = { m = 0.001, f = 0.2 }" in edited
     assert "fixed = false" in edited
@@ -276,8 +275,8 @@ def test_a_resonator_keeps_its_comments_too() -> None:
 
 
 def test_without_an_effect_the_others_keep_their_comments() -> None:
-    edited = writing.without_effect(BY_HAND, "force-gain:fmd-z2")
-    assert [one.named.id for one in reading.of_text(edited, "m").effects] == ["appendage:z"]
+    edited = model_file.without_effect(BY_HAND, "force-gain:fmd-z2")
+    assert [one.named.id for one in model_file.of_text(edited, "m").effects] == ["appendage:z"]
     assert "# a loose cover, perhaps\n[[effect]]             # second" in edited
     assert "# --- what we found" in edited
     assert "dropped" not in edited
@@ -285,46 +284,46 @@ def test_without_an_effect_the_others_keep_their_comments() -> None:
 
 
 def test_the_order_of_edits_does_not_matter_to_what_is_left() -> None:
-    text = writing.text(everything())
+    text = model_file.text(everything())
     for id in ("appendage:z", "polarity:fmd-z1", "force-gain:fmd-z2", "friction:flange:x"):
-        text = writing.without_effect(text, id)
-    assert reading.of_text(text, "m.toml").effects == ()
+        text = model_file.without_effect(text, id)
+    assert model_file.of_text(text, "m.toml").effects == ()
     for one in everything().effects:
-        text = writing.with_effect(text, one)
-    assert text == writing.text(everything())
+        text = model_file.with_effect(text, one)
+    assert text == model_file.text(everything())
 
 
 def test_a_layout_of_several_lines_is_rewritten_whole() -> None:
     text = SMALLEST + "[[effect]]\nid = 'appendage:z'  # ours\n[effect.value]\nm = 0.1\nf = 20.0\nzeta = 0.01\n"
-    edited = writing.with_effect(text, added("appendage:z=m:0.2,f:20,zeta:0.01"))
-    assert reading.of_text(edited, "m").effects[0].named.values["m"] == 0.2
-    assert writing.without_effect(text, "appendage:z") == SMALLEST
+    edited = model_file.with_effect(text, added("appendage:z=m:0.2,f:20,zeta:0.01"))
+    assert model_file.of_text(edited, "m").effects[0].named.values["m"] == 0.2
+    assert model_file.without_effect(text, "appendage:z") == SMALLEST
 
 
 def test_what_an_edit_could_damage_is_refused() -> None:
     text = "effect = [{id = 'polarity:a'}]\n" + SMALLEST
     with pytest.raises(BadInput, match="Write each as a table of its own"):
-        writing.without_effect(text, "polarity:a")
+        model_file.without_effect(text, "polarity:a")
     with pytest.raises(BadInput, match="Write each as a table of its own"):
-        writing.with_effect(text, added("polarity:fmd-z1"))
+        model_file.with_effect(text, added("polarity:fmd-z1"))
     trap = SMALLEST.replace("[model]", '[model]\ntitle = """\n[[effect]]\n"""') + "[[effect]]\nid = 'polarity:a'\n"
     with pytest.raises(BadInput, match="Write each as a table of its own"):
-        writing.without_effect(trap, "polarity:a")
+        model_file.without_effect(trap, "polarity:a")
 
 
 def test_an_edit_that_would_change_something_else_is_refused() -> None:
     """The only line [[effect]] is one of the title's; without it the file would be good, and the effect still there."""
     trap = """effect = [{id = 'polarity:a'}]\nformat = 1\n[model]\narticle = 'fmd'\ntitle = '''\n[[effect]]\nx = 1\n[x] '''\n"""
     with pytest.raises(BadInput, match="Write each as a table of its own"):
-        writing.without_effect(trap, "polarity:a")
+        model_file.without_effect(trap, "polarity:a")
 
 
 def test_an_effect_that_is_not_there_cannot_be_taken_out() -> None:
     with pytest.raises(BadInput, match=r"no such effect\. Did you mean force-gain:fmd-z2\?"):
-        writing.without_effect(BY_HAND, "force-gain:fmd-z3", "lab.toml")
+        model_file.without_effect(BY_HAND, "force-gain:fmd-z3", "lab.toml")
 
 
 def test_line_ends_of_another_system_stay() -> None:
     text = BY_HAND.replace("\n", "\r\n")
-    edited = writing.with_effect(text, added("force-gain:fmd-z2=0.0785"))
+    edited = model_file.with_effect(text, added("force-gain:fmd-z2=0.0785"))
     assert edited == text.replace("value = 0.08 ", "value = 0.0785 ")

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from geometry.tolerances import Tolerances
-from validation.correcting.corrected import CORRECTIONS
-from validation.models import laboratory, reading
-from validation.models.model import KINDS, StructureTolerances
+from geometry.sensors import Tolerances
+from validation.correct import CORRECTIONS
+from validation.model import model_file
+from validation.model.model import KINDS, StructureTolerances
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "model-file.md").read_text(encoding="utf-8")
@@ -24,7 +24,7 @@ def blocks(language: str) -> list[str]:
 
 
 def test_the_example_says_what_nominal_json_says(data: Path) -> None:
-    known, model = json.loads((data / "example_series" / "nominal.json").read_text()), reading.read(EXAMPLE)
+    known, model = json.loads((data / "example_series" / "nominal.json").read_text()), model_file.read(EXAMPLE)
     assert model.fmd is not None
     np.testing.assert_allclose(model.fmd.mass_matrix, known["fmd"]["mass_matrix_about_F"], rtol=1e-6, atol=1e-9)  # 7 digits
     assert model.cell_stiffness is not None
@@ -35,18 +35,28 @@ def test_the_example_says_what_nominal_json_says(data: Path) -> None:
 
 def test_the_example_belongs_to_the_campaigns_of_the_data(data: Path) -> None:
     from identification.campaign_file import read_description
-    from validation.models.pairing import require_pair
+    from validation.model.model import require_pair
 
     campaigns = [read_description(data / "example_series" / name) for name in ("fmd+disc+cuboid", "fmd+clumod-1")]
-    require_pair(reading.read(EXAMPLE), campaigns)
+    require_pair(model_file.read(EXAMPLE), campaigns)
 
 
 def test_every_key_is_on_the_page() -> None:
-    names = [one.name for one in fields(StructureTolerances)] + [key for key, _ in laboratory.SCALES.values()]
-    tables = (*reading.MODEL, *reading.STRUCTURE, *laboratory.LABORATORY, *laboratory.FMD, *KINDS, "id", "value", "sd", "fixed")
+    names = [one.name for one in fields(StructureTolerances)] + [key for key, _ in model_file.SCALES.values()]
+    tables = (
+        *model_file.MODEL,
+        *model_file.STRUCTURE,
+        *model_file.LABORATORY,
+        *model_file.FMD,
+        *KINDS,
+        "id",
+        "value",
+        "sd",
+        "fixed",
+    )
     for key in (*names, *tables):
         assert re.search(rf"[`.]{key}[`\]= ]", PAGE), key
-    assert {one.name for one in fields(Tolerances)} == {*laboratory.SCALES, "fmd_inertia"}
+    assert {one.name for one in fields(Tolerances)} == {*model_file.SCALES, "fmd_inertia"}
 
 
 def test_every_correction_is_on_the_page() -> None:

@@ -13,9 +13,9 @@ import pytest
 
 from geometry import toml_file
 from geometry.errors import BadInput
-from validation.effects.identifiers import parse
-from validation.models import reading, writing
-from validation.models.model import Added, Model
+from validation.effects.catalogue import parse
+from validation.model import model_file
+from validation.model.model import Added, Model
 
 WHOLE = """\
 format = 1
@@ -72,7 +72,7 @@ def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 def read_or_refused(table: dict[str, Any]) -> Model | BadInput:
     try:
-        return reading.of_table(table, "lab.toml")
+        return model_file.of_table(table, "lab.toml")
     except BadInput as error:
         return error
 
@@ -90,7 +90,10 @@ def test_a_strange_value_is_a_model_or_a_refusal_that_names_the_file(path: tuple
         if isinstance(read, BadInput):
             assert (read.source, bool(read.field)) == ("lab.toml", True), (path, strange, read)
         else:
-            assert writing.text(reading.of_text(writing.text(read), "lab.toml")) == writing.text(read), (path, strange)
+            assert model_file.text(model_file.of_text(model_file.text(read), "lab.toml")) == model_file.text(read), (
+                path,
+                strange,
+            )
 
 
 @pytest.mark.parametrize("path", [*leaves(toml_file.parse(WHOLE, "whole"))], ids=lambda path: ".".join(map(str, path)))
@@ -106,11 +109,11 @@ def test_a_key_that_is_left_out_or_misspelt_is_a_model_or_a_refusal(path: tuple[
         if name:
             inner[name] = value
             with pytest.raises(BadInput) as refused:
-                reading.of_table(table, "lab.toml")
+                model_file.of_table(table, "lab.toml")
             assert refused.value.source == "lab.toml"
         else:
             with suppress(BadInput):
-                reading.of_table(table, "lab.toml")
+                model_file.of_table(table, "lab.toml")
 
 
 def rearranged(generator: np.random.Generator) -> str:
@@ -143,17 +146,17 @@ def test_an_edit_of_a_rearranged_file_changes_one_effect_or_refuses() -> None:
     for _ in range(200):
         text = rearranged(generator)
         try:
-            before = reading.of_text(text, "lab.toml")
+            before = model_file.of_text(text, "lab.toml")
         except BadInput:
             continue
         with suppress(BadInput):
-            after = reading.of_text(writing.with_effect(text, new), "lab.toml")
+            after = model_file.of_text(model_file.with_effect(text, new), "lab.toml")
             ids = [one.named.id for one in before.effects]
             assert [one.named.id for one in after.effects] == (ids if new.named.id in ids else [*ids, new.named.id])
             assert (after.article, after.tolerances, after.modes) == (before.article, before.tolerances, before.modes)
             edited += 1
         for one in before.effects:
             with suppress(BadInput):
-                left = reading.of_text(writing.without_effect(text, one.named.id), "lab.toml").effects
+                left = model_file.of_text(model_file.without_effect(text, one.named.id), "lab.toml").effects
                 assert [each.named.id for each in left] == [e.named.id for e in before.effects if e is not one]
     assert edited > 50

@@ -13,13 +13,12 @@ import pytest
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
 from identification.campaign import Campaign
-from validation.effects.identifiers import parse
-from validation.effects.targets import Vocabulary
-from validation.models.model import Added, Model
-from validation.models.pairing import require_pair, require_target, vocabulary
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
+from validation.model.model import Added, Model, require_pair, require_target, vocabulary
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import Plan
-from validation.virtual_test.set_up import middles_of_cells
+from validation.virtual_test.shaker import middles_of_cells
 
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 

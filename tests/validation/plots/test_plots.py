@@ -11,15 +11,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.comparing.maps import Map
-from validation.comparing.modes import NamedMode
-from validation.comparing.pairs import Pairs
-from validation.diagnosing.diagnosis import Cause, Size
-from validation.effects.identifiers import Named
-from validation.identifying.findings import Lines
-from validation.ladders.climbing import Standing
-from validation.ladders.nouns import Body, Errors, Ladder, Rung
-from validation.plots import condition, embedded, evidence, inertia, ladder, maps, overlay, theme, thinning
+from validation.compare.maps import Map, NamedMode, Pairs
+from validation.diagnose.diagnosis import Cause, EffectEstimate
+from validation.effects.catalogue import Named
+from validation.history.history import Body, Errors, HistoryPosition, Ladder, Version
+from validation.identify.identify import UsedLines
+from validation.report.charts import crosscheck, history, identification, maps, style
 
 F = np.linspace(4.0, 32.0, 57)
 MODE = NamedMode(name="first <mast> mode", frequency=12.0, damping_ratio=0.01)
@@ -59,7 +56,7 @@ def channel_map() -> Map:
     )
 
 
-def rung(number: int, parent: int | None, plain: float) -> Rung:
+def rung(number: int, parent: int | None, plain: float) -> Version:
     errors = Errors(
         nominal=5.0,
         plain=plain,
@@ -71,18 +68,18 @@ def rung(number: int, parent: int | None, plain: float) -> Rung:
         log_evidence=0.0,
         expected_z2=50.0,
     )
-    return Rung(number=number, parent=parent, cause="added", effect=f"<i>{number}</i>", model="", errors=errors, gain=10.0)
+    return Version(number=number, parent=parent, cause="added", effect=f"<i>{number}</i>", model="", errors=errors, gain=10.0)
 
 
-def standing() -> Standing:
+def standing() -> HistoryPosition:
     rungs = (rung(0, None, 4.0), rung(1, 0, 3.0), rung(2, 0, 0.5))
-    return Standing(path=None, text="", ladder=Ladder(rungs=rungs, current=2), rung=rungs[2])  # type: ignore[arg-type]
+    return HistoryPosition(path=None, text="", ladder=Ladder(rungs=rungs, current=2), rung=rungs[2])  # type: ignore[arg-type]
 
 
 def diagnosed() -> Any:
     def cause(id: str, evidence: float, *, null: bool = True) -> Cause:
         family, _, target = id.partition(":")
-        size = Size(key="", value=0.08, unit="1", low=0.07, high=0.09)
+        size = EffectEstimate(key="", value=0.08, unit="1", low=0.07, high=0.09)
         return Cause(
             named=Named(family=family, targets=(target,), values={"": 0.08}), sizes=(size,), evidence=evidence, null=null
         )
@@ -98,24 +95,24 @@ def body() -> Body:
 
 
 FIGURES: dict[str, Callable[[bool], Any]] = {
-    "overlay": lambda dark: overlay.overlay(pairs(), 0, 4, modes=[MODE], marked=11.0, dark=dark),
-    "diagonal": lambda dark: overlay.diagonal(pairs(), modes=[MODE], dark=dark),
+    "overlay": lambda dark: maps.overlay(pairs(), 0, 4, modes=[MODE], marked=11.0, dark=dark),
+    "diagonal": lambda dark: maps.diagonal(pairs(), modes=[MODE], dark=dark),
     "channel map": lambda dark: maps.channel_map(channel_map(), modes=[MODE], dark=dark),
     "pair map": lambda dark: maps.pair_map(pairs(), modes=[MODE], dark=dark),
-    "evidence": lambda dark: evidence.evidence(diagnosed(), dark=dark),
-    "ladder": lambda dark: ladder.falling_errors(standing(), dark=dark),
-    "inertia": lambda dark: inertia.identified_inertia({"plain": body(), "<u>": body()}, dark=dark),
-    "condition": lambda dark: condition.condition(LINES, "<s>", dark=dark),
+    "evidence": lambda dark: crosscheck.evidence(diagnosed(), dark=dark),
+    "ladder": lambda dark: history.falling_errors(standing(), dark=dark),
+    "inertia": lambda dark: history.identified_inertia({"plain": body(), "<u>": body()}, dark=dark),
+    "condition": lambda dark: identification.condition(LINES, "<s>", dark=dark),
 }
-LINES = Lines(frequency=F, condition=1 + F / 10, limit=3.0, kept=(F < 20).astype(float))
+LINES = UsedLines(frequency=F, condition=1 + F / 10, limit=3.0, kept=(F < 20).astype(float))
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_dark_differs_from_light_by_the_template_alone(name: str) -> None:
     light, dark = FIGURES[name](False), FIGURES[name](True)
-    assert embedded.figure_json(light) == embedded.figure_json(dark)
+    assert style.figure_json(light) == style.figure_json(dark)
     assert light.layout.template.layout.paper_bgcolor != dark.layout.template.layout.paper_bgcolor
-    assert '"template"' not in embedded.figure_json(light)
+    assert '"template"' not in style.figure_json(light)
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -128,12 +125,12 @@ def test_every_panel_says_its_units(name: str) -> None:
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_names_from_files_are_no_markup(name: str) -> None:
-    text = embedded.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
+    text = style.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
     assert not [one for one in ("<b>", "<mast>", "<i>", "<u>", "<s>") if one in text]
 
 
 def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
-    figure = overlay.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted})
+    figure = maps.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted})
     by_name = {trace.name: trace for trace in figure.data if trace.showlegend and trace.yaxis == "y"}
     H = pairs().predicted[:, 3, 5]
     assert_allclose(by_name["predicted"].y, np.abs(H), rtol=1e-6)
@@ -147,18 +144,18 @@ def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
 
 def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is() -> None:
     noise = np.random.default_rng(0).normal(scale=0.02, size=100)
-    shown = overlay.phase(-1.0 + 1j * noise)
+    shown = maps.phase(-1.0 + 1j * noise)
     assert np.ptp(shown) < 10
     assert_allclose(shown, 180, atol=8)
 
 
 @pytest.mark.parametrize(("entry", "unit"), [((0, 0), "kg"), ((0, 4), "kg m"), ((5, 1), "kg m"), ((3, 5), "kg m²")])
 def test_units_of_the_entries(entry: tuple[int, int], unit: str) -> None:
-    assert overlay.unit(*entry) == unit
+    assert maps.unit(*entry) == unit
 
 
 def test_an_entry_that_symmetry_makes_nothing_neither_sets_the_scale_nor_shows_a_phase() -> None:
-    figure = overlay.overlay(pairs(), 0, 2)
+    figure = maps.overlay(pairs(), 0, 2)
     low, _ = figure.layout.yaxis.range
     assert low > log10(1e-3)
     phase = next(trace for trace in figure.data if trace.name == "predicted" and trace.yaxis == "y2")
@@ -166,7 +163,7 @@ def test_an_entry_that_symmetry_makes_nothing_neither_sets_the_scale_nor_shows_a
 
 
 def test_the_band_is_two_standard_deviations_wide() -> None:
-    figure = overlay.overlay(pairs(), 1, 1)
+    figure = maps.overlay(pairs(), 1, 1)
     low, high = (trace.y for trace in figure.data[:2])
     assert_allclose(high - low, 4 * 0.1, rtol=1e-2)  # single precision at a resonance
     assert figure.data[1].name == "expected, ± 2 σ"  # of a complex difference: of magnitudes no per cent is due in it
@@ -198,7 +195,7 @@ def test_thinning_keeps_every_peak() -> None:
     frequency = np.linspace(0, 1, 1000)
     values = np.zeros((1000, 2))
     values[613, 1] = 9.0
-    thin = thinning.worst(frequency, values, most=100)
+    thin = style.worst(frequency, values, most=100)
     assert len(thin.middle) == len(thin.values) == len(thin.at) == 100
     assert thin.values[:, 1].max() == 9.0
     column = thin.values[:, 1].argmax()
@@ -210,14 +207,14 @@ def test_thinning_keeps_every_peak() -> None:
 def test_a_line_that_nothing_checks_hides_no_other(most: int) -> None:
     values = np.ones((1000, 2))
     values[501, 0], values[[500, 502], 0], values[:, 1] = 80.0, np.nan, np.nan
-    thin = thinning.worst(np.arange(1000.0), values, most=most)
+    thin = style.worst(np.arange(1000.0), values, most=most)
     assert np.nanmax(thin.values[:, 0]) == 80.0
     assert thin.at[np.nanargmax(thin.values[:, 0]), 0] == 501.0
     assert np.isnan(thin.values[:, 1]).all()
 
 
 def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size() -> None:
-    figure = evidence.evidence(diagnosed())
+    figure = crosscheck.evidence(diagnosed())
     assert list(figure.layout.yaxis.categoryarray) == ["force-gain:fmd-z2", "cell-stiffness:2z", "force-gain:fmd-z1"]
     bars = {bar.y[0]: bar for bar in figure.data if bar.type == "bar"}
     assert {name: bar.name for name, bar in bars.items()} == {
@@ -233,11 +230,11 @@ def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size() -> Non
 
 def test_the_axis_of_evidence_is_linear_then_logarithmic_and_never_turns_back() -> None:
     nats = np.array([-1000.0, -10.0, -3.0, 0.0, 5.0, 10.0, 100.0, 1000.0])
-    assert_allclose(evidence.place(nats), [-30, -10, -3, 0, 5, 10, 20, 30])
+    assert_allclose(crosscheck.place(nats), [-30, -10, -3, 0, 5, 10, 20, 30])
 
 
 def test_the_ladder_follows_the_way_and_puts_branches_aside() -> None:
-    figure = ladder.falling_errors(standing())
+    figure = history.falling_errors(standing())
     strong = next(trace for trace in figure.data if trace.name == "plain, fitted data" and trace.showlegend)
     aside = next(trace for trace in figure.data if trace.name == "plain, fitted data" and not trace.showlegend)
     assert (list(strong.customdata), list(strong.y)) == ([0, 2], [4.0, 0.5])
@@ -245,7 +242,7 @@ def test_the_ladder_follows_the_way_and_puts_branches_aside() -> None:
 
 
 def test_inertia_is_shown_in_per_cent_and_millimetres_with_95_per_cent() -> None:
-    figure = inertia.identified_inertia({"plain": body()})
+    figure = history.identified_inertia({"plain": body()})
     of_mass, of_cog, _ = figure.data
     assert_allclose(of_mass.y[0], 1.0)
     assert_allclose(of_cog.y, [0.0, 0.0, 3.1], atol=1e-9)  # [mm]
@@ -253,17 +250,17 @@ def test_inertia_is_shown_in_per_cent_and_millimetres_with_95_per_cent() -> None
 
 
 def test_lines_that_were_left_out_are_marked() -> None:
-    left = next(trace for trace in condition.condition(LINES).data if trace.name == "left out")
+    left = next(trace for trace in identification.condition(LINES).data if trace.name == "left out")
     assert_allclose(left.x, F[F >= 20])
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 0.05), (1.5, 1.9), (-3.0, -0.5), (0.0, 5.0), (-0.001, 0.001)])
 def test_a_logarithmic_axis_has_round_ticks_within_itself(low: float, high: float) -> None:
-    ticks = theme.decades(low, high)["tickvals"]
+    ticks = style.decades(low, high)["tickvals"]
     assert 2 <= len(ticks) <= 12
     assert all(low - 1e-9 <= log10(tick) <= high + 1e-9 for tick in ticks)
 
 
 def test_templates_are_json_and_differ() -> None:
-    assert embedded.template_json(False) != embedded.template_json(True)
-    assert "heatmap" in embedded.template_json(False)
+    assert style.template_json(False) != style.template_json(True)
+    assert "heatmap" in style.template_json(False)

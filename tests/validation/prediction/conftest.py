@@ -9,11 +9,11 @@ import pytest
 
 from fem.damping import Damping
 from geometry.inertia import PARAMETERS
-from validation.effects.identifiers import parse_all
-from validation.models.model import Added, Model
+from validation.effects.catalogue import parse_all
+from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
-from validation.virtual_test.effects.planting import planted
 from validation.virtual_test.plan import Plan, Scatter, exact
+from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import VirtualTest, simulate
 
 RATIO = 0.05

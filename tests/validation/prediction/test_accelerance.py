@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from validation.effects.identifiers import Named
+from geometry.frames import Array
+from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
-from validation.engine.evaluate import evaluate
-from validation.engine.problem import Problem
-from validation.models.model import Added, StructureTolerances
-from validation.prediction import nuisances, scatter
+from validation.estimation.evaluate import evaluate
+from validation.estimation.problem import Problem
+from validation.model.model import Added, StructureTolerances
+from validation.prediction import nuisances, series
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 
 M, K, ETA = np.diag([2.0, 3.0, 1.5]), 1e4 * np.array([[5.0, -2.0, 0.0], [-2.0, 4.0, -1.0], [0.0, -1.0, 1.0]]), 0.01
@@ -151,23 +151,23 @@ def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance() -> None:
     rng, f, sd = np.random.default_rng(1), 0.02 * np.arange(1, 3000), 0.03
     smooth = -(f**2) / (30.0**2 - f**2 + 2j * 0.002 * 30.0 * f)
     values = smooth + sd * (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
-    found = scatter.noise(f, values[:, :, None])
+    found = series.noise(f, values[:, :, None])
     assert_allclose(np.median(found), sd, rtol=0.03)
     away = np.abs(f - 30.0) > 2.0
     assert_allclose(np.quantile(found[:, away], [0.05, 0.95]), sd, rtol=0.4)  # a median of 101 lines scatters by a sixth
     assert 0.5 * sd < found[:, ~away].min() < found[:, ~away].max() < 3 * sd  # skirts of a peak of 250 bend
-    assert_allclose(scatter.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
+    assert_allclose(series.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
 
 
 def test_readings_that_differ_by_a_share_repeat_to_that_share() -> None:
     rng, share = np.random.default_rng(2), 0.02
     exact = chain()
     error = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
-    assert scatter.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
+    assert series.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
 
 
 def test_what_tells_no_scatter_is_refused() -> None:
     with pytest.raises(ValueError, match="7 lines within"):
-        scatter.noise(np.arange(5.0), np.ones((1, 5, 1)))
+        series.noise(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):
-        scatter.repeatability(np.ones((1, 5, 1)))
+        series.repeatability(np.ones((1, 5, 1)))

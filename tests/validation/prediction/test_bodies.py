@@ -12,15 +12,15 @@ import pytest
 from geometry.errors import BadInput
 from geometry.sensors import ChannelTable
 from identification.campaign import Campaign
-from validation import cli
-from validation.effects.identifiers import parse
-from validation.effects.targets import Vocabulary
-from validation.models.model import Added, Model
-from validation.prediction.bodies import require_bodies
-from validation.prediction.set_up import drawn_inertia
+from validation.cli import main
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
+from validation.model.model import Added, Model
+from validation.prediction.classical_facts import require_bodies
+from validation.prediction.structure import drawn_inertia
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import Plan
-from validation.virtual_test.set_up import middles_of_cells
+from validation.virtual_test.shaker import middles_of_cells
 
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 
@@ -96,11 +96,11 @@ def test_warnings_of_the_arithmetic_never_reach_the_terminal(
 ) -> None:
     def overflows(arguments: list[str] | None = None) -> int:
         warnings.warn("overflow encountered in exp", RuntimeWarning, stacklevel=1)
-        return cli.DONE
+        return main.DONE
 
-    monkeypatch.setattr(cli, "run", overflows)
+    monkeypatch.setattr(main, "run", overflows)
     monkeypatch.setattr("sys.warnoptions", [])
     with pytest.raises(SystemExit) as left:
-        cli.main([])
-    assert left.value.code == cli.DONE
+        main.main([])
+    assert left.value.code == main.DONE
     assert capsys.readouterr().err == ""

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.effects.identifiers import parse
-from validation.effects.targets import Vocabulary
-from validation.engine.parameter import DECLARED, PLAIN, Parameter
-from validation.models.model import Added
-from validation.prediction import applied
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
+from validation.estimation.problem import DECLARED, PLAIN, Parameter
+from validation.model.model import Added
+from validation.prediction import effects
 
 WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 
@@ -25,8 +25,8 @@ WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 )
 def test_bounds_are_those_of_the_family_and_hold_no_effect(text: str) -> None:
     named = parse(text, WORDS)
-    sizes = {applied.name(named, size.key): size for size in named.sizes}
-    found = applied.parameters((Added(named=named),))
+    sizes = {effects.name(named, size.key): size for size in named.sizes}
+    found = effects.parameters((Added(named=named),))
     assert found
     for one in found:
         size = sizes[one.name]
@@ -40,7 +40,7 @@ def test_a_tolerance_that_becomes_an_effect_gets_the_bounds_of_its_family() -> N
     declared = Parameter(
         name="modulus:mast", unit="1", tolerance=0.025, kind=DECLARED, nominal=1.0, logarithmic=True, above=-1.0, within=0.0625
     )
-    (one,), _ = applied.opened((declared,), (Added(named=parse("modulus:mast=-0.12", WORDS)),))
+    (one,), _ = effects.opened((declared,), (Added(named=parse("modulus:mast=-0.12", WORDS)),))
     low, high = one.bounds(plain=True)
     assert_allclose([one.value(low), one.value(high)], [-0.9, 9.0], rtol=1e-12)
     assert declared.bounds(plain=True) == (-0.0625, 0.0625)

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.arrays import Array
+from geometry.frames import Array
 from validation.effects.stages import Matrices
-from validation.prediction import condensation
-from validation.prediction.tangent import FIELDS, Tangent, full, of_arrays, plus
+from validation.prediction import dynamic_mass
+from validation.prediction.nuisances import FIELDS, Tangent, full, of_arrays, plus
 
 LINES = np.array([3.0, 9.0, 11.0, 40.0])
 SIZE = 11
@@ -49,8 +49,8 @@ def moved(m: Matrices, change: Tangent, step: float) -> Matrices:
 @pytest.mark.parametrize("at", [[7, 9], [0, 8], list(range(SIZE))], ids=["own", "base", "all"])
 def test_derivatives_of_the_dynamic_mass_are_its_differences(at: list[int]) -> None:
     m, change = drawn(), changes(np.random.default_rng(1), np.array(at))
-    found = condensation.tangents(condensation.dynamic_mass(m, LINES), {"one": change})["one"]
-    above, below = (condensation.dynamic_mass(moved(m, change, step), LINES).matrix for step in (1e-5, -1e-5))
+    found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, LINES), {"one": change})["one"]
+    above, below = (dynamic_mass.dynamic_mass(moved(m, change, step), LINES).matrix for step in (1e-5, -1e-5))
     np.testing.assert_allclose(found, (above - below) / 2e-5, rtol=0, atol=DIFFERENCE * np.abs(found).max())
 
 
@@ -58,15 +58,15 @@ def test_derivatives_of_the_dynamic_mass_are_its_differences(at: list[int]) -> N
 def test_derivatives_of_an_accelerance_are_its_differences(at: list[int]) -> None:
     m, change = drawn(base=0), changes(np.random.default_rng(2), np.array(at))
     responses, drive = m.places["tip"], m.places["tip"][2]
-    found = condensation.tangents(condensation.accelerance(m, LINES, responses, drive), {"one": change})["one"]
+    found = dynamic_mass.transfer_tangents(dynamic_mass.accelerance(m, LINES, responses, drive), {"one": change})["one"]
     assert found.shape == (len(LINES), 3, 1)
-    above, below = (condensation.accelerance(moved(m, change, step), LINES, responses, drive).matrix for step in (1e-5, -1e-5))
+    above, below = (dynamic_mass.accelerance(moved(m, change, step), LINES, responses, drive).matrix for step in (1e-5, -1e-5))
     np.testing.assert_allclose(found, (above - below) / 2e-5, rtol=0, atol=DIFFERENCE * np.abs(found).max())
 
 
 def test_the_dynamic_mass_is_symmetric_and_solves_the_equations_of_motion() -> None:
     m = drawn()
-    answered = condensation.dynamic_mass(m, LINES)
+    answered = dynamic_mass.dynamic_mass(m, LINES)
     np.testing.assert_allclose(answered.matrix, answered.matrix.transpose(0, 2, 1), rtol=1e-10, atol=1e-10)
     for k, w in enumerate(2 * np.pi * LINES):
         x = -answered.right[:, k] / w**2  # displacements for unit accelerations of the base
@@ -77,15 +77,15 @@ def test_the_dynamic_mass_is_symmetric_and_solves_the_equations_of_motion() -> N
 
 def test_an_accelerance_is_reciprocal() -> None:
     m = drawn(base=0)
-    one, other = (condensation.along(m, "tip", axis) for axis in ([1.0, 0, 0], [0, 0, 1.0]))
-    there, back = (condensation.accelerance(m, LINES, a, b).matrix for a, b in ((one, other), (other, one)))
+    one, other = (dynamic_mass.along(m, "tip", axis) for axis in ([1.0, 0, 0], [0, 0, 1.0]))
+    there, back = (dynamic_mass.accelerance(m, LINES, a, b).matrix for a, b in ((one, other), (other, one)))
     np.testing.assert_allclose(there, back, rtol=1e-9)
 
 
 def test_one_mass_on_one_spring_is_the_textbook() -> None:
     m, k, eta, omega = 2.0, 800.0, 0.05, 2 * np.pi * LINES
     one = Matrices(base=0, mass=[[m]], stiffness=[[k]], viscous=[[0.0]], structural=[[eta * k]], places={})
-    found = condensation.accelerance(one, LINES, [1.0], [1.0]).matrix[:, 0, 0]
+    found = dynamic_mass.accelerance(one, LINES, [1.0], [1.0]).matrix[:, 0, 0]
     np.testing.assert_allclose(found, -(omega**2) / (k * (1 + 1j * eta) - m * omega**2), rtol=1e-12)
 
 
@@ -94,9 +94,9 @@ def test_a_row_and_column_that_cross_are_the_matrix_that_they_are() -> None:
     cross = np.zeros((SIZE, SIZE))
     cross[r] = generator.standard_normal(SIZE)
     cross[:, r] = cross[r]
-    answered = condensation.accelerance(m, LINES, m.places["tip"][:2], m.places["tip"][2])
+    answered = dynamic_mass.accelerance(m, LINES, m.places["tip"][:2], m.places["tip"][2])
     changes = {"whole": of_arrays(SIZE, stiffness=cross), "crossing": of_arrays(SIZE, crossing=r, stiffness=cross)}
-    found = condensation.tangents(answered, changes)
+    found = dynamic_mass.transfer_tangents(answered, changes)
     np.testing.assert_allclose(found["crossing"], found["whole"], rtol=1e-10, atol=1e-12 * np.abs(found["whole"]).max())
 
 

@@ -6,24 +6,25 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam
+from fem.beam import articles
 from fem.modes import fixed_base
-from validation.prediction import condensation, damping_law, matrices, nuisances
-from validation.prediction.set_up import built_in
+from geometry.articles import built_in
+from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import structure as prediction_structure
 
 
 @pytest.fixture(scope="module")
 def of():
-    structure = beam.structure("clumod-1")
+    structure = articles.structure("clumod-1")
     modes = fixed_base(structure, 12)
-    found = matrices.of_structure(structure, modes, article=built_in("clumod-1"))
+    found = prediction_structure.of_structure(structure, modes, article=built_in("clumod-1"))
     return nuisances.of("clumod-1", found, modes.frequency, structure.loss_factors, highest=20.0)
 
 
 def answered(of, share, lines):
     made, tangents = of.at({})
-    changed, behind = damping_law.applied(made, tangents, of.nominal, {damping_law.NAME: share}, derivatives=True)
-    return condensation.dynamic_mass(changed, lines), behind
+    changed, behind = nuisances.applied(made, tangents, of.nominal, {nuisances.NAME: share}, derivatives=True)
+    return dynamic_mass.dynamic_mass(changed, lines), behind
 
 
 def test_both_laws_lose_the_same_at_a_resonance_and_not_beside_it(of):
@@ -39,21 +40,21 @@ def test_both_laws_lose_the_same_at_a_resonance_and_not_beside_it(of):
 def test_its_derivative_and_those_behind_it_are_differences(of):
     lines, share, step = np.array([5.0, 11.6, 14.0]), 0.3, 1e-4
     here, behind = answered(of, share, lines)
-    slopes = condensation.tangents(here, behind)
+    slopes = dynamic_mass.transfer_tangents(here, behind)
     above, below = (answered(of, share + side * step, lines)[0].matrix for side in (1, -1))
-    scale = np.abs(slopes[damping_law.NAME]).max()
-    assert_allclose(slopes[damping_law.NAME], (above - below) / (2 * step), atol=1e-6 * scale)
+    scale = np.abs(slopes[nuisances.NAME]).max()
+    assert_allclose(slopes[nuisances.NAME], (above - below) / (2 * step), atol=1e-6 * scale)
     for name in ("loss:mast", "modulus:mast"):
         sides = []
         for side in (1, -1):
             made, _ = of.at({name: side * step})
-            changed, _ = damping_law.applied(made, {}, of.nominal, {damping_law.NAME: share}, derivatives=False)
-            sides.append(condensation.dynamic_mass(changed, lines).matrix)
+            changed, _ = nuisances.applied(made, {}, of.nominal, {nuisances.NAME: share}, derivatives=False)
+            sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
         assert_allclose(slopes[name], (sides[0] - sides[1]) / (2 * step), atol=1e-4 * np.abs(slopes[name]).max(), err_msg=name)
 
 
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
-    (law,) = (one for one in of.parameters if one.name == damping_law.NAME)
+    (law,) = (one for one in of.parameters if one.name == nuisances.NAME)
     assert law.tolerance == of.tolerances.damping_law
     bare = nuisances.of("clumod-1", of.nominal, of.frequency, {})
-    assert damping_law.NAME not in {one.name for one in bare.parameters}
+    assert nuisances.NAME not in {one.name for one in bare.parameters}

@@ -8,8 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from identification.campaign import Campaign, Excitation, Processing
-from identification.recording import Recording
+from identification.campaign import Campaign, Excitation, Processing, Recording
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.plan import NOISE, RIGID
 from validation.virtual_test.simulate import simulate

@@ -13,31 +13,29 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem import beam
-from fem.base_excitation import rig_structure
+from fem.base_excitation import rig as base_excitation_rig
 from fem.base_excitation.rig import Rig
+from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import direct
 from fem.modes import fixed_base
-from geometry.arrays import Array
 from geometry.articles import built_in
 from geometry.articles.locations import locations
 from geometry.dynamic_mass import ComplexArray
-from geometry.frames import rigid_transformation_6
-from geometry.multibody import inertia
-from validation.effects.catalogue import FAMILIES
-from validation.effects.identifiers import Named, parse
-from validation.effects.reach import of_parts
-from validation.effects.stages import Mounted, Reading
-from validation.engine.parameter import Parameter
-from validation.models.model import Added
-from validation.prediction import applied, condensation, damping_law, matrices, nuisances
+from geometry.frames import Array, rigid_transformation_6
+from geometry.routes import inertia
+from validation.effects.catalogue import FAMILIES, Named, of_parts, parse
+from validation.effects.stages import ChannelResponse, MountedDynamicMass
+from validation.estimation.problem import Parameter
+from validation.model.model import Added
+from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import effects as prediction_effects
+from validation.prediction import structure as prediction_structure
 from validation.prediction.nuisances import Nuisances
-from validation.virtual_test import set_up
-from validation.virtual_test.chain_truth import ChainTruth
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.hooks import changed_rig
-from validation.virtual_test.plan import Plan, exact
+from validation.virtual_test import shaker
+from validation.virtual_test.layout import ChainTruth
+from validation.virtual_test.plan import Plan, changed_rig, exact
+from validation.virtual_test.planted import planted
 
 LINES = np.linspace(4.0, 32.0, 57)
 RATIO = Damping(ratio=0.003)
@@ -55,8 +53,8 @@ class Model:
 
     def parameters(self, effects: Sequence[Added]) -> tuple[Parameter, ...]:
         """Of the structure and of its effects."""
-        left, _ = applied.opened(self.of.parameters, effects)
-        return (*left, *applied.parameters(effects))
+        left, _ = prediction_effects.opened(self.of.parameters, effects)
+        return (*left, *prediction_effects.parameters(effects))
 
     def dynamic_mass(
         self,
@@ -70,19 +68,21 @@ class Model:
         """About F, of the FMD too, at `offsets`; by default where the sizes of `effects` are what they say."""
         if offsets is None:
             offsets = {one.name: one.start for one in self.parameters(effects)}
-        acting = applied.at(effects, offsets)
-        m, tangents = applied.structure(*self.of.at(offsets, derivatives=derivatives), acting, derivatives=derivatives)
+        acting = prediction_effects.at(effects, offsets)
+        m, tangents = prediction_effects.structure(*self.of.at(offsets, derivatives=derivatives), acting, derivatives=derivatives)
         if self.of.has_law:
-            m, tangents = damping_law.applied(m, tangents, self.of.nominal, offsets, derivatives=derivatives)
-        answered = condensation.dynamic_mass(m, lines)
-        mounted = Mounted(
+            m, tangents = nuisances.applied(m, tangents, self.of.nominal, offsets, derivatives=derivatives)
+        answered = dynamic_mass.dynamic_mass(m, lines)
+        mounted = MountedDynamicMass(
             frequency=lines,
             matrix=answered.matrix,
             seat=self.seat,
             cog=m.cog,
             amplitude=np.zeros(6) if amplitude is None else amplitude,
         )
-        mounted, changes = applied.body(mounted, condensation.tangents(answered, tangents), acting, derivatives=derivatives)
+        mounted, changes = prediction_effects.body(
+            mounted, dynamic_mass.transfer_tangents(answered, tangents), acting, derivatives=derivatives
+        )
         G = rigid_transformation_6(self.seat)
         return G.T @ mounted.matrix @ G + self.cover, {name: G.T @ change @ G for name, change in changes.items()}
 
@@ -93,9 +93,11 @@ def added(*texts: str) -> tuple[Added, ...]:
 
 @cache
 def model(article: str, damping: Damping | None = RATIO) -> Model:
-    structure, whole, fmd = beam.structure(article), built_in(article), built_in(FMD)
+    structure, whole, fmd = articles.structure(article), built_in(article), built_in(FMD)
     modes = fixed_base(structure, 30, damping=damping)
-    made = matrices.of_structure(structure, modes, locations(article), inertia(whole).cog, damping=damping, article=whole)
+    made = prediction_structure.of_structure(
+        structure, modes, locations(article), inertia(whole).cog, damping=damping, article=whole
+    )
     losses = structure.loss_factors if damping is None else {}
     assert fmd.seat is not None
     return Model(
@@ -112,7 +114,7 @@ def rig(article: str, *effects: str, damping: Damping | None = RATIO) -> Complex
     named = [parse(text) for text in effects]
     on_parts = tuple(text for text, one in zip(effects, named, strict=True) if of_parts(one))
     changed = changed_rig(standing(article, on_parts, damping), planted(named))
-    return rig_structure.dynamic_mass(changed, LINES).matrix
+    return base_excitation_rig.dynamic_mass(changed, LINES).matrix
 
 
 @cache
@@ -120,7 +122,7 @@ def standing(article: str, on_parts: tuple[str, ...], damping: Damping | None) -
     """What stands on the table, with effects on parts, which are in the structure before it is reduced."""
     plan = exact(Plan(article=f"{FMD}+{article}", seed=1, damping=damping))
     plan = replace(plan, effects=planted([parse(text) for text in on_parts]))
-    return replace(set_up.set_up(plan, ChainTruth()).rig, cells=())
+    return replace(shaker.set_up(plan, ChainTruth()).rig, cells=())
 
 
 def apart(found: ComplexArray, truth: ComplexArray, size: ComplexArray | None = None) -> float:
@@ -213,13 +215,13 @@ def test_nothing_planted_is_nothing_predicted(article: str) -> None:
 
 @pytest.mark.parametrize(("part", "eta"), [("mast", 0.01), ("upper-short", 0.02), ("upper-short-silicone", 0.1)])
 def test_a_lossier_part_is_what_the_lossier_structure_is(part: str, eta: float) -> None:
-    structure = beam.structure("clumod-4")
-    losses = {name: old + eta * (matrices.sheet(name) == part) for name, old in structure.loss_factors.items()}
+    structure = articles.structure("clumod-4")
+    losses = {name: old + eta * (prediction_structure.sheet(name) == part) for name, old in structure.loss_factors.items()}
     truth = direct(replace(structure, loss_factors=losses), LINES).matrix
     layer = part.endswith("-silicone")
     name = f"layer-damping:{part.removesuffix('-silicone')}" if layer else f"structural-damping:{part}"
-    m, _ = applied.structure(model("clumod-4", None).of.nominal, {}, added(f"{name}={eta}"))
-    assert apart(condensation.dynamic_mass(m, LINES).matrix, truth) < 1e-5
+    m, _ = prediction_effects.structure(model("clumod-4", None).of.nominal, {}, added(f"{name}={eta}"))
+    assert apart(dynamic_mass.dynamic_mass(m, LINES).matrix, truth) < 1e-5
 
 
 SEVERAL = (
@@ -275,7 +277,7 @@ def test_an_opened_parameter_leaves_its_tolerance_and_starts_where_the_model_has
     (one,) = (parameter for parameter in of.parameters(effects) if parameter.name == "modulus:mast")
     assert (one.kind, one.tolerance) == ("effect", FAMILIES["modulus"].sizes[0].plausible)
     np.testing.assert_allclose(one.value(one.start), 0.05, rtol=1e-12)
-    left, known = applied.opened(of.of.parameters, [replace(effects[0], fixed=True)])
+    left, known = prediction_effects.opened(of.of.parameters, [replace(effects[0], fixed=True)])
     assert "modulus:mast" not in {parameter.name for parameter in left}
     np.testing.assert_allclose(known["modulus:mast"], np.log(1.05))
 
@@ -283,7 +285,7 @@ def test_an_opened_parameter_leaves_its_tolerance_and_starts_where_the_model_has
 def test_an_effect_at_a_place_that_is_not_there_changes_nothing() -> None:
     of = model("clumod-1")
     effects = (Added(named=Named(family="point-mass", targets=("lower-2+",), values={"": 1.0})),)
-    m, changes = applied.structure(of.of.nominal, {}, effects)
+    m, changes = prediction_effects.structure(of.of.nominal, {}, effects)
     assert m is of.of.nominal
     assert not changes
 
@@ -292,9 +294,9 @@ def test_channels_carry_derivatives_through_and_add_their_own() -> None:
     """A gain written as an equation: rows and earlier derivatives are multiplied, its own derivative is the row."""
     generator = np.random.default_rng(4)
     rows, before = (generator.standard_normal((3, 2, 6)) + 1j * generator.standard_normal((3, 2, 6)) for _ in range(2))
-    reading = Reading(frequency=AT[:3], channels=("fmd-z1", "fmd-z2"), rows=rows)
+    reading = ChannelResponse(frequency=AT[:3], channels=("fmd-z1", "fmd-z2"), rows=rows)
     (polarity,) = added("polarity:fmd-z2")
-    after, changes = applied.channels(reading, {"one": before}, [polarity])
+    after, changes = prediction_effects.channels(reading, {"one": before}, [polarity])
     sign = np.array([1.0, -1.0])[:, None]
     np.testing.assert_allclose(after.rows, sign * rows)
     np.testing.assert_allclose(changes["one"], sign * before)

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from identification.quality import NORMAL_95
-from validation.pendulum_corrections import plane_amplitude_factor
-from validation.prediction.facts import ArticleFact, facts
+from validation.classical.pendulum import plane_amplitude_factor
+from validation.prediction.classical_facts import ArticleFact, facts
 
 SHIPPED = ("clumod-4-weighing", "clumod-4-cog", "clumod-4-pendulum")
 
@@ -99,7 +99,7 @@ def _inertia(fact: ArticleFact, offsets: dict[str, float]) -> float:
 
 
 def _quantities(fact: ArticleFact) -> np.ndarray:
-    from identification.classical import quantities
+    from identification.request import quantities
 
     return quantities(fact.of.at({})[0])
 

@@ -5,16 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geometry.arrays import Array
 from geometry.dynamic_mass import ComplexArray
-from geometry.frames import rigid_transformation, rigid_transformation_6
+from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import PARAMETERS, Inertia
-from validation.effects.catalogue import FAMILIES
+from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.effect import BODY_STAGE, STRUCTURE_STAGE
 from validation.effects.families.friction import ALWAYS_SLIPPING, carried
-from validation.effects.family import BODY_STAGE, STRUCTURE_STAGE
-from validation.effects.identifiers import Named
-from validation.effects.stages import Matrices, Mounted
-from validation.prediction import condensation
+from validation.effects.stages import Matrices, MountedDynamicMass
+from validation.prediction import dynamic_mass
 
 FAMILIES_HERE = (
     *("point-mass", "rigid-inertia", "modulus", "joint-compliance", "structural-damping", "layer-damping", "appendage"),
@@ -47,17 +45,17 @@ def stiff() -> Matrices:
     )
 
 
-def mounted() -> Mounted:
-    return Mounted(frequency=LINES, matrix=condensation.dynamic_mass(stiff(), LINES).matrix, seat=SEAT, cog=BODY.cog)
+def mounted() -> MountedDynamicMass:
+    return MountedDynamicMass(frequency=LINES, matrix=dynamic_mass.dynamic_mass(stiff(), LINES).matrix, seat=SEAT, cog=BODY.cog)
 
 
 def on_matrices(family: str, *targets: str, **values: float) -> ComplexArray:
     change = FAMILIES[family].change
     assert change is not None
-    return condensation.dynamic_mass(change(stiff(), targets, _keyed(values)), LINES).matrix
+    return dynamic_mass.dynamic_mass(change(stiff(), targets, _keyed(values)), LINES).matrix
 
 
-def on_body(family: str, *targets: str, stage: Mounted | None = None, **values: float) -> ComplexArray:
+def on_body(family: str, *targets: str, stage: MountedDynamicMass | None = None, **values: float) -> ComplexArray:
     change = FAMILIES[family].change
     assert change is not None
     matrix: ComplexArray = change(stage or mounted(), targets, _keyed(values)).matrix
@@ -153,7 +151,7 @@ def with_mass(family: str, mass: float) -> ComplexArray:
     axes = (0, 1, 2) if family == "absorber" else (0, 1)
     m = stiff()
     phi = m.places["tip"][list(axes)]
-    return condensation.dynamic_mass(replace(m, mass=m.mass + mass * phi.T @ phi), LINES).matrix
+    return dynamic_mass.dynamic_mass(replace(m, mass=m.mass + mass * phi.T @ phi), LINES).matrix
 
 
 def test_a_resonator_is_the_equation_of_the_catalogue() -> None:
@@ -174,7 +172,7 @@ def test_slosh_swings_sideways_only() -> None:
     )
     change = FAMILIES["slosh"].change
     assert change is not None
-    H = condensation.dynamic_mass(change(rigid, ("tip",), {"m": 0.5, "f": 6.0, "zeta": 0.02}), LINES).matrix
+    H = dynamic_mass.dynamic_mass(change(rigid, ("tip",), {"m": 0.5, "f": 6.0, "zeta": 0.02}), LINES).matrix
     added = np.einsum("nii->ni", H - rigid.mass)
     np.testing.assert_allclose(added[:, 0], added[:, 1], rtol=1e-12)
     assert np.abs(added[:, 0]).min() > 1e-3
@@ -184,9 +182,9 @@ def test_slosh_swings_sideways_only() -> None:
 def test_a_cable_that_does_not_give_holds_its_place() -> None:
     change = FAMILIES["cable"].change
     assert change is not None
-    answered = condensation.dynamic_mass(change(stiff(), ("tip", "vertical"), {"": 1e12}), LINES)
+    answered = dynamic_mass.dynamic_mass(change(stiff(), ("tip", "vertical"), {"": 1e12}), LINES)
     moved = np.einsum("k,knj->nj", stiff().places["tip"][2], answered.right)
-    freely = np.einsum("k,knj->nj", stiff().places["tip"][2], condensation.dynamic_mass(stiff(), LINES).right)
+    freely = np.einsum("k,knj->nj", stiff().places["tip"][2], dynamic_mass.dynamic_mass(stiff(), LINES).right)
     assert np.abs(moved).max() < 1e-4 * np.abs(freely).max()
 
 
@@ -194,7 +192,7 @@ def test_a_cable_on_a_rigid_body_is_its_stiffness_over_omega_squared() -> None:
     rigid = Matrices(base=6, mass=BODY.about(np.zeros(3)).mass_matrix, **nothing(6), places={"tip": rigid_transformation(PLACE)})
     change = FAMILIES["cable"].change
     assert change is not None
-    H = condensation.dynamic_mass(change(rigid, ("tip", "lateral"), {"": 2000.0}), LINES).matrix
+    H = dynamic_mass.dynamic_mass(change(rigid, ("tip", "lateral"), {"": 2000.0}), LINES).matrix
     rows = rigid_transformation(PLACE)[:2]
     expected = rigid.mass - 2000.0 * rows.T @ rows / (2 * np.pi * LINES[:, None, None]) ** 2
     np.testing.assert_allclose(H, expected, rtol=1e-12, atol=1e-12)
@@ -209,7 +207,7 @@ def test_a_joint_is_a_spring_between_two_bodies() -> None:
     K = T.T @ m.stiffness @ T
     K[[8, 9], [8, 9]] += 1 / c[gives]
     sprung = Matrices(base=6, mass=T.T @ m.mass @ T, stiffness=K, viscous=np.zeros((10, 10)), structural=T.T @ m.structural @ T)
-    expected = condensation.dynamic_mass(sprung, LINES).matrix
+    expected = dynamic_mass.dynamic_mass(sprung, LINES).matrix
     np.testing.assert_allclose(on_body("joint-compliance", "lateral", size=1e-7), expected, rtol=1e-9, atol=1e-9)
 
 

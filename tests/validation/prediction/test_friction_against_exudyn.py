@@ -6,15 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geometry.arrays import Array
+from geometry.frames import Array
+from validation.effects.catalogue import parse_all
 from validation.effects.families.friction import carried
-from validation.effects.identifiers import parse_all
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.laboratory import laboratory
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES
 from validation.virtual_test.plan import RIGID, Plan, exact
-from validation.virtual_test.runs import runs
-from validation.virtual_test.simulate import recording
+from validation.virtual_test.planted import planted
+from validation.virtual_test.simulate import laboratory, recording, runs
 
 MASS, LEVEL = 2.0, 2.5
 """[kg] of the loose part, [m/s²] of the sweep."""

@@ -6,20 +6,20 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem import beam
+from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import direct
 from fem.dynamic_mass import modal as by_modes
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
-from geometry.arrays import Array
 from geometry.articles import built_in
 from geometry.articles.locations import locations
-from geometry.frames import rigid_transformation_6
+from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import Inertia
-from geometry.multibody import inertia
+from geometry.routes import inertia
 from validation.effects.stages import Matrices
-from validation.prediction import condensation, matrices
+from validation.prediction import dynamic_mass
+from validation.prediction import structure as prediction_structure
 
 LINES = np.linspace(4.0, 32.0, 57)
 ARTICLES = ("clumod-1", "clumod-4", "disc+cuboid")
@@ -34,7 +34,7 @@ CHANGED = 1e-4
 
 @cache
 def structure(article: str) -> Structure:
-    return beam.structure(article)
+    return articles.structure(article)
 
 
 @cache
@@ -46,7 +46,7 @@ def modes(article: str, damping: Damping | None) -> Modes:
 def made(article: str, damping: Damping | None = None) -> Matrices:
     whole = built_in(article)
     places = locations(article)
-    return matrices.of_structure(
+    return prediction_structure.of_structure(
         structure(article), modes(article, damping), places, inertia(whole).cog, damping=damping, article=whole
     )
 
@@ -60,7 +60,7 @@ def apart(found: Array, truth: Array) -> float:
 @pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
 @pytest.mark.parametrize("article", ARTICLES)
 def test_the_dynamic_mass_is_that_of_the_whole_structure(article: str, damping: Damping | None) -> None:
-    found = condensation.dynamic_mass(made(article, damping), LINES).matrix
+    found = dynamic_mass.dynamic_mass(made(article, damping), LINES).matrix
     assert apart(found, direct(structure(article), LINES, damping, modes=modes(article, damping)).matrix) < NOMINAL
 
 
@@ -74,14 +74,14 @@ def test_structural_damping_stays_structural() -> None:
 @pytest.mark.parametrize("part", ["mast", "lower-1", "upper-short", "upper-short-silicone"])
 def test_a_stiffer_part_is_what_the_stiffer_structure_is(part: str) -> None:
     m, whole = made("clumod-4"), structure("clumod-4")
-    shares = {name: K * (1.1 if matrices.sheet(name) == part else 1.0) for name, K in whole.part_stiffness.items()}
+    shares = {name: K * (1.1 if prediction_structure.sheet(name) == part else 1.0) for name, K in whole.part_stiffness.items()}
     stiffer = replace(whole, stiffness=sum(shares.values()), part_stiffness=shares)
-    loss = next(eta for name, eta in whole.loss_factors.items() if matrices.sheet(name) == part)
+    loss = next(eta for name, eta in whole.loss_factors.items() if prediction_structure.sheet(name) == part)
     share = 0.1 * m.parts[part]
     changed = replace(m, stiffness=m.stiffness + share, structural=m.structural + loss * share)
     truth = direct(stiffer, LINES).matrix
-    assert apart(condensation.dynamic_mass(changed, LINES).matrix, truth) < CHANGED
-    assert apart(condensation.dynamic_mass(m, LINES).matrix, truth) > 100 * CHANGED
+    assert apart(dynamic_mass.dynamic_mass(changed, LINES).matrix, truth) < CHANGED
+    assert apart(dynamic_mass.dynamic_mass(m, LINES).matrix, truth) > 100 * CHANGED
 
 
 @pytest.mark.parametrize("place", ["mast-top", "hub-3", "lower-1+"])
@@ -96,7 +96,7 @@ def test_a_mass_at_a_place_is_what_the_heavier_structure_is(place: str) -> None:
     truth = direct(replace(whole, mass=csr_array(mass)), LINES).matrix
     m = made("clumod-4")
     phi = m.places[place]
-    assert apart(condensation.dynamic_mass(replace(m, mass=m.mass + 0.5 * phi.T @ phi), LINES).matrix, truth) < CHANGED
+    assert apart(dynamic_mass.dynamic_mass(replace(m, mass=m.mass + 0.5 * phi.T @ phi), LINES).matrix, truth) < CHANGED
 
 
 def test_parts_share_the_whole_stiffness_and_sheets_of_one_material_are_one_part() -> None:
@@ -107,8 +107,8 @@ def test_parts_share_the_whole_stiffness_and_sheets_of_one_material_are_one_part
 
 def test_a_rigid_body_is_its_mass_matrix_and_its_places_ride_on_it() -> None:
     body = inertia(built_in("cuboid"))
-    m = matrices.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
-    found = condensation.dynamic_mass(m, LINES).matrix
+    m = prediction_structure.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
+    found = dynamic_mass.dynamic_mass(m, LINES).matrix
     np.testing.assert_allclose(found, np.broadcast_to(body.about(np.zeros(3)).mass_matrix, found.shape), rtol=1e-14)
     np.testing.assert_allclose(m.places["top"] @ [0, 0, 0, 0, 1.0, 0], [0.4, 0, 0], atol=1e-15)
     np.testing.assert_allclose(m.cog, body.cog)
@@ -117,27 +117,27 @@ def test_a_rigid_body_is_its_mass_matrix_and_its_places_ride_on_it() -> None:
 @pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
 def test_modal_data_alone_answer_as_their_modes_and_residual_do(damping: Damping | None) -> None:
     bare = replace(modes("clumod-1", damping), shapes=np.zeros((0, 30)), condensed=None)
-    found = condensation.dynamic_mass(matrices.of_modes(bare), LINES).matrix
+    found = dynamic_mass.dynamic_mass(prediction_structure.of_modes(bare), LINES).matrix
     assert apart(found, by_modes(bare, LINES).matrix) < 1e-5  # carriers of R lie four times above the modes
 
 
 def test_a_structure_about_another_point_is_the_same_about_the_origin() -> None:
     whole, point = structure("clumod-1"), np.array([0.1, -0.2, 0.3])
     moved = replace(whole, rigid=whole.rigid @ rigid_transformation_6(-point), reference_point=point)
-    found = matrices.of_structure(moved, fixed_base(moved, 30), locations("clumod-1"), article=built_in("clumod-1"))
-    expected = condensation.dynamic_mass(made("clumod-1"), LINES).matrix
-    assert apart(condensation.dynamic_mass(found, LINES).matrix, expected) < 1e-9
+    found = prediction_structure.of_structure(moved, fixed_base(moved, 30), locations("clumod-1"), article=built_in("clumod-1"))
+    expected = dynamic_mass.dynamic_mass(made("clumod-1"), LINES).matrix
+    assert apart(dynamic_mass.dynamic_mass(found, LINES).matrix, expected) < 1e-9
 
 
 def test_a_model_twice_as_large_of_the_same_material_scales() -> None:
     """Lengths x s: masses x s³, inertia x s⁵, frequencies / s; the axes of rotations count no length."""
     s, whole = 2.0, structure("clumod-1")
-    found = matrices.of_structure(
+    found = prediction_structure.of_structure(
         scaled(whole, s), fixed_base(scaled(whole, s), 30), {"mast-top": s * locations("clumod-1")["mast-top"]}
     )
     length = np.repeat([1.0, s], 3)
-    expected = s**3 * np.outer(length, length) * condensation.dynamic_mass(made("clumod-1"), LINES).matrix
-    assert apart(condensation.dynamic_mass(found, LINES / s).matrix, expected) < NOMINAL
+    expected = s**3 * np.outer(length, length) * dynamic_mass.dynamic_mass(made("clumod-1"), LINES).matrix
+    assert apart(dynamic_mass.dynamic_mass(found, LINES / s).matrix, expected) < NOMINAL
 
 
 def scaled(whole: Structure, s: float) -> Structure:
@@ -161,20 +161,20 @@ def scaled(whole: Structure, s: float) -> Structure:
 
 def test_modes_of_other_damping_are_refused() -> None:
     with pytest.raises(ValueError, match="that of `modes`"):
-        matrices.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
+        prediction_structure.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
 
 
 def test_modes_without_shapes_are_refused() -> None:
     with pytest.raises(ValueError, match="shapes"):
-        matrices.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
+        prediction_structure.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
 
 
 def test_a_held_structure_answers_a_force_as_the_whole_one_does() -> None:
     whole, at = structure("clumod-1"), locations("clumod-1")
-    m = matrices.held(whole, modes("clumod-1", LOSSES), at)
+    m = prediction_structure.held(whole, modes("clumod-1", LOSSES), at)
     assert m.base == 0
-    drive, *responses = (condensation.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "mast-top", "hub-1"))
-    found = condensation.accelerance(m, LINES, responses, drive).matrix
+    drive, *responses = (dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "mast-top", "hub-1"))
+    found = dynamic_mass.accelerance(m, LINES, responses, drive).matrix
     truth = held_directly(whole, [at["mast-top"], at["hub-1"]], at["mast-top"])
     np.testing.assert_allclose(found[:, :, 0], truth, rtol=0, atol=1e-6 * np.abs(truth).max())
 

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from fem import beam
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.articles import built_in
-from validation.engine.parameter import DECLARED, STRUCTURAL
-from validation.models.model import StructureTolerances
-from validation.prediction import condensation, damping_law, matrices, nuisances
+from validation.estimation.problem import DECLARED, STRUCTURAL
+from validation.model.model import StructureTolerances
+from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import structure as prediction_structure
 from validation.prediction.nuisances import Nuisances
 
 LINES = np.array([5.0, 11.5, 12.4, 28.0])
@@ -25,9 +26,9 @@ def one(request: pytest.FixtureRequest) -> Nuisances:
 
 
 def made(article: str, damping: Damping | None) -> Nuisances:
-    structure = beam.structure(article)
+    structure = articles.structure(article)
     modes = fixed_base(structure, 20, damping=damping)
-    found = matrices.of_structure(structure, modes, damping=damping, article=built_in(article))
+    found = prediction_structure.of_structure(structure, modes, damping=damping, article=built_in(article))
     losses = structure.loss_factors if damping is None else {}
     return nuisances.of(article, found, modes.frequency, losses, highest=20.0)
 
@@ -41,13 +42,13 @@ def away(one: Nuisances) -> dict[str, float]:
 def test_every_derivative_is_its_difference(one: Nuisances) -> None:
     at = away(one)
     m, tangents = one.at(at)
-    found = condensation.tangents(condensation.dynamic_mass(m, LINES), tangents)
-    own = [parameter for parameter in one.parameters if parameter.name != damping_law.NAME]  # which acts behind effects
+    found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, LINES), tangents)
+    own = [parameter for parameter in one.parameters if parameter.name != nuisances.NAME]  # which acts behind effects
     assert set(found) == {parameter.name for parameter in own}
     for parameter in own:
         step = 1e-4 * parameter.tolerance
         above, below = (
-            condensation.dynamic_mass(one.at({**at, parameter.name: at[parameter.name] + side * step})[0], LINES).matrix
+            dynamic_mass.dynamic_mass(one.at({**at, parameter.name: at[parameter.name] + side * step})[0], LINES).matrix
             for side in (1, -1)
         )
         scale = np.abs(found[parameter.name]).max()
@@ -116,7 +117,7 @@ def test_frequencies_and_damping_are_those_asked_for(one: Nuisances) -> None:
 
 def test_a_part_that_loses_more_is_the_structure_with_that_loss_factor() -> None:
     """The layer of a blade twice as lossy: structural damping of modes that know nothing of it, beside those that do."""
-    structure, more = beam.structure("clumod-4"), 1.0
+    structure, more = articles.structure("clumod-4"), 1.0
     one = made("clumod-4", None)
     losses = {**structure.loss_factors, "upper-short-silicone": 2 * structure.loss_factors["upper-short-silicone"]}
     lossier = made("clumod-4", Damping(loss_factors=losses)).nominal
@@ -163,11 +164,11 @@ def test_a_tolerance_of_nothing_is_no_parameter(one: Nuisances) -> None:
 
 
 def test_a_held_structure_has_no_participation() -> None:
-    structure = beam.structure("clumod-1")
+    structure = articles.structure("clumod-1")
     modes = fixed_base(structure, 12)
-    held = matrices.held(structure, modes, {"top": structure.points[-1]})
+    held = prediction_structure.held(structure, modes, {"top": structure.points[-1]})
     found = nuisances.of("clumod-1", held, modes.frequency, structure.loss_factors, highest=20.0)
     assert not any(parameter.name.startswith("participation") for parameter in found.parameters)
     m, tangents = found.at({"frequency:clumod-1:1": 1e-3})
-    assert {*tangents, damping_law.NAME} == {parameter.name for parameter in found.parameters}
+    assert {*tangents, nuisances.NAME} == {parameter.name for parameter in found.parameters}
     assert m.stiffness[0, 0] > held.stiffness[0, 0]

@@ -13,10 +13,10 @@ from geometry.errors import BadInput
 from geometry.frames import Pose
 from geometry.sensors import ChannelTable
 from identification.campaign import Campaign
-from validation.models import reading
-from validation.models.pairing import require_pair
-from validation.prediction.condensation import dynamic_mass
-from validation.prediction.set_up import drawn_inertia, standing
+from validation.model import model_file
+from validation.model.model import require_pair
+from validation.prediction.dynamic_mass import dynamic_mass
+from validation.prediction.structure import drawn_inertia, mounted_article
 
 SIZES = np.array([0.16, 0.07, 0.10])
 DENSITY = 2700.0
@@ -60,16 +60,16 @@ def of_a_block() -> np.ndarray:
 
 
 def test_a_drawing_taken_for_rigid_is_its_closed_form(folder: Path, campaign: Campaign) -> None:
-    model = reading.read(folder / "rigid.toml")
+    model = model_file.read(folder / "rigid.toml")
     require_pair(model, [campaign])
-    there = standing(model, campaign)
+    there = mounted_article(model, campaign)
     assert there.matrices is not None
     np.testing.assert_allclose(there.matrices.mass, of_a_block(), rtol=1e-6, atol=1e-6)  # OCC's exact integration
     np.testing.assert_allclose(drawn_inertia(model, "block").mass_matrix, of_a_block(), rtol=1e-6, atol=1e-6)
 
 
 def test_a_drawing_that_gives_is_a_solid_model(folder: Path, campaign: Campaign) -> None:
-    there = standing(reading.read(folder / "own.toml"), campaign)
+    there = mounted_article(model_file.read(folder / "own.toml"), campaign)
     assert there.matrices is not None
     H = dynamic_mass(there.matrices, np.array([20.0])).matrix[0]
     np.testing.assert_allclose(H, of_a_block(), atol=1e-4 * np.abs(of_a_block()).max())  # (20 Hz / 4.5 kHz)², far below its modes
@@ -77,18 +77,18 @@ def test_a_drawing_that_gives_is_a_solid_model(folder: Path, campaign: Campaign)
 
 
 def test_a_drawing_without_material_is_refused_by_its_file(folder: Path, campaign: Campaign) -> None:
-    model = replace(reading.read(folder / "rigid.toml"), own={"fmd+block": str(folder / "block.step")})
+    model = replace(model_file.read(folder / "rigid.toml"), own={"fmd+block": str(folder / "block.step")})
     with pytest.raises(BadInput, match=r"block\.step: `material`: no material is given"):
-        standing(model, campaign)
+        mounted_article(model, campaign)
 
 
 def test_a_file_that_is_written_anew_is_read_anew(folder: Path, campaign: Campaign, refreshed: Callable[[Path], None]) -> None:
-    model = reading.read(folder / "rigid.toml")
-    before = standing(model, campaign).matrices
+    model = model_file.read(folder / "rigid.toml")
+    before = mounted_article(model, campaign).matrices
     text = (folder / "article.toml").read_text()
     (folder / "article.toml").write_text(text.replace("2700", "5400"))
     refreshed(folder / "article.toml")
-    after = standing(model, campaign).matrices
+    after = mounted_article(model, campaign).matrices
     (folder / "article.toml").write_text(text)
     assert before is not None
     assert after is not None

@@ -9,9 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.effects import catalogue
-from validation.engine.fit import fit
-from validation.engine.parameter import EFFECT
-from validation.engine.problem import Problem
+from validation.estimation.fit import fit
+from validation.estimation.problem import EFFECT, Problem
 
 BLADE = "fmd+clumod-1"
 DAMPED, LOWPASS = "dashpot:mast-top", "force-lowpass:fmd-z2"

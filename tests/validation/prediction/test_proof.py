@@ -9,8 +9,8 @@ import pytest
 from benchmarks import cross_check_proof as proof
 from benchmarks.cross_check_proof import BLADE, Case, Laboratory
 from fem.damping import Damping
-from geometry.tolerances import Tolerances
-from validation.models.model import Model, StructureTolerances
+from geometry.sensors import Tolerances
+from validation.model.model import Model, StructureTolerances
 from validation.virtual_test.plan import NOISE, Plan, exact
 
 RATIO = 0.05

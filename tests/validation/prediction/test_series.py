@@ -9,19 +9,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import beam
+from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
-from fem.users_model import write
+from fem.user_model.reading import write
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
-from identification.recording import Recording
-from validation.engine.parameter import EFFECT, Parameter
-from validation.engine.prediction import Change
-from validation.models.model import Model
+from identification.campaign import Recording
+from validation.estimation.problem import EFFECT, Change, Parameter
+from validation.model.model import Model
 from validation.prediction.series import SeriesPrediction, predictions
-from validation.prediction.set_up import moving_part
+from validation.prediction.structure import moving_part
 from validation.virtual_test.simulate import VirtualTest, simulate
 
 CUBOID, BLADE = "fmd+disc+cuboid", "fmd+clumod-1"
@@ -217,7 +216,7 @@ def test_a_users_own_matrices_and_modal_data_read_as_the_built_in_beams(
     ordinary: Any, predicted: Any, model: Any, tmp_path: Path
 ) -> None:
     campaign = ordinary(BLADE, "beam").campaign
-    structure = beam.structure("clumod-1")
+    structure = articles.structure("clumod-1")
     modes = fixed_base(structure, 30, damping=Damping(ratio=RATIO))
     write(structure, tmp_path / "matrices.npz")
     write(modes, tmp_path / "modal.npz")

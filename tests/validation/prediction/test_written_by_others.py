@@ -8,12 +8,10 @@ import pytest
 
 from geometry.inertia import Inertia
 from identification import campaign_file
-from validation.engine import errors
-from validation.engine.fit import fit
-from validation.engine.parameter import FITTED, PLAIN
-from validation.engine.prediction import Offsets
-from validation.engine.problem import Problem
-from validation.models.model import Model
+from validation.estimation import evaluate
+from validation.estimation.fit import fit
+from validation.estimation.problem import FITTED, PLAIN, Offsets, Problem
+from validation.model.model import Model
 from validation.prediction.series import predictions
 
 ARTICLES = ("fmd+disc+cuboid", "fmd+clumod-1")
@@ -49,6 +47,6 @@ def test_every_tolerance_fitted_nothing_is_left_and_none_is_odd(problem: Problem
 
 
 def _percent(problem: Problem, offsets: Offsets) -> float:
-    return errors.share(
-        [one for each in problem.predictions for one in errors.squares(each, {**problem.start, **offsets})]
+    return evaluate.share(
+        [one for each in problem.predictions for one in evaluate.squares(each, {**problem.start, **offsets})]
     ).percent

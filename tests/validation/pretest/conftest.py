@@ -5,13 +5,12 @@ from typing import Any
 
 import pytest
 
-from validation.pretest.asked import Question, question
-from validation.pretest.findings import Findings, findings
+from validation.identify.pretest import PretestFindings, PretestOptions, findings, question
 
-Ask = Callable[..., Question]
+Ask = Callable[..., PretestOptions]
 
 
-def asked(article: str = "disc+cuboid", **changes: Any) -> Question:
+def asked(article: str = "disc+cuboid", **changes: Any) -> PretestOptions:
     """A question with the options' own defaults, but for a short band and no channel left out."""
     usual: dict[str, Any] = {
         "tare": "none",
@@ -40,6 +39,6 @@ def ask() -> Ask:
 
 
 @pytest.fixture(scope="session")
-def tared() -> Findings:
+def tared() -> PretestFindings:
     """Disc and Cuboid beside the bare FMD as tare, every channel left out in turn."""
     return findings(asked(tare="fmd", lost=True))

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
 from geometry.inertia import PARAMETERS
 from identification.quality import NORMAL_95
-from validation.pretest.asked import Question
-from validation.pretest.findings import Findings, findings
+from validation.identify.pretest import PretestFindings, PretestOptions, findings
 
 RATIOS = ("gain", "table_gain", "cell_stiffness", "crosstalk", "fmd_inertia")
 EXACT = (*(f"{name}=0" for name in RATIOS), "delay=0 s", "position=0 mm", "angle=0 deg")
@@ -22,10 +21,10 @@ def only(**sizes: str) -> tuple[str, ...]:
     return (*EXACT, *(f"{name}={value}" for name, value in sizes.items()))
 
 
-def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_variance(ask: Callable[..., Question]) -> None:
+def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_variance(ask: Callable[..., PretestOptions]) -> None:
     """Eight channels weigh the whole set-up each in its own unit; the table's exact accelerometers calibrate all others."""
     found = findings(ask(tolerances=only(gain="1%"), noise="off", lost=True))
-    whole = sum(multibody.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
+    whole = sum(routes.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
     # the floor of 0.15 % at every line and the small terms of the other parameters
     assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 / np.sqrt(8) * whole, rtol=0.03)
     # seven are left, and the cells' known stiffness says what the eighth would have read
@@ -33,15 +32,15 @@ def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_var
 
 
 def test_without_exact_pickups_on_the_table_the_scale_of_acceleration_is_as_unknown_as_that_of_force(
-    ask: Callable[..., Question],
+    ask: Callable[..., PretestOptions],
 ) -> None:
     found = findings(ask(tolerances=only(gain="1%", table_gain="100%"), noise="off"))
-    whole = sum(multibody.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
+    whole = sum(routes.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
     assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 * np.sqrt(2 / 8) * whole, rtol=0.03)
 
 
-def test_the_values_are_those_of_the_article_and_the_fit_of_exact_data_has_no_misfit(tared: Findings) -> None:
-    own = multibody.inertia(built_in("disc+cuboid"))
+def test_the_values_are_those_of_the_article_and_the_fit_of_exact_data_has_no_misfit(tared: PretestFindings) -> None:
+    own = routes.inertia(built_in("disc+cuboid"))
     assert_allclose(tared.best.values[0], own.mass, rtol=1e-4)
     assert_allclose(tared.best.values[1:4], own.cog, atol=1e-4)
     assert_allclose(tared.best.values[4:7], own.moments_cog, rtol=2e-3)  # the elastic Cuboid taken for nearly rigid
@@ -49,7 +48,7 @@ def test_the_values_are_those_of_the_article_and_the_fit_of_exact_data_has_no_mi
     assert tared.best.identified.misfit < 1e-2
 
 
-def test_less_knowledge_never_narrows_an_interval(tared: Findings) -> None:
+def test_less_knowledge_never_narrows_an_interval(tared: PretestFindings) -> None:
     assert tared.untared is not None
     assert np.all(tared.untared >= tared.best.half_width * (1 - 1e-6))
     assert tared.untared[0] > 5 * tared.best.half_width[0]  # an FMD that is known to 5 %
@@ -59,17 +58,19 @@ def test_less_knowledge_never_narrows_an_interval(tared: Findings) -> None:
         assert np.any(half > tared.best.half_width * 1.003)
 
 
-def test_a_tare_on_the_fmd_as_it_was_known_before_gives_what_no_tare_gives(tared: Findings, ask: Callable[..., Question]) -> None:
+def test_a_tare_on_the_fmd_as_it_was_known_before_gives_what_no_tare_gives(
+    tared: PretestFindings, ask: Callable[..., PretestOptions]
+) -> None:
     """The same information by another way: the FMD's prior as a block of its own, or added to the joint matrix."""
     assert tared.untared is not None
     assert_allclose(findings(ask()).best.half_width, tared.untared, rtol=1e-3)  # ended within a hundredth of its interval
 
 
-def test_plain_intervals_are_wider_where_angles_rule_them(tared: Findings) -> None:
+def test_plain_intervals_are_wider_where_angles_rule_them(tared: PretestFindings) -> None:
     assert np.all(tared.plain.half_width[:4] > tared.best.half_width[:4])
 
 
-def test_shares_add_up_and_name_what_was_left_open(tared: Findings, ask: Callable[..., Question]) -> None:
+def test_shares_add_up_and_name_what_was_left_open(tared: PretestFindings, ask: Callable[..., PretestOptions]) -> None:
     for one in (tared.best, tared.plain):
         assert_allclose(np.sum(list(one.identified.shares.values()), axis=0), 1.0, rtol=1e-9)
     alone = findings(ask(tolerances=only(position="2 mm"))).best.identified.shares
@@ -82,14 +83,13 @@ def test_shares_add_up_and_name_what_was_left_open(tared: Findings, ask: Callabl
     assert alone["accelerometer-position"][PARAMETERS.index("Ixx")] > 0.5
 
 
-def test_what_the_plain_way_loses_with_a_channel_is_said(tared: Findings) -> None:
+def test_what_the_plain_way_loses_with_a_channel_is_said(tared: PretestFindings) -> None:
     assert tared.lost["cover-z1"] == ""
     assert "what its cells carry" in tared.lost["fmd-z1"]
 
 
-def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(ask: Callable[..., Question]) -> None:
-    from validation.pretest.findings import _condition
-    from validation.pretest.planned import planned
+def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(ask: Callable[..., PretestOptions]) -> None:
+    from validation.identify.pretest import _condition, planned
 
     clean = planned(ask(cross=0.0).plan)
     assert_allclose(_condition(clean.spectra), 1.0, rtol=1e-9)
@@ -97,7 +97,7 @@ def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(a
     assert crossed.min() > 1.03
 
 
-def test_more_runs_and_higher_levels_narrow_what_noise_leaves(ask: Callable[..., Question]) -> None:
+def test_more_runs_and_higher_levels_narrow_what_noise_leaves(ask: Callable[..., PretestOptions]) -> None:
     noisy = {"tolerances": EXACT, "noise": "50"}
     base, loud = (findings(ask(level=level, **noisy)).best.half_width for level in (0.2, 1.0))
     # noise far above the floor: five times the level, a fifth of the interval - less what is known of the residual before
@@ -105,7 +105,7 @@ def test_more_runs_and_higher_levels_narrow_what_noise_leaves(ask: Callable[...,
 
 
 def test_sensors_of_a_campaign_of_ones_own_take_the_place_of_the_usual_ones(
-    ask: Callable[..., Question],
+    ask: Callable[..., PretestOptions],
     root,
     tmp_path,  # type: ignore[no-untyped-def]
 ) -> None:
@@ -123,6 +123,6 @@ def test_sensors_of_a_campaign_of_ones_own_take_the_place_of_the_usual_ones(
 
 
 @pytest.mark.parametrize("article", ["clumod-1", "fmd+clumod-1"])
-def test_an_article_stands_on_the_fmd_whether_that_is_said_or_not(ask: Callable[..., Question], article: str) -> None:
+def test_an_article_stands_on_the_fmd_whether_that_is_said_or_not(ask: Callable[..., PretestOptions], article: str) -> None:
     assert ask(article).plan.article == "fmd+clumod-1"
     assert ask(article).above == "clumod-1"

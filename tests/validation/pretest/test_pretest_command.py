@@ -6,17 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from validation import cli
-from validation.pretest import as_json
-from validation.pretest import table as tables
-from validation.pretest.findings import Findings
-from validation.tables.text import page
+from validation.cli import main
+from validation.identify.pretest import PretestFindings
+from validation.report import identify
+from validation.report.document import page
 
 Run = Callable[..., tuple[int, str, str]]
 
 
-def test_the_page_says_intervals_causes_channels_and_places(tared: Findings) -> None:
-    text = page(tables.title(tared), tables.grids(tared), tables.notes(tared), 150)
+def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindings) -> None:
+    text = page(identify.pretest_title(tared), identify.pretest_grids(tared), identify.pretest_notes(tared), 150)
     for said in (
         "Pretest of fmd+disc+cuboid: 6 runs",
         "self-calibrated",
@@ -33,8 +32,8 @@ def test_the_page_says_intervals_causes_channels_and_places(tared: Findings) -> 
     assert "nan" not in text
 
 
-def test_json_is_one_object_with_units_in_its_keys(tared: Findings) -> None:
-    said = json.loads(json.dumps(as_json.as_json(tared)))
+def test_json_is_one_object_with_units_in_its_keys(tared: PretestFindings) -> None:
+    said = json.loads(json.dumps(identify.pretest_json(tared)))
     assert said["article"] == "fmd+disc+cuboid"
     assert said["tare"] == "fmd"
     assert len(said["condition"]) == len(said["frequency_hz"]) == 121
@@ -46,10 +45,10 @@ def test_json_is_one_object_with_units_in_its_keys(tared: Findings) -> None:
     assert said["tolerances"]["gain"] == 0.003
 
 
-def test_the_pictures_are_drawn(tared: Findings, tmp_path: Path, renderer: None) -> None:
-    from validation.pretest.drawn import draw
+def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer: None) -> None:
+    from validation.report.identify import pretest_draw
 
-    paths = draw(tared, tmp_path)
+    paths = pretest_draw(tared, tmp_path)
     assert [path.name for path in paths] == [f"pretest-fmd+disc+cuboid{end}.png" for end in ("", "-shares", "-places")]
     assert all(path.stat().st_size > 20_000 for path in paths)
 
@@ -57,7 +56,7 @@ def test_the_pictures_are_drawn(tared: Findings, tmp_path: Path, renderer: None)
 def test_the_command_answers_and_writes(run: Run, tmp_path: Path) -> None:
     quick = ("--tare", "none", "--band", "6", "9", "--octaves-per-minute", "6", "--no-lost")
     code, out, _ = run("pretest", "disc+cuboid", *quick, "--json")
-    assert code == cli.DONE
+    assert code == main.DONE
     said = json.loads(out)
     assert said["without"] == {}
     assert said["without_tare"] is None
@@ -85,7 +84,7 @@ def test_the_command_answers_and_writes(run: Run, tmp_path: Path) -> None:
 )
 def test_what_cannot_be_planned_is_refused_in_words(run: Run, arguments: tuple[str, ...], said: str) -> None:
     code, out, err = run("pretest", *arguments)
-    assert (code, out) == (cli.BAD_INPUT, "")
+    assert (code, out) == (main.BAD_INPUT, "")
     assert said in err
     assert "Traceback" not in err
 
@@ -104,5 +103,5 @@ def test_sensors_that_tell_no_base_motion_are_refused(run: Run, root: Path, tmp_
     }
     campaign_file.write(tmp_path / "few", replace(made, table=made.table.subset(kept), recordings=recordings))
     code, _, err = run("pretest", "clumod-1", "--sensors", str(tmp_path / "few"))
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "x" in err

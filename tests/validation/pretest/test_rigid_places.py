@@ -6,9 +6,9 @@ from numpy.testing import assert_allclose
 from geometry.articles.locations import locations
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import rigid_transformation, rigid_transformation_6
-from validation.flexible.model import Asked, flexible
-from validation.flexible.motion import node_displacement
-from validation.pretest.rigid_places import coarse_lines, elastic_share, judged, largest_share, rigid_height
+from validation.flexible.model import FlexibleOptions, flexible
+from validation.flexible.modes import node_displacement
+from validation.identify.pretest import coarse_lines, elastic_share, judged, largest_share, rigid_height
 
 SEAT = np.array([0.0, 0.0, 0.045])
 LINES = np.array([4.0, 6.0, 9.0])
@@ -16,7 +16,7 @@ LINES = np.array([4.0, 6.0, 9.0])
 
 def test_the_elastic_share_of_nodes_is_that_of_the_equations_of_motion_themselves() -> None:
     """(K - omega² M) x = omega² M R u without modes: relative displacements, from the matrices of the model."""
-    model = flexible("clumod-1", "beam", Asked(count=40))
+    model = flexible("clumod-1", "beam", FlexibleOptions(count=40))
     structure = model.structure
     assert structure is not None
     share = elastic_share(node_displacement(structure, model.modes.shapes), structure.points + SEAT, model.modes, SEAT, LINES)
@@ -34,7 +34,7 @@ def test_the_elastic_share_of_nodes_is_that_of_the_equations_of_motion_themselve
 
 
 def test_the_largest_share_of_a_surface_is_the_largest_over_its_lines() -> None:
-    model = flexible("clumod-1", "beam", Asked(count=8))
+    model = flexible("clumod-1", "beam", FlexibleOptions(count=8))
     assert model.structure is not None
     of = (node_displacement(model.structure, model.modes.shapes), model.structure.points + SEAT, model.modes, SEAT, LINES)
     first, most = largest_share(*of)
@@ -45,7 +45,7 @@ def test_the_largest_share_of_a_surface_is_the_largest_over_its_lines() -> None:
 
 
 def test_a_place_on_the_held_flange_is_rigid_and_a_tip_is_not() -> None:
-    model = flexible("clumod-1", "beam", Asked(count=20))
+    model = flexible("clumod-1", "beam", FlexibleOptions(count=20))
     found = {one.name: one for one in judged(model, locations("clumod-1"), SEAT, np.linspace(4, 32, 113), 0.01)}
     assert found["flange"].largest == 0
     assert found["flange"].within == 1
@@ -56,14 +56,14 @@ def test_a_place_on_the_held_flange_is_rigid_and_a_tip_is_not() -> None:
 
 
 def test_elastic_motion_falls_with_the_square_of_the_frequency() -> None:
-    model = flexible("disc+cuboid", "beam", Asked(count=20))
+    model = flexible("disc+cuboid", "beam", FlexibleOptions(count=20))
     top = {"top": locations("disc+cuboid")["top"]}
     (low,), (high,) = (judged(model, top, SEAT, np.array([f, f + 0.01]), 0.01) for f in (2.0, 4.0))
     assert_allclose(high.at_start / low.at_start, 4.0, rtol=0.02)  # the first mode lies at some 100 Hz or more
 
 
 def test_up_to_and_within_are_those_of_the_lines() -> None:
-    model = flexible("disc+cuboid", "beam", Asked(count=20))
+    model = flexible("disc+cuboid", "beam", FlexibleOptions(count=20))
     lines, top = np.linspace(4, 60, 225), {"top": locations("disc+cuboid")["top"]}
     (found,) = judged(model, top, SEAT, lines, 0.01)
     assert found.up_to is not None
@@ -74,7 +74,7 @@ def test_up_to_and_within_are_those_of_the_lines() -> None:
 
 
 def test_the_rigid_height_of_an_axis_grows_with_what_is_allowed() -> None:
-    model = flexible("clumod-1", "beam", Asked(count=20))
+    model = flexible("clumod-1", "beam", FlexibleOptions(count=20))
     lines = np.linspace(4, 9, 21)
     heights = [rigid_height(model, 1.6, SEAT, lines, limit) for limit in (0.01, 0.05, 0.5)]
     assert heights[0] is not None
@@ -84,7 +84,7 @@ def test_the_rigid_height_of_an_axis_grows_with_what_is_allowed() -> None:
 
 
 def test_coarse_lines_hold_every_eigenfrequency_of_the_band() -> None:
-    model = flexible("clumod-1", "beam", Asked(count=20))
+    model = flexible("clumod-1", "beam", FlexibleOptions(count=20))
     lines = coarse_lines(np.linspace(4, 32, 561), model.modes)
     own = model.modes.frequency[model.modes.frequency < 32]
     assert set(own) <= set(lines)

@@ -15,14 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation import cli
-from validation.comparing.asked import Asked as Compared
-from validation.ladders.climbing import Standing
-from validation.ladders.nouns import Body, Errors, Ladder, Rung
-from validation.report import articles, campaigns
-from validation.report.nouns import Report
-from validation.report.page import write
-from validation.report.run import Asked, reported
+from validation.cli import main
+from validation.history.history import Body, Errors, HistoryPosition, Ladder, Version
+from validation.report import identify, reference
+from validation.report.page import ReportOptions, reported, write
+from validation.report.parts import Report
+from validation.study import CompareOptions as Compared
 
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 
@@ -72,8 +70,8 @@ def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
     """The laboratory's files."""
     folder = tmp_path_factory.mktemp("laboratory")
     model, campaign, scale = folder / "cuboid.toml", folder / "gain", folder / "scale.toml"
-    assert cli.run([*SIMULATED, "--out", str(campaign)]) == 0
-    assert cli.run(["model", "fmd+cuboid", "--out", str(model)]) == 0
+    assert main.run([*SIMULATED, "--out", str(campaign)]) == 0
+    assert main.run(["model", "fmd+cuboid", "--out", str(model)]) == 0
     for path in (campaign / "campaign.toml", model):
         path.write_text(re.sub(r'^title = ".*"$', f'title = "{HOSTILE}"', path.read_text("utf-8"), flags=re.MULTILINE), "utf-8")
     scale.write_text(SCALE, "utf-8")
@@ -84,9 +82,11 @@ def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
 def report(series: Series) -> Report:
     """Compared, diagnosed, identified and drawn; the ladder is made by hand."""
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
-        for module in (articles, campaigns):
+        for module in (reference, identify):
             patch.setattr(module, "draw", lambda _, *given: dot(given[-1]))
-        found = reported(Asked(compared=series.asked, by="A. Tester", command="massline report cuboid.toml gain"), quiet=True)
+        found = reported(
+            ReportOptions(compared=series.asked, by="A. Tester", command="massline report cuboid.toml gain"), quiet=True
+        )
     return replace(found, standing=ladder(series.model))
 
 
@@ -105,13 +105,13 @@ def dot(folder: Path) -> Path:
     return path
 
 
-def ladder(model: Path) -> Standing:
+def ladder(model: Path) -> HistoryPosition:
     """Two rungs, the second of which is better."""
     rungs = (_rung(0, None, 4.1, 396.0), _rung(1, 0, 0.7, 70.0))
-    return Standing(path=model, text="", ladder=Ladder(rungs=rungs, current=1), rung=rungs[1])
+    return HistoryPosition(path=model, text="", ladder=Ladder(rungs=rungs, current=1), rung=rungs[1])
 
 
-def _rung(number: int, parent: int | None, plain: float, z2: float) -> Rung:
+def _rung(number: int, parent: int | None, plain: float, z2: float) -> Version:
     reference = np.array([12.09, 0.0, 0.0, 0.2, 0.166, 0.187, 0.031, 0.0, 0.0, 0.0])
     deviation = np.array([0.02, *3 * (2e-4,), *6 * (1e-3,)])
     body = Body(article="cuboid", values=reference + deviation, deviation=deviation, reference=reference)
@@ -126,7 +126,7 @@ def _rung(number: int, parent: int | None, plain: float, z2: float) -> Rung:
         expected_z2=83.0,
         log_evidence=-100.0,
     )
-    return Rung(
+    return Version(
         number=number,
         parent=parent,
         cause="start" if parent is None else "added",

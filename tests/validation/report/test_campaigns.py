@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry import multibody
+from geometry import routes
 from geometry.articles import built_in
 from geometry.frames import Pose, rotation_about
-from validation.report import campaigns
-from validation.report.nouns import CampaignPart, Report
+from validation.report import identify
+from validation.report.parts import CampaignPart, Report
 
 TURNED = Pose(position=np.array([0.01, -0.02, 0.1]), rotation=rotation_about("z", np.pi / 6))
 
@@ -24,9 +24,9 @@ def part(report: Report, mounting: Pose | None) -> CampaignPart:
     campaign = replace(known.campaign, mounting=mounting)
     found = replace(known.findings, article="cuboid", origin="F", request=replace(known.findings.request, campaign=campaign))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(campaigns, "identified", lambda asked: found)
-        patch.setattr(campaigns, "_sensors", lambda one, missing: None)
-        return campaigns.campaign_part(campaign, [campaign], report.model, None, "full-record")
+        patch.setattr(identify, "identified", lambda asked: found)
+        patch.setattr(identify, "_sensors", lambda one, missing: None)
+        return identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
 
 
 def test_a_result_from_f_is_not_held_against_a_drawing_that_stands_nowhere(report: Report) -> None:
@@ -39,7 +39,7 @@ def test_a_result_from_f_is_held_against_the_drawing_where_it_stands(report: Rep
     origin = report.campaigns[0].campaign.table.origin
     found = part(report, Pose(position=TURNED.position + origin, rotation=TURNED.rotation))
     assert found.reference is not None
-    stands = multibody.inertia(built_in("cuboid")).placed(TURNED)
+    stands = routes.inertia(built_in("cuboid")).placed(TURNED)
     values = [one.value for one in found.reference.values if one is not None]
     assert_allclose(values[1:4], stands.cog, atol=1e-9)
     assert_allclose(values[4:7], np.diag(stands.tensor_cog), rtol=1e-6)

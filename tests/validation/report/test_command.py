@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 
-from validation.report import page as pages
-from validation.report import run as running
-from validation.report.nouns import Report
+from validation.report import page
+from validation.report.parts import Report
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -38,8 +37,8 @@ def test_a_model_that_is_not_there_is_refused(run: Run, series: Any, name: str) 
 def test_without_a_name_it_goes_under_out_after_the_model(
     run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(running, "reported", lambda asked: report)
-    monkeypatch.setattr(pages, "html", lambda *_: "<!DOCTYPE html>")
+    monkeypatch.setattr(page, "reported", lambda asked: report)
+    monkeypatch.setattr(page, "html", lambda *_: "<!DOCTYPE html>")
     code, out, said = run("report", str(series.model), *series.data)
     assert (code, out) == (0, "")
     assert "wrote out/cuboid-report.html" in said
@@ -50,12 +49,12 @@ def test_an_interruption_leaves_the_page_that_was_there(
     run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     Path("report.html").write_text("the page before")
-    monkeypatch.setattr(running, "reported", lambda asked: report)
+    monkeypatch.setattr(page, "reported", lambda asked: report)
 
     def interrupted(*_: object) -> str:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(pages, "html", interrupted)
+    monkeypatch.setattr(page, "html", interrupted)
     code, _, _ = run("report", str(series.model), *series.data, "--out", "report.html")
     assert code == 130
     assert [path.name for path in Path().iterdir()] == ["report.html"]
@@ -66,9 +65,9 @@ def test_the_diagnosis_can_be_left_out(series: Any, monkeypatch: pytest.MonkeyPa
     def never(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr(running, "compared", lambda *_, **__: "compared")
-    monkeypatch.setattr(running, "_diagnosis", never)
-    monkeypatch.setattr(running, "assembled", lambda *_, **given: given)
-    given: Any = running.reported(running.Asked(compared=series.asked, diagnosis=False), quiet=True)
+    monkeypatch.setattr(page, "compared", lambda *_, **__: "compared")
+    monkeypatch.setattr(page, "_diagnosis", never)
+    monkeypatch.setattr(page, "assembled", lambda *_, **given: given)
+    given: Any = page.reported(page.ReportOptions(compared=series.asked, diagnosis=False), quiet=True)
     assert given["diagnosis"] is None
     assert given["not_diagnosed"] == "--no-diagnosis"

@@ -5,9 +5,20 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from validation.report.markup import Safe, joined, tag, worded
-from validation.report.tables import NOTHING, Column, Number, number, of_grid, table, toleranced
-from validation.tables.grid import Grid
+from validation.report.document import (
+    NOTHING,
+    Column,
+    Grid,
+    Number,
+    Safe,
+    joined,
+    number,
+    of_grid,
+    table,
+    tag,
+    toleranced,
+    worded,
+)
 
 
 @given(st.text())

@@ -15,14 +15,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.diagnosing.as_json import as_json
-from validation.ladders.nouns import Body
-from validation.report import browser
-from validation.report import run as asked
-from validation.report.figures import Figures
-from validation.report.nouns import Report
+from validation.history.history import Body
+from validation.report import diagnose, page
+from validation.report.diagnose import diagnosis_json
+from validation.report.document import Figures
 from validation.report.page import SECTIONS, html
-from validation.report.sections import missing
+from validation.report.parts import Report
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -100,7 +98,7 @@ def test_errors_and_spots_are_those_of_compare(read: Any, series: Any, run: Run)
 
 def test_causes_are_those_of_diagnose(read: Any, report: Report) -> None:
     assert report.diagnosis is not None
-    said = as_json(report.diagnosis)
+    said = diagnosis_json(report.diagnosis)
     assert said["settings"]["hold_out"] == ["z"]
     shown = read.table("Causes that were tried, the best first").row("force-gain:fmd-z2")
     (found,) = said["accepted"]
@@ -145,7 +143,7 @@ def test_the_ladder_shows_every_rung(read: Any, report: Report) -> None:
 
 
 def test_where_everything_comes_from_is_said(read: Any, report: Report, series: Any) -> None:
-    from validation.ladders.sources import digest
+    from validation.history.history import digest
 
     inputs = read.table("Inputs")
     assert [row[1] for row in inputs.rows[1:]] == [digest(str(path)) for path in (series.model, series.campaign, series.scale)]
@@ -161,9 +159,9 @@ def test_code_of_the_user_and_the_browser_that_prints_are_said(
     (tmp_path / "mine.py").write_text("FAMILY = None")
     (tmp_path / "browser").write_text("#!/bin/sh\necho Brow 7.1\n")
     (tmp_path / "browser").chmod(0o755)
-    monkeypatch.setattr(asked, "SOURCES", {"mine": str(tmp_path / "mine.py"), "theirs": "entry point theirs"})
-    monkeypatch.setenv(browser.BROWSER, str(tmp_path / "browser"))
-    made = asked.provenance(asked.Asked(compared=series.asked, pdf=True, diagnosis=False))
+    monkeypatch.setattr(page, "SOURCES", {"mine": str(tmp_path / "mine.py"), "theirs": "entry point theirs"})
+    monkeypatch.setenv(page.BROWSER, str(tmp_path / "browser"))
+    made = page.provenance(page.ReportOptions(compared=series.asked, pdf=True, diagnosis=False))
     assert made.inputs[-1].path == str(tmp_path / "mine.py")
     assert made.settings["effects of the user's own"] == [f"mine ({tmp_path}/mine.py)", "theirs (entry point theirs)"]
     assert made.versions["browser that prints"] == "Brow 7.1"
@@ -175,7 +173,7 @@ def test_every_library_that_reads_computes_or_draws_has_its_version(root: Path) 
     declared = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
     names = {re.split(r"[<>=~ \[]", one)[0] for one in declared}
     faces = {"click", "rich", *(one for one in names if one.startswith("trame"))}
-    assert names - faces <= set(asked.PROGRAMS)
+    assert names - faces <= set(page.PROGRAMS)
 
 
 def test_what_nobody_asked_for_is_said_instead_of_shown(report: Report, parsed: Callable[[str], Any]) -> None:
@@ -197,7 +195,7 @@ def test_every_verdict_has_its_page(report: Report, verdict: str, parsed: Callab
     alike = ("force-gain:fmd-z2", "cell-stiffness:2z") if verdict == "ambiguous" else ()
     accepted = () if verdict in ("nothing", "unknown") else found.accepted
     told = replace(found, verdict=verdict, accepted=accepted, equivalence_class=alike)
-    page = parsed(missing.html(replace(report, diagnosis=told), Figures()))
+    page = parsed(diagnose.html(replace(report, diagnosis=told), Figures()))
     assert any(one.caption == "The errors before and after what was found is added" for one in page.tables)
     assert any(one.caption == "What these data cannot tell apart" for one in page.tables) == bool(alike)
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from geometry.errors import BadInput, CheckFailed
-from validation.report import browser, pdf
+from validation.report import page as report_page
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -19,7 +19,7 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture(scope="module")
 def printed(browser_path: str, page: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("paper") / "report.pdf"
-    pdf.print_to(page, path, browser_path)
+    report_page.print_to(page, path, browser_path)
     return path.read_bytes()
 
 
@@ -49,7 +49,7 @@ def test_figures_are_on_it_as_drawings(printed: bytes) -> None:
 
 def test_a_browser_that_says_nothing_is_told_of(page: Path, tmp_path: Path) -> None:
     with pytest.raises(CheckFailed, match="did not print"):
-        pdf.print_to(page, tmp_path / "report.pdf", "/bin/true")
+        report_page.print_to(page, tmp_path / "report.pdf", "/bin/true")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -57,9 +57,9 @@ def test_a_browser_that_hangs_is_ended(page: Path, tmp_path: Path, monkeypatch: 
     script = tmp_path / "browser"
     script.write_text("#!/bin/sh\nexec sleep 60\n")
     script.chmod(0o755)
-    monkeypatch.setattr(pdf, "PATIENCE", 0.2)
+    monkeypatch.setattr(report_page, "PDF_PATIENCE", 0.2)
     with pytest.raises(CheckFailed, match=r"within 0\.2 s"):
-        pdf.print_to(page, tmp_path / "report.pdf", str(script))
+        report_page.print_to(page, tmp_path / "report.pdf", str(script))
 
 
 @pytest.mark.parametrize(("user", "sandboxed"), [(0, False), (1000, True)])
@@ -73,19 +73,19 @@ def test_nobody_but_root_prints_without_the_browsers_sandbox(
     page.write_text("")
     monkeypatch.setattr("os.geteuid", lambda: user)
     with pytest.raises(CheckFailed, match="did not print"):
-        pdf.print_to(page, tmp_path / "report.pdf", str(script))
+        report_page.print_to(page, tmp_path / "report.pdf", str(script))
     assert ("--no-sandbox" not in (tmp_path / "words").read_text()) == sandboxed
 
 
 def test_without_a_browser_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv(browser.BROWSER, raising=False)
+    monkeypatch.delenv(report_page.BROWSER, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BadInput, match="apt-get install chromium"):
-        browser.path()
+        report_page.browser_path()
 
 
 def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(browser.BROWSER, "no-such-browser")
+    monkeypatch.setenv(report_page.BROWSER, "no-such-browser")
     code, _, said = run("report", "none.toml", "nowhere", "--pdf")
     assert code == 2
     assert "MASSLINE_BROWSER" in said
@@ -96,6 +96,6 @@ def test_a_named_browser_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     own = tmp_path / "mine"
     own.write_text("#!/bin/sh\n")
     own.chmod(0o755)
-    monkeypatch.setenv(browser.BROWSER, str(own))
-    found: Any = browser.path()
+    monkeypatch.setenv(report_page.BROWSER, str(own))
+    found: Any = report_page.browser_path()
     assert found == str(own)

@@ -6,12 +6,12 @@ import math
 import pytest
 from rich.console import Console
 
-from validation.verification import check as module
-from validation.verification.check import Check, Error, Found, Mesh, Result, order, run
-from validation.verification.table import markdown, pages, summary
+from validation.report.flexible import markdown, pages, summary
+from validation.verification import check
+from validation.verification.check import Check, CheckResult, Error, Found, Mesh, order, run
 
 
-def row(reference: float, value: float, bar: float, error: Error = Error.RELATIVE, unit: str = "Hz") -> Result:
+def row(reference: float, value: float, bar: float, error: Error = Error.RELATIVE, unit: str = "Hz") -> CheckResult:
     check = Check(
         family="Bars",
         what="Cantilever, mode 1",
@@ -40,7 +40,7 @@ def row(reference: float, value: float, bar: float, error: Error = Error.RELATIV
         (row(1.0, math.inf, 1.0), False),
     ],
 )
-def test_a_row_passes_up_to_its_bar_and_never_without_a_number(result: Result, passed: bool) -> None:
+def test_a_row_passes_up_to_its_bar_and_never_without_a_number(result: CheckResult, passed: bool) -> None:
     assert result.passed is passed
     json.dumps(result.json(), allow_nan=False)
 
@@ -48,7 +48,7 @@ def test_a_row_passes_up_to_its_bar_and_never_without_a_number(result: Result, p
 def test_what_rows_share_is_computed_once_a_run_and_anew_in_the_next() -> None:
     calls: list[int] = []
 
-    @module.once
+    @check.once
     def shared(number: int) -> float:
         calls.append(number)
         return float(number)
@@ -77,7 +77,7 @@ Bars
 """
 
 
-def results() -> list[Result]:
+def results() -> list[CheckResult]:
     return [
         row(100.0 + 1e-9, 101.1, 0.02),
         row(4.0, 3.7, 0.25, Error.ABSOLUTE, unit=""),

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.verification import ritz
+from validation.verification import closed_forms
 
 E, NU, RHO, SIDE, THICKNESS = 200e9, 0.3, 8000.0, 10.0, 0.05
 
 
 def thin(degree: int) -> np.ndarray:
-    return ritz.thin_plate(SIDE, THICKNESS, E, NU, RHO, degree=degree, count=6)
+    return closed_forms.thin_plate(SIDE, THICKNESS, E, NU, RHO, degree=degree, count=6)
 
 
 def flat(degree: int) -> np.ndarray:
-    return ritz.in_plane(SIDE, E, NU, RHO, degree=degree, count=6)
+    return closed_forms.in_plane(SIDE, E, NU, RHO, degree=degree, count=6)
 
 
 @pytest.mark.parametrize("frequencies", [thin, flat])
@@ -29,11 +29,13 @@ def test_lames_motion_of_a_free_plate_has_its_closed_form() -> None:
 
 
 def test_frequencies_scale_with_thickness_over_the_square_of_the_side() -> None:
-    assert_allclose(ritz.thin_plate(2 * SIDE, 3 * THICKNESS, E, NU, RHO, degree=8, count=3), 0.75 * thin(8)[:3], rtol=1e-9)
+    assert_allclose(
+        closed_forms.thin_plate(2 * SIDE, 3 * THICKNESS, E, NU, RHO, degree=8, count=3), 0.75 * thin(8)[:3], rtol=1e-9
+    )
 
 
 def test_without_poissons_ratio_a_plate_bends_like_a_beam() -> None:
     """Without Poisson's ratio the free plate has the free beam's first bending mode among its own, exactly."""
-    found = ritz.thin_plate(SIDE, THICKNESS, E, 0.0, RHO, degree=14, count=6)
+    found = closed_forms.thin_plate(SIDE, THICKNESS, E, 0.0, RHO, degree=14, count=6)
     beam = 4.730040744862704**2 / (2 * np.pi * SIDE**2) * np.sqrt(E * THICKNESS**2 / 12 / RHO)
     assert np.min(np.abs(found / beam - 1)) < 1e-7

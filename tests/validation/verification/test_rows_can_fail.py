@@ -8,30 +8,23 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
+import fem.frame
+import fem.solid.elasticity
 import numpy as np
 import pytest
 
-import fem.frame
-import fem.solid.elasticity
 import fem.solid.model
+from fem import dynamic_mass
+from fem.base_excitation import response, rig
 from fem.base_excitation.response import Response
-from fem.flexible_body.rope_pendulum import Swing
+from fem.beam import articles, elements
+from fem.exudyn import driven_run, linear, rope_pendulum
+from fem.exudyn.rope_pendulum import Swing
 from fem.modes import Modes
 from fem.structure import Structure
-from validation.verification import (
-    FAMILIES,
-    base_excitation,
-    checks,
-    dynamic_mass,
-    exudyn_beams,
-    plates,
-    rods,
-    rope_pendulum,
-    sandwich,
-    solids,
-)
-from validation.verification.check import Mesh, Result, run
-from validation.verification.grids import HEX, TET
+from validation.verification import beams, closed_forms, dynamics, solids
+from validation.verification.check import FAMILIES, CheckResult, Mesh, checks, run
+from validation.verification.closed_forms import HEX, TET
 
 SOFT = 1.2
 """A wrong stiffness or mass: this many times the right one."""
@@ -70,8 +63,8 @@ def _times(element: object, stiffness: float, mass: float) -> object:
 
 
 def layer_stiffness(patch: Patch) -> None:
-    right = sandwich.sandwich
-    patch.setattr(sandwich, "sandwich", lambda *args: replace(right(*args), slip=SOFT * right(*args).slip))
+    right = elements.sandwich
+    patch.setattr(beams, "sandwich", lambda *args: replace(right(*args), slip=SOFT * right(*args).slip))
 
 
 def solid_stiffness(patch: Patch) -> None:
@@ -95,12 +88,12 @@ def solid_grounded(patch: Patch) -> None:
 
 def second_source(patch: Patch) -> None:
     for name in ("thin_plate", "in_plane"):
-        scaled(patch, plates.ritz, name, 1.01)
+        scaled(patch, closed_forms, name, 1.01)
 
 
 def article_mass(patch: Patch) -> None:
-    right = dynamic_mass.structure
-    patch.setattr(dynamic_mass, "structure", lambda name: _heavier(right(name)))
+    right = articles.structure
+    patch.setattr(dynamics, "structure", lambda name: _heavier(right(name)))
 
 
 def _heavier(article: Structure) -> Structure:
@@ -110,7 +103,7 @@ def _heavier(article: Structure) -> Structure:
 def residual(patch: Patch) -> None:
     """Left out where it belongs, put in where it does not."""
     right = dynamic_mass.modal
-    patch.setattr(dynamic_mass, "modal", lambda modes, lines, residual=True: right(modes, lines, residual=not residual))
+    patch.setattr(dynamics, "modal", lambda modes, lines, residual=True: right(modes, lines, residual=not residual))
 
 
 def reciprocity(patch: Patch) -> None:
@@ -120,17 +113,17 @@ def reciprocity(patch: Patch) -> None:
         H = right(*args, **kwargs)
         return replace(H, matrix=H.matrix + np.eye(6, k=1))
 
-    patch.setattr(dynamic_mass, "direct", wrong)
+    patch.setattr(dynamics, "direct", wrong)
 
 
 def exudyn_stiffness(patch: Patch) -> None:
-    right = exudyn_beams.modes_of_plan
+    right = linear.modes_of_plan
 
     def wrong(plan: object, count: int) -> Modes:
         members = tuple(replace(m, section=_stiffer(m.section)) for m in plan.members)
         return right(replace(plan, members=members), count)
 
-    patch.setattr(exudyn_beams, "modes_of_plan", wrong)
+    patch.setattr(beams, "modes_of_plan", wrong)
 
 
 def _stiffer(section: object) -> object:
@@ -139,11 +132,11 @@ def _stiffer(section: object) -> object:
 
 
 def recursion_load(patch: Patch) -> None:
-    _wrong_run(patch, base_excitation.linear)
+    _wrong_run(patch, response)
 
 
 def exudyn_load(patch: Patch) -> None:
-    _wrong_run(patch, base_excitation.driven_base)
+    _wrong_run(patch, driven_run)
 
 
 def _wrong_run(patch: Patch, route: object) -> None:
@@ -157,13 +150,13 @@ def _wrong_run(patch: Patch, route: object) -> None:
 
 
 def rig_dynamic_mass(patch: Patch) -> None:
-    right = base_excitation.dynamic_mass
+    right = rig.dynamic_mass
 
     def wrong(*args: object) -> object:
         H = right(*args)
         return replace(H, matrix=SOFT * H.matrix)
 
-    patch.setattr(base_excitation, "dynamic_mass", wrong)
+    patch.setattr(dynamics, "dynamic_mass", wrong)
 
 
 def pendulum_record(patch: Patch) -> None:
@@ -174,7 +167,7 @@ def pendulum_record(patch: Patch) -> None:
         run = right(*args, **kwargs)
         return replace(run, time=1.0001 * run.time)
 
-    patch.setattr(rope_pendulum, "swing", wrong)
+    patch.setattr(dynamics, "swing", wrong)
 
 
 @dataclass(frozen=True)
@@ -205,15 +198,15 @@ def coarse(monkeypatch: Patch) -> None:
     monkeypatch.setitem(solids.BAR_CELLS, Mesh.FAST, (2, 1, 10))
     for nodes, cells in ((HEX, (2, 3, 4)), (TET, (3, 4, 6))):
         monkeypatch.setitem(solids.CUBE_CELLS, nodes, cells)
-    monkeypatch.setitem(plates.THIN_CELLS, Mesh.FAST, (4, 6))
-    monkeypatch.setitem(plates.THICK_CELLS, Mesh.FAST, (4, 4, 1))
+    monkeypatch.setitem(solids.THIN_CELLS, Mesh.FAST, (4, 6))
+    monkeypatch.setitem(solids.THICK_CELLS, Mesh.FAST, (4, 4, 1))
     monkeypatch.setattr(fem.solid.model, "tetrahedra", cache(fem.solid.model.tetrahedra))  # gmsh once, not once a break
     monkeypatch.setattr(fem.solid.model, "bodies", cache(fem.solid.model.bodies))
-    monkeypatch.setattr(rods, "article", cache(rods.article))
-    monkeypatch.setitem(rods.FINENESS, Mesh.FAST, 1.0)
-    monkeypatch.setitem(exudyn_beams.ELEMENTS, Mesh.FAST, 6)
-    monkeypatch.setitem(base_excitation.RATE, Mesh.FAST, 2048.0)
-    monkeypatch.setattr(dynamic_mass, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
+    monkeypatch.setattr(solids, "article", cache(solids.article))
+    monkeypatch.setitem(solids.FINENESS, Mesh.FAST, 1.0)
+    monkeypatch.setitem(beams.EXUDYN_BEAMS_ELEMENTS, Mesh.FAST, 6)
+    monkeypatch.setitem(dynamics.RATE, Mesh.FAST, 2048.0)
+    monkeypatch.setattr(dynamics, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
 
 
 def test_every_family_has_its_breaks() -> None:
@@ -234,7 +227,7 @@ def test_every_row_fails_when_what_it_checks_is_broken(case: Family) -> None:
     assert failed == {result.check.what for result in sound}
 
 
-def _worse(sound: Result, broken: Result) -> bool:
+def _worse(sound: CheckResult, broken: CheckResult) -> bool:
     return not broken.passed and broken.error > 2 * sound.error
 
 

@@ -7,14 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import fem.solid.elasticity
 import pytest
 
-import fem.solid.elasticity
-from validation import cli
+from validation.cli import main
 from validation.output import plain_unit
-from validation.verification import FAMILIES
-from validation.verification.check import Check, Error, Found, Result
-from validation.verification.table import cells
+from validation.report.flexible import cells
+from validation.verification.check import FAMILIES, Check, CheckResult, Error, Found
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +52,7 @@ def test_the_page_shows_the_table_of_today(root: Path, whole: dict[str, Any]) ->
             assert float(printed) == pytest.approx(known, rel=1e-4, abs=rounding)
 
 
-def _result(row: dict[str, Any]) -> Result:
+def _result(row: dict[str, Any]) -> CheckResult:
     found = Found(row["reference"], row["value"])
     check = Check(
         family=row["family"],
@@ -64,7 +63,7 @@ def _result(row: dict[str, Any]) -> Result:
         find=lambda mesh: found,
         error=Error(row["error_is"]),
     )
-    return Result(check=check, found=found)
+    return CheckResult(check=check, found=found)
 
 
 def test_a_failed_check_ends_with_exit_code_1_and_its_name(
@@ -72,7 +71,7 @@ def test_a_failed_check_ends_with_exit_code_1_and_its_name(
 ) -> None:
     right = fem.solid.elasticity._mass
     monkeypatch.setattr(fem.solid.elasticity, "_mass", lambda *args: 1.01 * right(*args))
-    assert cli.run(["verify", "essentials"]) == cli.FAILED_CHECK
+    assert main.run(["verify", "essentials"]) == main.FAILED_CHECK
     said = capsys.readouterr()
     assert "2 of 16 checks fail: Rigid mass matrix of hexahedra; Rigid mass matrix of tetrahedra." in said.err
     assert said.out.count(" NO ") == 2
@@ -81,12 +80,12 @@ def test_a_failed_check_ends_with_exit_code_1_and_its_name(
 def test_finer_meshes_come_no_less_close(capsys: pytest.CaptureFixture[str]) -> None:
     errors = []
     for options in ([], ["--fine"]):
-        assert cli.run(["verify", "beams", "--json", *options]) == cli.DONE
+        assert main.run(["verify", "beams", "--json", *options]) == main.DONE
         rows = json.loads(capsys.readouterr().out)["rows"]
         errors.append({row["what"]: row["error"] for row in rows if row["unit"] == "Hz"})
     assert all(errors[1][what] <= 1.1 * errors[0][what] + 1e-6 for what in errors[0])
 
 
 def test_an_unknown_family_is_refused_with_those_there_are(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["verify", "plate"]) == cli.BAD_INPUT
+    assert main.run(["verify", "plate"]) == main.BAD_INPUT
     assert "'plates'" in capsys.readouterr().err

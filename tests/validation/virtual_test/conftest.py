@@ -11,7 +11,7 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.sensors import motion_rows, resultants
 from identification.campaign import Campaign
 from identification.dynamic_mass import from_runs
-from identification.spectra.full_record import full_record
+from identification.spectra.line_spectra import full_record
 from validation.virtual_test.plan import Plan, exact
 from validation.virtual_test.simulate import VirtualTest, simulate
 

@@ -14,14 +14,9 @@ from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput, CheckFailed
 from geometry.sensors import ChannelTable
 from identification.campaign import Campaign
-from identification.campaign_file import examine, read, write
-from identification.survey import levels, noise_floors
-from validation.virtual_test.driven import record
-from validation.virtual_test.hooks import Effect
-from validation.virtual_test.laboratory import laboratory
-from validation.virtual_test.plan import Plan, exact
-from validation.virtual_test.runs import runs
-from validation.virtual_test.simulate import VirtualTest, recording, simulate
+from identification.campaign_file import examine, levels, noise_floors, read, write
+from validation.virtual_test.plan import Plan, PlantedEffect, exact
+from validation.virtual_test.simulate import VirtualTest, laboratory, record, recording, runs, simulate
 
 Ordinary = Callable[[str], VirtualTest]
 
@@ -58,7 +53,7 @@ def test_the_signals_are_the_paper_s_by_name_and_group(folder: Path) -> None:
 
 
 def test_the_campaign_file_holds_no_seed_no_effect_and_no_drawn_figure(elastic_plan: Callable[..., Plan], tmp_path: Path) -> None:
-    effect = Effect(id="force-gain:fmd-z3", value={"": 0.0432}, chain=lambda chain: chain.more_gain("fmd-z3", 0.0432))
+    effect = PlantedEffect(id="force-gain:fmd-z3", value={"": 0.0432}, chain=lambda chain: chain.more_gain("fmd-z3", 0.0432))
     plan = elastic_plan(seed=987654321, effects=(effect,), article="fmd", model="rigid")
     made = simulate(plan)
     write(tmp_path / "sealed", made.campaign)
@@ -124,7 +119,7 @@ def test_the_table_moves_across_by_a_few_per_cent(elastic_plan: Callable[..., Pl
 
 def test_effects_on_whole_signals_see_what_is_streamed_otherwise(elastic_plan: Callable[..., Plan]) -> None:
     """An effect that copies the signals makes the run be kept whole; what is recorded stays the same."""
-    idle = Effect(id="idle", signals=lambda sensed: replace(sensed, values=np.array(sensed.values)))
+    idle = PlantedEffect(id="idle", signals=lambda sensed: replace(sensed, values=np.array(sensed.values)))
     plain, kept = elastic_plan(), elastic_plan(effects=(idle,))
     run = runs(plain)[4]
     expected = record(plain, laboratory(plain), run)
@@ -132,14 +127,14 @@ def test_effects_on_whole_signals_see_what_is_streamed_otherwise(elastic_plan: C
 
 
 def test_effects_on_the_record_come_after_the_noise(rigid_plan: Callable[..., Plan]) -> None:
-    grams = Effect(id="unit", record=lambda sensed: replace(sensed, values=sensed.values / 9.81))
+    grams = PlantedEffect(id="unit", record=lambda sensed: replace(sensed, values=sensed.values / 9.81))
     plain, scaled = (replace(exact(rigid_plan()), noise_rms={"force": 1.0}, effects=effects) for effects in ((), (grams,)))
     values = [recording(plan, laboratory(plan), runs(plan)[0]).values for plan in (plain, scaled)]
     assert_allclose(values[1], values[0] / 9.81, rtol=1e-12)
 
 
 def test_effects_on_the_rig_come_before_the_drive(rigid_plan: Callable[..., Plan], exact_test: VirtualTest) -> None:
-    heavier = Effect(id="heavy", rig=lambda rig: replace(rig, cover=rig.cover.scaled(2.0)))
+    heavier = PlantedEffect(id="heavy", rig=lambda rig: replace(rig, cover=rig.cover.scaled(2.0)))
     plan = exact(rigid_plan(effects=(heavier,)))
     found, before = record(plan, laboratory(plan), runs(plan)[2]), exact_test.campaign.recordings["z"].values
     cells = exact_test.campaign.table.select(group="fmd")[4:]

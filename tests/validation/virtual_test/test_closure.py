@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.rig_structure import dynamic_mass
+from fem.base_excitation.rig import dynamic_mass
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
-from validation.virtual_test.hooks import Effect
-from validation.virtual_test.laboratory import laboratory
-from validation.virtual_test.plan import Plan, exact
-from validation.virtual_test.simulate import VirtualTest, simulate
+from validation.virtual_test.plan import Plan, PlantedEffect, exact
+from validation.virtual_test.simulate import VirtualTest, laboratory, simulate
 
 LINES = np.arange(4.0, 32.01, 1.0)
 Measured = Callable[[Campaign, np.ndarray], DynamicMass]
@@ -67,7 +65,7 @@ def test_one_half_of_gravity_alone_adds_the_tilt_terms_of_the_printed_signs(
 ) -> None:
     """f_x/beta += m g/w², f_y/alpha -= m g/w², t_alpha/alpha and t_beta/beta += m g z/w² for kinematic accelerations, and the
     opposite where the structure does not feel gravity while the accelerometers do."""
-    off = Effect(id=half, chain=lambda chain: replace(chain, **{half: 0.0}))
+    off = PlantedEffect(id=half, chain=lambda chain: replace(chain, **{half: 0.0}))
     M = measured(exact_test.campaign, LINES).matrix.real[0]
     found = measured(simulate(exact(rigid_plan(effects=(off,)))).campaign, LINES).matrix
     E = np.zeros((6, 6))

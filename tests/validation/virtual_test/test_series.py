@@ -9,11 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.testing import assert_array_equal
 
-from validation.virtual_test.laboratory import laboratory
+from validation.virtual_test.layout import stream, token
 from validation.virtual_test.plan import Plan
-from validation.virtual_test.runs import cross_motion, runs
-from validation.virtual_test.simulate import VirtualTest, recording
-from validation.virtual_test.streams import stream, token
+from validation.virtual_test.simulate import VirtualTest, cross_motion, laboratory, recording, runs
 from validation.virtual_test.truth import deviations
 
 ARTICLES = ("fmd", "fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
@@ -66,7 +64,7 @@ def test_the_same_plan_is_the_same_run_to_the_last_bit(
 def test_streams_do_not_depend_on_the_process() -> None:
     """Python salts the hashes of strings in every process; the names of streams must not go through them."""
     program = (
-        "from validation.virtual_test.streams import stream, token; print(stream(3, 'a', 'b').integers(10**15), token(3, 'a'))"
+        "from validation.virtual_test.layout import stream, token; print(stream(3, 'a', 'b').integers(10**15), token(3, 'a'))"
     )
     answers = {
         subprocess.run(

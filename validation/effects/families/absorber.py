@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Values
+from validation.effects.effect import PLACE, STRUCTURE, STRUCTURE_STAGE, Family, Values, resonator
 from validation.effects.plants import at
-from validation.effects.reduced import ALONG, with_resonators
-from validation.effects.sizes import resonator
-from validation.effects.stages import Matrices
-from validation.effects.targets import PLACE
+from validation.effects.stages import ALONG, Matrices, with_resonators
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from geometry.tolerances import Tolerances
-from validation.effects.family import ACCELERATIONS, Family
+from geometry.sensors import Tolerances
+from validation.effects.effect import ACCELERATIONS, ACCELEROMETER, DELAY, Family
 from validation.effects.plants import at
-from validation.effects.sizes import DELAY
-from validation.effects.targets import ACCELEROMETER
 
 FAMILY = Family(
     name="accelerometer-delay",

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from geometry.tolerances import Tolerances
-from validation.effects.family import ACCELERATIONS, Family
+from geometry.sensors import Tolerances
+from validation.effects.effect import ACCELERATIONS, ACCELEROMETER, GAIN, Family
 from validation.effects.plants import at
-from validation.effects.sizes import GAIN
-from validation.effects.targets import ACCELEROMETER
 
 FAMILY = Family(
     name="accelerometer-gain",

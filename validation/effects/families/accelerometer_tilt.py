@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from validation.effects.family import ACCELERATIONS, Family
+from validation.effects.effect import ACCELERATIONS, SWITCH, Family
 from validation.effects.plants import at
-from validation.effects.sizes import SWITCH
 
 FAMILY = Family(
     name="accelerometer-tilt",
@@ -15,7 +14,7 @@ FAMILY = Family(
     equation="x pick-ups read + g β'' / ω², y pick-ups - g α'' / ω²",
     mistaken_for=("gravity", "rigid-inertia", "force-plane-offset"),
     confirmed_by="rotation sweeps at the low end of the band; a pick-up tilted by hand that reads 1 g senses gravity",
-    reference="an accelerometer reads a - g in its own axes; the two halves cancel for a rigid body (identification.gravity)",
+    reference="an accelerometer reads a - g in its own axes; the two halves cancel for a rigid body (identification.base_motion)",
     sentence="Whether accelerometers feel gravity when the plate tilts, as all real ones do. Optical sensors and a table's own "
     "control do not; calling one the other shifts the height of the centre of gravity by g / ω², 15.5 mm at 4 Hz.",
     plant=at("chain", "of_chain.tilt"),

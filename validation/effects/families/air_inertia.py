@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
-from validation.effects.swings import carried
+from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec
+from validation.effects.stages import carried
 
 FAMILY = Family(
     name="air-inertia",
     side=PENDULUM,
     what="moment of inertia of the air that swings along with a pendulum",
-    sizes=(Size(unit="kg m^2", low=0.0, high=100.0, plausible=0.005),),
+    sizes=(SizeSpec(unit="kg m^2", low=0.0, high=100.0, plausible=0.005),),
     example="air-inertia=0.002",
     stage=PERIOD_STAGE,
     change=carried,

@@ -7,14 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.frames import rigid_transformation
-from validation.effects.family import BODY_STAGE, STRUCTURE, Family, Values
+from validation.effects.effect import AXES, BODY_STAGE, STRUCTURE, Family, Values, resonator
 from validation.effects.plants import at
-from validation.effects.sizes import resonator
-from validation.effects.stages import Mounted
-from validation.effects.targets import AXES
+from validation.effects.stages import MountedDynamicMass
 
 
-def change(stage: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+def change(stage: MountedDynamicMass, targets: tuple[str, ...], values: Values) -> MountedDynamicMass:
     """The dynamic mass of a resonator along an axis at F, which lies at minus the seat, seen from where the article stands."""
     m, zeta = values["m"], values["zeta"]
     omega, own = 2 * np.pi * stage.frequency, 2 * np.pi * values["f"]

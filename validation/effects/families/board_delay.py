@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from validation.effects.family import FORCES, Family
+from validation.effects.effect import DELAY, FORCES, Family
 from validation.effects.plants import at
-from validation.effects.sizes import DELAY
 
 FAMILY = Family(
     name="board-delay",

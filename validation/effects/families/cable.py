@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Size, Values
+from validation.effects.effect import PLACE, STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values
 from validation.effects.plants import at
-from validation.effects.reduced import ALONG
-from validation.effects.stages import Matrices
-from validation.effects.targets import PLACE
+from validation.effects.stages import ALONG, Matrices
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
@@ -23,7 +21,7 @@ FAMILY = Family(
     what="a spring from a place to the ground",
     targets=(PLACE, "direction of a cable"),
     optional=True,
-    sizes=(Size(unit="N/m", low=1e-3, high=1e9, plausible=5e3),),
+    sizes=(SizeSpec(unit="N/m", low=1e-3, high=1e9, plausible=5e3),),
     example="cable:mast-top:lateral=1000",
     stage=STRUCTURE_STAGE,
     change=change,

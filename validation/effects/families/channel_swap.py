@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.channels import swapped
-from validation.effects.family import CHANNEL_STAGE, MISTAKE, Family
+from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family
 from validation.effects.plants import at
-from validation.effects.targets import CHANNEL
+from validation.effects.stages import swapped
 
 FAMILY = Family(
     name="channel-swap",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from validation.effects.family import ACCELERATIONS, Family, Size
+from validation.effects.effect import ACCELERATIONS, Family, SizeSpec
 from validation.effects.plants import at
 
 FAMILY = Family(
     name="cover-plate-flexibility",
     side=ACCELERATIONS,
     what="the cover plate gives under the vertical force",
-    sizes=(Size(unit="m/N", low=0.0, high=1e-4, plausible=1e-8),),
+    sizes=(SizeSpec(unit="m/N", low=0.0, high=1e-4, plausible=1e-8),),
     example="cover-plate-flexibility=1e-9",
     equation="vertical pick-ups of the cover plate read y - ω² c f_z",
     mistaken_for=("joint-compliance", "accelerometer-gain", "fmd-compliance"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from validation.effects.family import FORCES, Family, Size
+from validation.effects.effect import FORCES, Family, SizeSpec
 from validation.effects.plants import at
 
 FAMILY = Family(
@@ -10,7 +10,7 @@ FAMILY = Family(
     side=FORCES,
     what="factor on the compliance of all load cells",
     targets=("direction of the FMD",),
-    sizes=(Size(unit="1", low=1e-3, high=1e3, null=1.0, plausible=2.0, logarithmic=True),),
+    sizes=(SizeSpec(unit="1", low=1e-3, high=1e3, null=1.0, plausible=2.0, logarithmic=True),),
     example="fmd-compliance:lateral=3",
     tolerance=0.3,
     equation="table reads G (u - ω² K⁻¹ H u), K⁻¹ times the factor along the direction",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from geometry.tolerances import Tolerances
-from validation.effects.family import FORCES, Family
+from geometry.sensors import Tolerances
+from validation.effects.effect import FORCES, RATIO, Family
 from validation.effects.plants import at
-from validation.effects.sizes import RATIO
 
 FAMILY = Family(
     name="force-crosstalk",

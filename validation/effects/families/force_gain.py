@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from geometry.tolerances import Tolerances
-from validation.effects.family import FORCES, Family
+from geometry.sensors import Tolerances
+from validation.effects.effect import FORCE, FORCES, GAIN, Family
 from validation.effects.plants import at
-from validation.effects.sizes import GAIN
-from validation.effects.targets import FORCE
 
 FAMILY = Family(
     name="force-gain",

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from validation.effects.family import FORCES, Family, Size
+from validation.effects.effect import FORCE, FORCES, Family, SizeSpec
 from validation.effects.plants import at
-from validation.effects.targets import FORCE
 
 FAMILY = Family(
     name="force-highpass",
     side=FORCES,
     what="first-order corner of a charge amplifier",
     targets=(FORCE,),
-    sizes=(Size(unit="Hz", low=0.0, high=100.0, plausible=0.5),),
+    sizes=(SizeSpec(unit="Hz", low=0.0, high=100.0, plausible=0.5),),
     example="force-highpass:fmd-x12=0.3",
     equation="y' = y / (1 - i f_c / f)",
     mistaken_for=("cable", "force-delay", "gravity"),

@@ -9,16 +9,15 @@ from math import acos, asin, cos, inf, pi, sin, sqrt
 import numpy as np
 
 from geometry.frames import rigid_transformation
-from validation.effects.family import AMPLITUDE, BODY_STAGE, Family, Size, Values
+from validation.effects.effect import AMPLITUDE, AXES, BODY_STAGE, Family, SizeSpec, Values
 from validation.effects.plants import at
-from validation.effects.stages import Mounted
-from validation.effects.targets import AXES
+from validation.effects.stages import MountedDynamicMass
 
 ALWAYS_SLIPPING = 1 / sqrt(1 + pi**2 / 4)
 """Slip force over inertia force, 0.537, below which the part never rests."""
 
 
-def change(stage: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+def change(stage: MountedDynamicMass, targets: tuple[str, ...], values: Values) -> MountedDynamicMass:
     """The part's mass along the two axes that carry it, and along the loose one the share of it that the run moves along."""
     force, mass = values[""], values["mass"]
     if not force:
@@ -70,8 +69,8 @@ FAMILY = Family(
     what="slip force of a loose part on the flange",
     targets=("joint", "lateral axis"),
     sizes=(
-        Size(unit="N", low=1e-3, high=1e6, plausible=1.0, logarithmic=True),
-        Size(key="mass", unit="kg", low=1e-3, high=1e3, default=2.0),
+        SizeSpec(unit="N", low=1e-3, high=1e6, plausible=1.0, logarithmic=True),
+        SizeSpec(key="mass", unit="kg", low=1e-3, high=1e3, default=2.0),
     ),
     example="friction:flange:x=3",
     stage=BODY_STAGE,

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from math import inf
 
-from validation.effects.describing import lifted
-from validation.effects.family import AMPLITUDE, CHANNEL_STAGE, Family, Size
+from validation.effects.effect import AMPLITUDE, CHANNEL_STAGE, Family, SizeSpec
 from validation.effects.plants import at
+from validation.effects.stages import lifted
 
 FAMILY = Family(
     name="gap",
     side=AMPLITUDE,
     what="preload at which a load cell lifts off",
     targets=("cell",),
-    sizes=(Size(unit="N", low=1e-3, high=1e6, null=inf, plausible=2.0, logarithmic=True),),
+    sizes=(SizeSpec(unit="N", low=1e-3, high=1e6, null=inf, plausible=2.0, logarithmic=True),),
     example="gap:1=500",
     stage=CHANNEL_STAGE,
     change=lifted,

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from validation.effects.family import OPENED, STRUCTURE, Family
+from validation.effects.effect import OPENED, STRUCTURE, SWITCH, Family
 from validation.effects.plants import at
-from validation.effects.sizes import SWITCH
 
 FAMILY = Family(
     name="gravity",

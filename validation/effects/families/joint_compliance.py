@@ -6,16 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from validation.effects.family import BODY_STAGE, STRUCTURE, Family, Values
+from validation.effects.effect import BODY_STAGE, SHIFTING, STRUCTURE, TURNING, Family, Values
 from validation.effects.plants import at
-from validation.effects.sizes import SHIFTING, TURNING
-from validation.effects.stages import Mounted
+from validation.effects.stages import MountedDynamicMass
 
 DIRECTIONS = {"lateral": (0, 1), "vertical": (2,), "rotation": (3, 4), "torsion": (5,)}
 """Which of x, y, z, alpha, beta, gamma a direction means."""
 
 
-def change(stage: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+def change(stage: MountedDynamicMass, targets: tuple[str, ...], values: Values) -> MountedDynamicMass:
     """``H' = (I - omega² H C)^-1 H``: under the load f the article lags behind its base by C f, without loss."""
     C = np.zeros((6, 6))
     gives = list(DIRECTIONS[targets[0]])

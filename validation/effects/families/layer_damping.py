@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Size, Values
+from validation.effects.effect import STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values
 from validation.effects.plants import at
 from validation.effects.stages import Matrices
 
@@ -22,7 +22,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="loss factor added to the layer in a blade",
     targets=("part with a layer",),
-    sizes=(Size(unit="1", low=0.0, high=1.0, plausible=0.05),),
+    sizes=(SizeSpec(unit="1", low=0.0, high=1.0, plausible=0.05),),
     example="layer-damping:upper-short=0.03",
     stage=STRUCTURE_STAGE,
     change=change,

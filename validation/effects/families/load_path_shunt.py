@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from validation.effects.family import FORCES, Family
+from validation.effects.effect import FORCES, Family, relative
 from validation.effects.plants import at
-from validation.effects.sizes import relative
 
 FAMILY = Family(
     name="load-path-shunt",

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from validation.effects.family import NOISE_STAGE, PROCESSING, Family, Size
-from validation.effects.floors import humming
+from validation.effects.effect import NOISE_STAGE, PROCESSING, Family, SizeSpec
 from validation.effects.plants import at
+from validation.effects.stages import humming
 
 FAMILY = Family(
     name="mains",
     side=PROCESSING,
     what="mains hum in every channel, as a factor on the ordinary one",
-    sizes=(Size(unit="1", low=0.0, high=1e4, null=1.0),),
+    sizes=(SizeSpec(unit="1", low=0.0, high=1e4, null=1.0),),
     example="mains=5",
     stage=NOISE_STAGE,
     change=humming,

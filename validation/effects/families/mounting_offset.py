@@ -7,14 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.frames import rigid_transformation_6
-from validation.effects.family import BODY_STAGE, STRUCTURE, Family, Values
+from validation.effects.effect import AXES, BODY_STAGE, LENGTH, STRUCTURE, Family, Values
 from validation.effects.plants import at
-from validation.effects.sizes import LENGTH
-from validation.effects.stages import Mounted
-from validation.effects.targets import AXES
+from validation.effects.stages import MountedDynamicMass
 
 
-def change(stage: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+def change(stage: MountedDynamicMass, targets: tuple[str, ...], values: Values) -> MountedDynamicMass:
     """``T^T H T``: the drawn place of the article's origin sees it from beside."""
     T = rigid_transformation_6(values[""] * np.eye(3)[AXES.index(targets[0])])
     return replace(stage, matrix=T.T @ stage.matrix @ T)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from validation.effects.family import NOISE_STAGE, PROCESSING, Family, Size
-from validation.effects.floors import louder
+from validation.effects.effect import CHANNEL, NOISE_STAGE, PROCESSING, Family, SizeSpec
 from validation.effects.plants import at
-from validation.effects.targets import CHANNEL
+from validation.effects.stages import louder
 
 FAMILY = Family(
     name="noise",
     side=PROCESSING,
     what="root mean square of more noise on a channel, in its SI unit",
     targets=(CHANNEL,),
-    sizes=(Size(unit="m/s^2 or N", low=0.0, high=1e6),),
+    sizes=(SizeSpec(unit="m/s^2 or N", low=0.0, high=1e6),),
     example="noise:cover-z3=0.05",
     stage=NOISE_STAGE,
     change=louder,

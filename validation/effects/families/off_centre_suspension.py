@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
-from validation.effects.swings import beside
+from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec
+from validation.effects.stages import beside
 
 FAMILY = Family(
     name="off-centre-suspension",
     side=PENDULUM,
     what="distance of the centre of gravity from the middle of the ropes",
-    sizes=(Size(unit="m", low=0.0, high=0.5, plausible=0.01),),
+    sizes=(SizeSpec(unit="m", low=0.0, high=0.5, plausible=0.01),),
     example="off-centre-suspension=0.02",
     stage=PERIOD_STAGE,
     change=beside,
     equation="T = T₀ / √(1 - e² / s²), s² = s_1 s_2 of two ropes, the square of the radius of three and more",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity", "air-inertia"),
     confirmed_by="the ropes' shares of the weight, by balances; hung again half a turn on",
-    reference="statics of the hanging body: sum F_i r_i² = m g (s² - e²) where sum F_i r_i = 0 (validation.pendulum)",
+    reference="statics of the hanging body: sum F_i r_i² = m g (s² - e²) where sum F_i r_i = 0 (validation.classical.pendulum)",
     sentence="The centre of gravity does not hang on the axis that the radii were measured from. The ropes share the weight "
     "unevenly and pull the twist back less.",
 )

@@ -8,12 +8,12 @@ from math import pi
 import numpy as np
 
 from geometry.frames import rotation_about
-from validation.effects.family import BODY_STAGE, STRUCTURE, Family, Size, Values
+from validation.effects.effect import BODY_STAGE, STRUCTURE, Family, SizeSpec, Values
 from validation.effects.plants import at
-from validation.effects.stages import Mounted
+from validation.effects.stages import MountedDynamicMass
 
 
-def change(stage: Mounted, targets: tuple[str, ...], values: Values) -> Mounted:
+def change(stage: MountedDynamicMass, targets: tuple[str, ...], values: Values) -> MountedDynamicMass:
     """``R H R^T`` about the article's own z axis; before a `mounting-offset`, which would otherwise turn with it."""
     R = np.kron(np.eye(2), rotation_about(targets[0], values[""]))
     return replace(stage, matrix=R @ stage.matrix @ R.T)
@@ -24,7 +24,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="the article turned on the cover plate",
     targets=("turning axis",),
-    sizes=(Size(unit="rad", low=-pi, high=pi, plausible=0.03),),
+    sizes=(SizeSpec(unit="rad", low=-pi, high=pi, plausible=0.03),),
     example="orientation:z=0.01",
     stage=BODY_STAGE,
     change=change,

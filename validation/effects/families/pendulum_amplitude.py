@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
-from validation.effects.swings import wide
+from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec
+from validation.effects.stages import wide
 
 FAMILY = Family(
     name="pendulum-amplitude",
     side=PENDULUM,
     what="the peak angle of a pendulum's swing, which Eq. 5 takes for small",
-    sizes=(Size(unit="rad", low=0.0, high=2.5, plausible=0.2),),
+    sizes=(SizeSpec(unit="rad", low=0.0, high=2.5, plausible=0.2),),
     example="pendulum-amplitude=0.2",
     stage=PERIOD_STAGE,
     change=wide,
@@ -17,7 +17,7 @@ FAMILY = Family(
     "4)), e = s²/l², k = m s² / I",
     mistaken_for=("pendulum-damping", "rope-mass", "rope-elasticity", "air-inertia", "off-centre-suspension"),
     confirmed_by="two amplitudes of one pendulum: the period falls with the square of the amplitude as it decays",
-    reference="energy of a body on ropes over a quarter swing (validation.pendulum_corrections); Landau and Lifshitz, "
+    reference="energy of a body on ropes over a quarter swing (validation.classical.pendulum); Landau and Lifshitz, "
     "Mechanics, § 11",
     sentence="The pendulum swings so wide that its period is longer than that of small swings: 0.07 % at 0.1 rad, and the "
     "inertia is twice that too large.",

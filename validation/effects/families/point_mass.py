@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Values
+from validation.effects.effect import MASS, PLACE, STRUCTURE, STRUCTURE_STAGE, Family, Values
 from validation.effects.plants import at
-from validation.effects.reduced import heavier
-from validation.effects.sizes import MASS
-from validation.effects.stages import Matrices
-from validation.effects.targets import PLACE
+from validation.effects.stages import Matrices, heavier
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:

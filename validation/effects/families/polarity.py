@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.channels import inverted
-from validation.effects.family import CHANNEL_STAGE, MISTAKE, Family
+from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family
 from validation.effects.plants import at
-from validation.effects.targets import CHANNEL
+from validation.effects.stages import inverted
 
 FAMILY = Family(
     name="polarity",

@@ -6,11 +6,9 @@ import numpy as np
 
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import PARAMETERS, Inertia
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Values
+from validation.effects.effect import FIRST, MASS, SECOND, STRUCTURE, STRUCTURE_STAGE, Family, Values
 from validation.effects.plants import at
-from validation.effects.reduced import BASE, heavier
-from validation.effects.sizes import FIRST, MASS, SECOND
-from validation.effects.stages import Matrices
+from validation.effects.stages import BASE, Matrices, heavier
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:

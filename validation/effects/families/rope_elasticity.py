@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from validation.effects.family import PENDULUM, PERIOD_STAGE, Family, Size
-from validation.effects.swings import stretched
+from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec
+from validation.effects.stages import stretched
 
 FAMILY = Family(
     name="rope-elasticity",
     side=PENDULUM,
     what="by how much one rope of a pendulum stretches for a newton",
-    sizes=(Size(unit="m/N", low=0.0, high=1e-2, plausible=5e-6),),
+    sizes=(SizeSpec(unit="m/N", low=0.0, high=1e-2, plausible=5e-6),),
     example="rope-elasticity=2e-6",
     stage=PERIOD_STAGE,
     change=stretched,

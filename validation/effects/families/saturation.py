@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from validation.effects.describing import saturated
-from validation.effects.family import AMPLITUDE, CHANNEL_STAGE, Family
+from validation.effects.effect import AMPLITUDE, CHANNEL, CHANNEL_STAGE, Family, relative
 from validation.effects.plants import at
-from validation.effects.sizes import relative
-from validation.effects.targets import CHANNEL
+from validation.effects.stages import saturated
 
 FAMILY = Family(
     name="saturation",

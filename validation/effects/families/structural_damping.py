@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from validation.effects.family import STRUCTURE, STRUCTURE_STAGE, Family, Size, Values
+from validation.effects.effect import STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values
 from validation.effects.plants import at
 from validation.effects.stages import Matrices
 
@@ -19,7 +19,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="loss factor added to a part",
     targets=("part",),
-    sizes=(Size(unit="1", low=0.0, high=1.0, plausible=0.01),),
+    sizes=(SizeSpec(unit="1", low=0.0, high=1.0, plausible=0.01),),
     example="structural-damping:mast=0.01",
     stage=STRUCTURE_STAGE,
     change=change,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from validation.effects.family import BODY_STAGE, PROCESSING, Family
-from validation.effects.swept import held
+from validation.effects.effect import BODY_STAGE, PROCESSING, Family
+from validation.effects.stages import held
 
 FAMILY = Family(
     name="sweep-bias",

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from validation.effects.channels import scaled
-from validation.effects.family import CHANNEL_STAGE, MISTAKE, Family, Size
+from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family, SizeSpec
 from validation.effects.plants import at
-from validation.effects.targets import CHANNEL
+from validation.effects.stages import scaled
 
 FAMILY = Family(
     name="unit",
     side=MISTAKE,
     what="factor by which the numbers of a channel are wrong, or the unit that they really are in",
     targets=(CHANNEL,),
-    sizes=(Size(unit="1", low=1e-6, high=1e6, null=1.0, plausible=5.0, logarithmic=True),),
+    sizes=(SizeSpec(unit="1", low=1e-6, high=1e6, null=1.0, plausible=5.0, logarithmic=True),),
     example="unit:cover-z3=0.102, or unit:cover-z3=g",
     stage=CHANNEL_STAGE,
     change=scaled,

@@ -8,27 +8,25 @@ import pytest
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose
-from identification.campaign import Campaign, Run
-from identification.recording import Recording
-from validation.diagnosing.bench import Bench, Hypothesis
-from validation.effects.identifiers import parse
-from validation.engine.cost import cost_of
-from validation.engine.descent import direct
-from validation.engine.fit import FLOOR, fitted
-from validation.engine.parameter import FITTED
-from validation.models.model import RIGID, Added, Model
+from identification.campaign import Campaign, Recording, Run
+from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.effects.catalogue import parse
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import FLOOR, direct, fitted
+from validation.estimation.problem import FITTED
+from validation.model.model import RIGID, Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import NOISE, Plan
-from validation.virtual_test.set_up import middles_of_cells
+from validation.virtual_test.shaker import middles_of_cells
 
 LINES = np.linspace(4.0, 32.0, 15)
 SEAT = Pose(position=np.array([0.0, 0.0, 0.0445]))
 NOISY = {"acceleration": 1e-3, "force": 0.05}
 
 Measure = Callable[..., SeriesPrediction]
-MakeBench = Callable[..., Bench]
-Explain = Callable[..., Hypothesis]
+MakeBench = Callable[..., FittedData]
+Explain = Callable[..., Candidate]
 
 
 def model() -> Model:
@@ -90,11 +88,11 @@ def added(text: str) -> Added:
 def bench(measure: Measure) -> MakeBench:
     """``bench(planted, article, ...)``: the data of these articles with an effect planted in them."""
 
-    def make(planted: str, *articles: str, seed: int = 3) -> Bench:
+    def make(planted: str, *articles: str, seed: int = 3) -> FittedData:
         made = [measure(one, (added(planted),) if planted else (), seed) for one in articles]
         read = [replace(one.measured, name=name) for one, name in zip(made, articles, strict=True)]
         called = [replace(one, tested=replace(one.tested, measured=of)) for one, of in zip(made, read, strict=True)]
-        return Bench(model=model(), campaigns=tuple(one.tested.campaign for one in called), made=tuple(called))
+        return FittedData(model=model(), campaigns=tuple(one.tested.campaign for one in called), made=tuple(called))
 
     return make
 
@@ -103,11 +101,11 @@ def bench(measure: Measure) -> MakeBench:
 def explained() -> Explain:
     """``explained(bench, text)``: the fit of all tolerances and of the effect that `text` names."""
 
-    def make(of: Bench, text: str) -> Hypothesis:
+    def make(of: FittedData, text: str) -> Candidate:
         effects = (added(text),) if text else ()
         problem = of.problem(effects)
         cost = cost_of(problem, problem.free(FITTED), FLOOR)
         found = fitted(direct(cost, problem.start, lambda share: None))  # the planted size is near enough
-        return Hypothesis(effects=effects, fit=found, problem=problem)
+        return Candidate(effects=effects, fit=found, problem=problem)
 
     return make

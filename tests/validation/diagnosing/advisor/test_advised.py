@@ -8,42 +8,34 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.frames import rotation_about
-from validation.diagnosing.advisor.advised import advised
-from validation.diagnosing.advisor.comparing import told
-from validation.diagnosing.advisor.following import following
-from validation.diagnosing.advisor.imagined import imagined
-from validation.diagnosing.advisor.knowledge import SURE, Knowledge, knowledge
-from validation.diagnosing.advisor.menu import menu
-from validation.diagnosing.advisor.offer import Offer
-from validation.diagnosing.advisor.planned import template
-from validation.diagnosing.bench import Bench, Hypothesis
-from validation.diagnosing.classes import aliases, alike
-from validation.effects.catalogue import FAMILIES
-from validation.effects.identifiers import parse
-from validation.effects.worth import ALIKE
-from validation.engine.cost import cost_of
-from validation.engine.descent import direct
-from validation.engine.fit import FLOOR, fitted
-from validation.engine.parameter import FITTED
-from validation.engine.problem import Problem
-from validation.models.model import Added
+from validation.diagnose.candidates import aliases, alike
+from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.next_test import advised, following, imagined, told
+from validation.diagnose.next_test_offers import TestOffer, menu
+from validation.diagnose.planned_test import SURE, Knowledge, knowledge, template
+from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import INDISTINGUISHABLE_NATS
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import FLOOR, direct, fitted
+from validation.estimation.problem import FITTED, Problem
+from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction
 
-Pair = tuple[Bench, Hypothesis, Hypothesis]
+Pair = tuple[FittedData, Candidate, Candidate]
 
 OFFSET, SHIFT = "mounting-offset:x=0.01", "rigid-inertia:mx=0.1"
 GAIN, CELL = "force-gain:fmd-z2=0.03", "cell-stiffness:2z=0.1"
 
 
 @pytest.fixture(scope="module")
-def aside(bench: Callable[..., Bench], explained: Callable[..., Hypothesis]) -> Pair:
+def aside(bench: Callable[..., FittedData], explained: Callable[..., Candidate]) -> Pair:
     """A Cuboid that stands 10 mm beside its place, or whose centre of gravity does."""
     data = bench(OFFSET, "fmd+cuboid")
     return data, explained(data, OFFSET), explained(data, SHIFT)
 
 
 @pytest.fixture(scope="module")
-def loud(bench: Callable[..., Bench], explained: Callable[..., Hypothesis]) -> Pair:
+def loud(bench: Callable[..., FittedData], explained: Callable[..., Candidate]) -> Pair:
     """A load-cell channel that reads 3 % too much, or whose cell is stiffer than the others."""
     data = bench(GAIN, "fmd+cuboid")
     return data, explained(data, GAIN), explained(data, CELL)
@@ -53,7 +45,7 @@ def known(of: Pair) -> tuple[Knowledge, Knowledge]:
     return knowledge(of[1]), knowledge(of[2])
 
 
-def menu_of(of: Pair) -> dict[str, Offer]:
+def menu_of(of: Pair) -> dict[str, TestOffer]:
     first, _ = known(of)
     effects = tuple(one for hypothesis in of[1:] for one in hypothesis.effects)
     return {one.words: one for one in menu([template(one, first) for one in of[0].made], effects, of[0].facts(()))}
@@ -64,8 +56,8 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert alike(offset, [shift]) == ("mounting-offset:x", "rigid-inertia:mx")
     assert "rigid-inertia:mx" in aliases(offset, offset.effects[0], [*shift.effects, loud_one()])
     told_by = {words: told(one, *split(aside))[0] for words, one in menu_of(aside).items()}
-    assert told_by["Run the Cuboid turned by 180 degrees about z"] > 10 * ALIKE
-    assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 5 * ALIKE
+    assert told_by["Run the Cuboid turned by 180 degrees about z"] > 10 * INDISTINGUISHABLE_NATS
+    assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 5 * INDISTINGUISHABLE_NATS
     assert told_by["Weigh the Cuboid"] < 1e-6
     assert told_by["Run the Cuboid with 4 more accelerometers on the cover plate"] < 1.0  # more of the same
     assert "Run the Cuboid" not in told_by  # it was run
@@ -126,14 +118,14 @@ def test_the_best_of_the_menu_is_advised_and_the_work_is_told(aside: Pair) -> No
     shares: list[float] = []
     found = advised(aside[0], aside[1:], shares.append)
     assert found[0].separates == ("mounting-offset:x", "rigid-inertia:mx")
-    assert all(one.gain >= ALIKE for one in found)
+    assert all(one.gain >= INDISTINGUISHABLE_NATS for one in found)
     assert shares == sorted(shares)
     assert 0 < shares[0] < shares[-1] <= 1
     assert "between mounting-offset:x and rigid-inertia:mx" in found[0].text
 
 
 def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_like(
-    loud: Pair, explained: Callable[..., Hypothesis]
+    loud: Pair, explained: Callable[..., Candidate]
 ) -> None:
     nothing, lookalike = imagined(loud[0], loud[1])
     assert nothing.id == "nothing"
@@ -145,7 +137,7 @@ def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_lik
 
 
 def test_where_nothing_helps_that_is_said_with_what_would(
-    bench: Callable[..., Bench], explained: Callable[..., Hypothesis]
+    bench: Callable[..., FittedData], explained: Callable[..., Candidate]
 ) -> None:
     data = bench("", "fmd")
     pair = [explained(data, text) for text in ("force-gain:fmd-z1=0", "force-gain:fmd-z2=0")]

@@ -8,12 +8,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.self_calibration.elimination import Normal
-from validation.diagnosing.advisor.comparing import either
-from validation.diagnosing.advisor.expected import nats
-from validation.diagnosing.advisor.following import _whitening
-from validation.diagnosing.advisor.knowledge import Knowledge, Origin
-from validation.engine.parameter import EFFECT, Parameter
-from validation.engine.roots import root
+from validation.diagnose.next_test import _whitening, either, nats
+from validation.diagnose.planned_test import Knowledge, Origin
+from validation.estimation.cost import root
+from validation.estimation.problem import EFFECT, Parameter
 
 
 @pytest.fixture

@@ -10,11 +10,10 @@ from benchmarks.blind.drawing.case import SERIES
 from benchmarks.blind.drawing.choices import CHOICES, Choice
 from benchmarks.cross_check_proof import SWEEPS
 from fem.base_excitation.rig import Rig
-from validation.effects.identifiers import parse
-from validation.virtual_test import laboratory
-from validation.virtual_test.effects.planting import planted
-from validation.virtual_test.hooks import changed_rig
-from validation.virtual_test.plan import Plan
+from validation.effects.catalogue import parse
+from validation.virtual_test import simulate
+from validation.virtual_test.plan import Plan, changed_rig
+from validation.virtual_test.planted import planted
 
 MULTIPLES = (2.0, 5.0, 15.0)
 
@@ -29,7 +28,7 @@ def largest(choice: Choice) -> float:
 @cache
 def rig(article: str) -> Rig:
     """As it is drawn for a laboratory, nothing missing."""
-    return laboratory.laboratory(Plan(article=article, seed=1, **SWEEPS)).rig
+    return simulate.laboratory(Plan(article=article, seed=1, **SWEEPS)).rig
 
 
 @pytest.mark.parametrize("choice", INERTIA, ids=lambda one: "+".join(one.targets))

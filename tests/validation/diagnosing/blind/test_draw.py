@@ -10,9 +10,8 @@ from benchmarks.blind.drawing.choices import CHOICES, without
 from benchmarks.blind.drawing.draw import COUNTS, draw
 from benchmarks.blind.limits import of_nulls
 from benchmarks.cross_check_proof import words
-from validation.effects.catalogue import FAMILIES
-from validation.effects.family import AMPLITUDE, PENDULUM, PROCESSING, STRUCTURE
-from validation.effects.identifiers import parse
+from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import AMPLITUDE, PENDULUM, PROCESSING, STRUCTURE
 
 SEED = 7
 

@@ -8,10 +8,9 @@ import pytest
 from benchmarks.blind.drawing import foreign
 from benchmarks.blind.drawing.foreign import FOREIGN, effect
 from fem.base_excitation.response import Response
-from validation.effects.targets import COVER, FMD
-from validation.virtual_test.hooks import Sensed
-from validation.virtual_test.laboratory import laboratory
-from validation.virtual_test.plan import Plan
+from validation.effects.effect import COVER, FMD
+from validation.virtual_test.plan import Plan, Sensed
+from validation.virtual_test.simulate import laboratory
 
 RATE = 8192.0
 FREQUENCY = 20.0

@@ -14,7 +14,7 @@ from benchmarks.blind.drawing.case import CUBOID, SINGLE, Case, Planted
 from benchmarks.blind.names import MODEL, SETTINGS, Json
 from benchmarks.blind.sealing import known, sealed
 from identification import campaign_file
-from validation.models import reading
+from validation.model import model_file
 from validation.virtual_test.plan import RIGID
 
 FAST: dict[str, Any] = {"octaves_per_minute": 120.0, "quiet": 0.2, "model": RIGID, "simulation_rate": 2000.0}
@@ -61,7 +61,7 @@ def test_the_settings_say_what_there_is_what_to_hold_out_and_what_to_do_without(
 
 
 def test_the_model_that_is_handed_over_is_what_the_laboratory_knows(handed: Sealed) -> None:
-    found, expected = reading.read(handed[0] / MODEL), known()
+    found, expected = model_file.read(handed[0] / MODEL), known()
     assert (found.article, found.effects, found.tolerances) == (expected.article, (), expected.tolerances)
     np.testing.assert_array_equal(found.cell_stiffness, expected.cell_stiffness)
 

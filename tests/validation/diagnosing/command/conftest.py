@@ -9,10 +9,19 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from validation.diagnosing.diagnosis import Advice, Cause, Detectable, Diagnosis, Leftover, Level, Size, Step
-from validation.effects.identifiers import parse
-from validation.engine.evaluation import Evaluation, Fit, Share
-from validation.engine.parameter import DECLARED, IDENTIFIED, Parameter
+from validation.diagnose.diagnosis import (
+    Advice,
+    Cause,
+    Detectable,
+    Diagnosis,
+    EffectEstimate,
+    Leftover,
+    LevelDifference,
+    ReportedStep,
+)
+from validation.effects.catalogue import parse
+from validation.estimation.problem import DECLARED, IDENTIFIED, Parameter
+from validation.estimation.result import Evaluation, Fit, Share
 
 FOLDS = {"run z of cuboid": 1.6, "run x of cuboid": 1.4}
 
@@ -55,7 +64,7 @@ def cause(
 ) -> Cause:
     named = parse(text)
     sizes = tuple(
-        Size(key=key, value=value, unit=one.unit, low=value - spread * abs(value), high=value + spread * abs(value))
+        EffectEstimate(key=key, value=value, unit=one.unit, low=value - spread * abs(value), high=value + spread * abs(value))
         for one in named.sizes
         for key, value in named.values.items()
         if one.key == key
@@ -68,8 +77,10 @@ STIFF = cause("cell-stiffness:2z=1.6", 205.1, 0.05)
 SHUNT = cause("load-path-shunt:z=0.04", 31.2, 0.2, misfit=1.4, price=60.0, null=False)
 MASS = cause("point-mass:mast-top=0.198", 55.0, 0.02)
 STEPS = (
-    Step(added="force-gain:fmd-z2", ranking=(GAIN, SHUNT), misfit=0.88, price=193.0, text="208.3 nats where 8 are asked for"),
-    Step(added="", ranking=(MASS,), misfit=0.88, price=1.0, text="nothing gains more than 8 nats"),
+    ReportedStep(
+        added="force-gain:fmd-z2", ranking=(GAIN, SHUNT), misfit=0.88, price=193.0, text="208.3 nats where 8 are asked for"
+    ),
+    ReportedStep(added="", ranking=(MASS,), misfit=0.88, price=1.0, text="nothing gains more than 8 nats"),
 )
 SETTINGS = MappingProxyType({"method": "full-record", "band_hz": (4.0, 32.0), "worth_nats": {"": 8.0}, "lines": np.int64(560)})
 COMMON = {"before": BEFORE, "after": AFTER, "hold_out": tuple(FOLDS), "settings": SETTINGS, "steps": STEPS}
@@ -133,7 +144,9 @@ FOUND: dict[str, Diagnosis] = {
         text="",
         accepted=(cause("friction:flange:x=40.0", 120.0, 0.1),),
         levels=(
-            Level(data_set="cuboid", runs=("x-0.5", "x"), axis="x", channels=("fmd-x12", "fmd-x34"), frequency=12.0, sigma=44.0),
+            LevelDifference(
+                data_set="cuboid", runs=("x-0.5", "x"), axis="x", channels=("fmd-x12", "fmd-x34"), frequency=12.0, sigma=44.0
+            ),
         ),
         **{**COMMON, "steps": ()},
     ),

@@ -9,18 +9,16 @@ from typing import Any
 
 import pytest
 
-from validation.diagnosing import automatic
-from validation.diagnosing.asked import Asked
-from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import Diagnosis
-from validation.effects.identifiers import parse
-from validation.ladders import adding
-from validation.ladders.climbing import climbed, kept, next_rung, standing
-from validation.ladders.judging import rewritten
-from validation.ladders.nouns import Errors, Rung
-from validation.models import reading
-from validation.models.model import Added, Model
-from validation.models.writing import text as model_text
+from validation.diagnose.diagnose import DiagnoseOptions
+from validation.diagnose.diagnosis import Diagnosis, FittedData
+from validation.effects.catalogue import parse
+from validation.history import add
+from validation.history.add import rewritten
+from validation.history.history import Errors, Version, climbed, history_position, kept, next_rung
+from validation.model import model_file
+from validation.model.model import Added, Model
+from validation.model.model_file import text as model_text
+from validation.report import diagnose as report_diagnose
 
 Made = Callable[[str], Diagnosis]
 
@@ -44,20 +42,20 @@ class Laboratory:
     interrupted: str = ""
     seen: list[tuple[str, ...]] = field(default_factory=list)
 
-    def diagnose(self, bench: Bench) -> Diagnosis:
+    def diagnose(self, bench: FittedData) -> Diagnosis:
         self.seen.append(tuple(one.named.id for one in bench.model.effects))
         return self.found[len(self.seen) - 1]
 
-    def added(self, asked: adding.Asked, progress: Any = None) -> adding.Step:
+    def added(self, asked: add.AddOptions, progress: Any = None) -> add.AddResult:
         """As `massline add`: the rung below is kept first, and is there when the fit is interrupted."""
-        at = standing(asked.model)
+        at = history_position(asked.model)
         at = at if at.rung is not None else kept(at, replace(next_rung(at), errors=ERRORS))
         named = parse(asked.effect)
         if named.id == self.interrupted:
             raise KeyboardInterrupt
         assert at.rung is not None
         text = rewritten(at.text, (Added(named=named),), str(asked.model))
-        rung = Rung(
+        rung = Version(
             number=len(at.ladder.rungs),
             parent=at.rung.number,
             cause="added",
@@ -68,15 +66,15 @@ class Laboratory:
             verdict=tuple(asked.remarks),
         )
         there = climbed(at, rung)
-        return adding.Step(at=there, before=at.rung, after=rung, said=())
+        return add.AddResult(at=there, before=at.rung, after=rung, said=())
 
-    def climb(self) -> automatic.Climb:
-        bench = Bench(model=reading.read(str(self.path)), campaigns=(), made=())
-        return automatic.climb(Asked(model=self.path, data=("one",)), bench, self.diagnose)
+    def climb(self) -> report_diagnose.Climb:
+        bench = FittedData(model=model_file.read(str(self.path)), campaigns=(), made=())
+        return report_diagnose.climb(DiagnoseOptions(model=self.path, data=("one",)), bench, self.diagnose)
 
     @property
     def effects(self) -> list[str]:
-        return [one.named.id for one in reading.read(str(self.path)).effects]
+        return [one.named.id for one in model_file.read(str(self.path)).effects]
 
 
 @pytest.fixture
@@ -87,7 +85,7 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Labora
 
     def make(*found: Diagnosis, **more: Any) -> Laboratory:
         of = Laboratory(path=path, found=list(found), **more)
-        monkeypatch.setattr(adding, "added", of.added)
+        monkeypatch.setattr(add, "added", of.added)
         return of
 
     return make
@@ -148,7 +146,7 @@ def test_an_interruption_loses_no_rung_and_the_next_run_goes_on(lab, made: Made)
     with pytest.raises(KeyboardInterrupt):
         of.climb()
     assert of.effects == [GAIN]
-    assert len(standing(of.path).ladder.rungs) == 2
+    assert len(history_position(of.path).ladder.rungs) == 2
     mass = replace(made("several"), verdict="missing", accepted=made("several").accepted[1:])
     on = lab(mass, made("nothing"))
     assert [one.effect for one in on.climb().rungs] == [MASS]
@@ -160,7 +158,7 @@ def test_undo_goes_back_to_the_very_bytes_before_the_climb(lab, made: Made) -> N
     of = lab(made("missing"), made("nothing"))
     before = of.path.read_bytes()
     found = of.climb()
-    from validation.ladders.climbing import undone
+    from validation.history.history import undone
 
     undone(found.at)
     assert of.path.read_bytes() == before
@@ -173,7 +171,7 @@ def test_a_diagnosis_that_never_ends_is_ended(lab, made: Made) -> None:
         replace(made("missing"), accepted=(replace(cause, named=parse(f"force-gain:{channel}=0.05")),)) for channel in channels
     ]
     found = lab(*endless).climb()
-    assert len(found.rounds) == automatic.MOST_ROUNDS
+    assert len(found.rounds) == report_diagnose.MOST_ROUNDS
     assert "look at the ladder" in found.ended
 
 

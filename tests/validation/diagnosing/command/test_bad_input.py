@@ -11,10 +11,9 @@ import pytest
 
 from geometry.dynamic_mass import MOTIONS
 from identification import campaign_file
-from identification.campaign import Campaign, Run
-from identification.recording import Recording
-from validation.models.model import Model
-from validation.models.writing import text as model_text
+from identification.campaign import Campaign, Recording, Run
+from validation.model.model import Model
+from validation.model.model_file import text as model_text
 from validation.virtual_test.layout import mavis
 
 Run_ = Callable[..., tuple[int, str, str]]

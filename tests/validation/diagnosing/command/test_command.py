@@ -11,14 +11,12 @@ from typing import Any
 import pytest
 
 from geometry.errors import CheckFailed
-from validation import cli
-from validation.diagnosing import left
-from validation.diagnosing import run as running
-from validation.diagnosing.bench import Bench
-from validation.diagnosing.diagnosis import VERDICTS, Diagnosis
-from validation.models import reading
-from validation.models.model import Model
-from validation.models.writing import text as model_text
+from validation.cli import main
+from validation.diagnose.diagnosis import VERDICTS, Diagnosis, FittedData
+from validation.model import model_file
+from validation.model.model import Model
+from validation.model.model_file import text as model_text
+from validation.report import diagnose
 
 Run = Callable[..., tuple[int, str, str]]
 Made = Callable[[str], Diagnosis]
@@ -30,14 +28,14 @@ def answers(monkeypatch: pytest.MonkeyPatch, run: Run) -> Callable[[Diagnosis], 
     Path("model.toml").write_text(model_text(Model(source="model.toml", title="m", article="fmd+clumod-1")), encoding="utf-8")
     for name in ("one", "two"):
         Path(name).mkdir()
-    monkeypatch.setattr(left, "draw_left", lambda found, bench, folder, progress: (folder / "left.png",))
+    monkeypatch.setattr(diagnose, "draw_left", lambda found, bench, folder, progress: (folder / "left.png",))
 
-    def prepared(asked: Any, *, quiet: bool = True) -> Bench:
-        return Bench(model=reading.read(str(asked.model)), campaigns=(), made=())
+    def prepared(asked: Any, *, quiet: bool = True) -> FittedData:
+        return FittedData(model=model_file.read(str(asked.model)), campaigns=(), made=())
 
     def set_to(found: Diagnosis) -> None:
-        monkeypatch.setattr(running, "prepared", prepared)
-        monkeypatch.setattr(running, "diagnosis", lambda asked, bench, progress=None: found)
+        monkeypatch.setattr(diagnose, "prepared", prepared)
+        monkeypatch.setattr(diagnose, "diagnosis", lambda asked, bench, progress=None: found)
 
     return set_to
 
@@ -85,13 +83,13 @@ def test_what_is_left_of_an_unknown_effect_is_drawn_too(answers, made: Made, run
 def test_a_baseline_that_does_not_converge_is_refused_with_its_reason(
     answers, made: Made, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(asked: Any, bench: Bench, progress: Any = None) -> Diagnosis:
+    def fails(asked: Any, bench: FittedData, progress: Any = None) -> Diagnosis:
         raise CheckFailed("the baseline does not converge: the FMD's mass ended at its bound")
 
     answers(made("missing"))
-    monkeypatch.setattr(running, "diagnosis", fails)
+    monkeypatch.setattr(diagnose, "diagnosis", fails)
     code, out, err = run("diagnose", "model.toml", "one", "--json", "--out", "found")
-    assert (code, out) == (cli.FAILED_CHECK, "")
+    assert (code, out) == (main.FAILED_CHECK, "")
     assert "the FMD's mass ended at its bound" in err
     assert not Path("found").exists() or not any(Path("found").iterdir())
 
@@ -99,14 +97,14 @@ def test_a_baseline_that_does_not_converge_is_refused_with_its_reason(
 def test_an_interruption_is_said_and_leaves_the_model_alone(
     answers, made: Made, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(asked: Any, bench: Bench, progress: Any = None) -> Diagnosis:
+    def interrupted(asked: Any, bench: FittedData, progress: Any = None) -> Diagnosis:
         raise KeyboardInterrupt
 
     answers(made("missing"))
     before = Path("model.toml").read_bytes()
-    monkeypatch.setattr(running, "diagnosis", interrupted)
+    monkeypatch.setattr(diagnose, "diagnosis", interrupted)
     code, out, err = run("diagnose", "model.toml", "one", "--auto")
-    assert (code, out) == (cli.INTERRUPTED, "")
+    assert (code, out) == (main.INTERRUPTED, "")
     assert "interrupted" in err
     assert Path("model.toml").read_bytes() == before
     assert not Path("model.ladder.json").exists()
@@ -131,10 +129,10 @@ def test_auto_finds_out_before_it_begins_that_the_model_cannot_be_written(
         raise OSError(30, "Read-only file system", str(path))
 
     answers(made("missing"))
-    monkeypatch.setattr(running, "probe", full)
-    monkeypatch.setattr(running, "prepared", None)
+    monkeypatch.setattr(diagnose, "probe", full)
+    monkeypatch.setattr(diagnose, "prepared", None)
     code, _, err = run("diagnose", "model.toml", "one", "--auto")
-    assert code == cli.BAD_INPUT
+    assert code == main.BAD_INPUT
     assert "Read-only file system" in err
 
 

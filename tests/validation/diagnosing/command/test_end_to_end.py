@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from validation import cli
-from validation.ladders.climbing import standing
-from validation.models import reading
+from validation.cli import main
+from validation.history.history import history_position
+from validation.model import model_file
 
 GAIN = "force-gain:fmd-z2"
 FAST = ("--octaves-per-minute", "120", "--band", "8", "16", "--rate", "256", "--model", "rigid", "--noise", "0.1")
@@ -24,12 +24,12 @@ def climbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         plan = ("--seed", "3", "--tolerances", "0.3", "--effect", f"{GAIN}=0.08", *FAST)
-        assert cli.run(["simulate", "fmd+cuboid", "--out", "cuboid", *plan]) == cli.DONE
-        assert cli.run(["model", "fmd+cuboid", "--out", "model.toml"]) == cli.DONE
+        assert main.run(["simulate", "fmd+cuboid", "--out", "cuboid", *plan]) == main.DONE
+        assert main.run(["model", "fmd+cuboid", "--out", "model.toml"]) == main.DONE
         text = Path("model.toml").read_text(encoding="utf-8").replace('kind = "beam"', 'kind = "rigid"')
         Path("model.toml").write_text(text, encoding="utf-8")
         Path("before.toml").write_bytes(Path("model.toml").read_bytes())
-        assert cli.run([*ASKED, "--auto", "--json", "--out", "first"]) == cli.DONE
+        assert main.run([*ASKED, "--auto", "--json", "--out", "first"]) == main.DONE
     return folder
 
 
@@ -58,15 +58,15 @@ def test_the_climb_made_one_rung_and_ended_where_nothing_is_missing(climbed: Pat
     auto = first(climbed)["auto"]
     assert [one["verdict"] for one in auto["rounds"]] == ["missing", "nothing"]
     assert auto["rungs"] == [1]
-    at = standing(climbed / "model.toml")
+    at = history_position(climbed / "model.toml")
     assert [one.effect for one in at.ladder.rungs] == ["", GAIN]
     assert at.ladder.rungs[0].model == (climbed / "before.toml").read_bytes().decode("utf-8")
-    assert [one.named.id for one in reading.read(str(climbed / "model.toml")).effects] == [GAIN]
+    assert [one.named.id for one in model_file.read(str(climbed / "model.toml")).effects] == [GAIN]
 
 
 def test_the_rung_is_what_the_diagnosis_said(climbed: Path) -> None:
     """Two fits from different beginnings, of the same model to the same data."""
     (gain,) = first(climbed)["accepted"]
-    (size,) = standing(climbed / "model.toml").ladder.rungs[1].effects[GAIN]
+    (size,) = history_position(climbed / "model.toml").ladder.rungs[1].effects[GAIN]
     low, high = gain["interval90"]
     assert abs(size.value - gain["value"]) < 0.05 * (high - low)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from validation.diagnosing import figures
+from validation.effects import practical_units
 
 
 @pytest.mark.parametrize(
@@ -29,15 +29,15 @@ from validation.diagnosing import figures
     ],
 )
 def test_sizes_stand_in_the_unit_and_with_the_digits_that_read_best(family, key, unit, values, expected) -> None:
-    assert figures.written(family, key, unit, values) == expected
+    assert practical_units.written(family, key, unit, values) == expected
 
 
 def test_an_interval_has_two_digits_of_its_width_whatever_its_size() -> None:
-    texts, _ = figures.written("cable", "", "N/m", (5000.0, 4999.4, 5000.6))
+    texts, _ = practical_units.written("cable", "", "N/m", (5000.0, 4999.4, 5000.6))
     assert texts == ("5000.0", "4999.4", "5000.6")
 
 
 def test_a_degree_follows_its_figure_at_once() -> None:
-    assert figures.one("orientation", "", "rad", 0.05) == "+2.86°"
-    assert figures.one("appendage", "f", "Hz", 21.0) == "21.0 Hz"
-    assert figures.one("fmd-compliance", "", "1", 10.0) == "10.0"
+    assert practical_units.one("orientation", "", "rad", 0.05) == "+2.86°"
+    assert practical_units.one("appendage", "f", "Hz", 21.0) == "21.0 Hz"
+    assert practical_units.one("fmd-compliance", "", "1", 10.0) == "10.0"

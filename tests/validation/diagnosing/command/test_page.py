@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from validation.diagnosing import table, words
-from validation.diagnosing.diagnosis import VERDICTS, Diagnosis
-from validation.tables.text import page
+from validation.diagnose import diagnosis
+from validation.diagnose.diagnosis import VERDICTS, Diagnosis
+from validation.report import diagnose
+from validation.report.document import page
 
 PAGES = Path(__file__).parent / "pages"
 WIDTH = 110
@@ -19,8 +20,8 @@ Made = Callable[[str], Diagnosis]
 
 
 def printed(found: Diagnosis, width: int = WIDTH) -> str:
-    named = table.title("model.toml", ("cuboid", "clumod-1"))
-    return page(named, table.grids(found), table.notes(found), width, table.opening(found))
+    named = diagnose.diagnosis_title("model.toml", ("cuboid", "clumod-1"))
+    return page(named, diagnose.diagnosis_grids(found), diagnose.diagnosis_notes(found), width, diagnose.diagnosis_opening(found))
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
@@ -31,7 +32,7 @@ def test_the_page_of_every_verdict_is_as_it_was_looked_at(verdict: str, made: Ma
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_the_verdict_is_the_first_sentence_below_the_title(verdict: str, made: Made) -> None:
     lines = printed(made(verdict)).splitlines()
-    sentence = words.headline(made(verdict))
+    sentence = diagnosis.headline(made(verdict))
     assert lines[3].split() == sentence.split()[: len(lines[3].split())]
     assert sentence.split()[0].strip(":").isupper()
 
@@ -43,20 +44,20 @@ def test_no_line_is_longer_than_the_terminal(verdict: str, made: Made) -> None:
 
 def test_a_text_that_repeats_the_sentence_is_not_said_twice(made: Made) -> None:
     found = made("missing")
-    once = replace(found, text=words.headline(found))
-    assert list(table.opening(once)) == [words.headline(found)]
+    once = replace(found, text=diagnosis.headline(found))
+    assert list(diagnose.diagnosis_opening(once)) == [diagnosis.headline(found)]
 
 
 def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made: Made) -> None:
     found = replace(made("several"), verdict="ambiguous", equivalence_class=("point-mass:mast-top", "rigid-inertia:m"))
-    said = words.headline(found)
+    said = diagnosis.headline(found)
     assert said.startswith("MISSING IS force-gain:fmd-z2, +7.93 % (+7.69 to +8.17), and then one of these")
     assert said.endswith("point-mass:mast-top or rigid-inertia:m.")
 
 
 def test_what_is_missing_beside_a_mistake_is_told_apart(made: Made) -> None:
     found = made("mistake")
-    said = words.headline(replace(found, accepted=(*found.accepted, *made("missing").accepted)))
+    said = diagnosis.headline(replace(found, accepted=(*found.accepted, *made("missing").accepted)))
     assert said == (
         "A MISTAKE in the data: polarity:fmd-z2: a channel is inverted; and missing beside it: "
         "force-gain:fmd-z2, +7.93 % (+7.69 to +8.17)."
@@ -70,7 +71,7 @@ def test_a_name_that_was_nearly_found_is_said_where_nothing_is_missing(made: Mad
 
 
 def test_sentences_name_a_few_and_count_the_rest() -> None:
-    assert words.listed(["a"]) == "a"
-    assert words.listed(["a", "b"], "or") == "a or b"
-    assert words.listed(list("abcdef")) == "a, b, c, d and 2 more"
-    assert words.listed([]) == ""
+    assert diagnosis.listed(["a"]) == "a"
+    assert diagnosis.listed(["a", "b"], "or") == "a or b"
+    assert diagnosis.listed(list("abcdef")) == "a, b, c, d and 2 more"
+    assert diagnosis.listed([]) == ""

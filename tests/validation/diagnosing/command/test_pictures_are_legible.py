@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from validation.diagnosing import drawn as drawing
-from validation.diagnosing.diagnosis import Diagnosis
-from validation.effects.identifiers import parse
-from validation.pictures import diagnosis as pages
+from validation.diagnose.diagnosis import Diagnosis
+from validation.effects.catalogue import parse
+from validation.report import diagnose
+from validation.report.charts import crosscheck, style
 
 Made = Callable[[str], Diagnosis]
 
@@ -22,14 +22,14 @@ Made = Callable[[str], Diagnosis]
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The figures that were finished."""
     figures: list[Any] = []
-    finish = pages.finish
+    finish = style.finish
 
     def finished(figure: Any, *arguments: Any) -> None:
         finish(figure, *arguments)
         figure.canvas.draw()
         figures.append(figure)
 
-    monkeypatch.setattr(pages, "finish", finished)
+    monkeypatch.setattr(crosscheck, "finish", finished)
     return figures
 
 
@@ -44,7 +44,7 @@ def texts(figure: Any) -> list[Any]:
 
 @pytest.mark.parametrize("verdict", ["nothing", "ambiguous", "several"])
 def test_everything_stays_on_the_page_and_off_each_other(verdict: str, drawn: list[Any], made: Made, tmp_path: Path) -> None:
-    drawing.draw(made(verdict), tmp_path)
+    diagnose.draw(made(verdict), tmp_path)
     assert len(drawn) == (2 if made(verdict).ranking or made(verdict).accepted else 1)
     for figure in drawn:
         page = figure.bbox
@@ -65,7 +65,7 @@ def test_many_causes_have_a_bar_and_a_size_each(drawn: list[Any], made: Made, tm
         replace(first, named=parse(f"{name}={size}"), evidence=evidence, null=False)
         for name, size, evidence in zip(names, sizes, (28000.0, 0.4, -3.0), strict=True)
     ]
-    drawing.draw(replace(made("missing"), ranking=(first, *more)), tmp_path)
+    diagnose.draw(replace(made("missing"), ranking=(first, *more)), tmp_path)
     axes = drawn[0].axes[0]
     assert len(axes.patches) == 4
     labels = [box(text) for text in axes.texts]
@@ -79,11 +79,11 @@ def test_many_causes_have_a_bar_and_a_size_each(drawn: list[Any], made: Made, tm
 
 def test_where_nothing_was_found_there_is_no_after(drawn: list[Any], made: Made, tmp_path: Path) -> None:
     found = made("nothing")
-    drawing.draw(replace(found, after=found.before), tmp_path)
+    diagnose.draw(replace(found, after=found.before), tmp_path)
     labels = [text.get_text() for text in drawn[-1].legends[0].get_texts()]
     assert labels == ["due, nothing wrong"]
 
 
 def test_the_line_of_what_is_asked_for_is_drawn_where_a_diagnosis_says_it(made: Made) -> None:
-    assert drawing.asked(made("missing")) == 8.0
-    assert drawing.asked(replace(made("missing"), settings={})) is None
+    assert diagnose.asked(made("missing")) == 8.0
+    assert diagnose.asked(replace(made("missing"), settings={})) is None

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 from geometry.dynamic_mass import ComplexArray
-from validation.diagnosing.bench import Hypothesis
-from validation.engine.cost import cost_of
-from validation.engine.descent import ended
-from validation.engine.fit import FLOOR, fitted
-from validation.engine.parameter import FITTED
-from validation.engine.problem import Problem
-from validation.models.model import Model
+from validation.diagnose.diagnosis import Candidate
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import FLOOR, ended, fitted
+from validation.estimation.problem import FITTED, Problem
+from validation.model.model import Model
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
@@ -81,7 +79,7 @@ class State:
         return found
 
 
-Left = Callable[[Callable[[State], ComplexArray]], Hypothesis]
+Left = Callable[[Callable[[State], ComplexArray]], Candidate]
 
 
 @pytest.fixture(scope="session")
@@ -102,7 +100,7 @@ def left(state: State) -> Left:
     Nothing is fitted: what a fit would take is known to first order.
     """
 
-    def made(change: Callable[[State], ComplexArray]) -> Hypothesis:
+    def made(change: Callable[[State], ComplexArray]) -> Candidate:
         rng = np.random.default_rng(2)
         noise = NOISE * np.sqrt(np.mean(np.abs(state.read) ** 2, axis=1, keepdims=True)) * np.ones(state.read.shape)
         random = rng.standard_normal(state.read.shape) + 1j * rng.standard_normal(state.read.shape)
@@ -110,6 +108,6 @@ def left(state: State) -> Left:
         measured = replace(state.of.measured, values=values, noise=noise)
         problem = Problem((replace(state.of, tested=replace(state.of.tested, measured=measured)),))
         cost = cost_of(problem, problem.free(FITTED), FLOOR)
-        return Hypothesis(effects=(), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
+        return Candidate(effects=(), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
 
     return made

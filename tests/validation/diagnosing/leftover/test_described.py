@@ -7,18 +7,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.frames import rigid_transformation_6
-from validation.diagnosing.bench import Hypothesis
-from validation.diagnosing.classes import opened
-from validation.diagnosing.leftover.described import described, unexplained
-from validation.diagnosing.leftover.tangents import swallowing
-from validation.diagnosing.leftover.whitened import whitened
-from validation.effects.identifiers import parse
-from validation.engine.cost import cost_of
-from validation.engine.descent import ended
-from validation.engine.fit import FLOOR, fitted
-from validation.engine.parameter import FITTED
-from validation.models.model import Added
-from validation.prediction import fmd
+from validation.diagnose.candidates import opened
+from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.unexplained import described, unexplained
+from validation.diagnose.unexplained_fit import swallowing, whitened
+from validation.effects.catalogue import parse
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import FLOOR, ended, fitted
+from validation.estimation.problem import FITTED
+from validation.model.model import Added
+from validation.prediction import dynamic_mass
 
 
 def entry(of, i: int, j: int, course) -> np.ndarray:
@@ -151,7 +149,7 @@ def test_a_board_whose_delay_grows_along_the_sweep_is_told_as_a_group(left) -> N
 def test_a_joint_that_gives_is_told_with_its_compliance(left, state) -> None:
     carried = state.of.tested.carried
     T = rigid_transformation_6(carried.standing.pose.position)
-    H = np.linalg.inv(T).T @ (state.H - fmd.at(carried.moving, {}).mass_matrix) @ np.linalg.inv(T)
+    H = np.linalg.inv(T).T @ (state.H - dynamic_mass.at(carried.moving, {}).mass_matrix) @ np.linalg.inv(T)
     C = np.diag([0, 0, 0, 2e-6, 0, 0])
     found = described(left(lambda s: s.added(T.T @ (s.omega[:, None, None] ** 2 * H @ C @ H) @ T)))
     assert (found.looks_like, found.load, found.motion) == ("stiffness", "t_x", "alpha")
@@ -198,7 +196,7 @@ def test_a_stiffness_among_the_parameters_does_not_drown_what_is_known_of_the_ot
     spring = Added(named=parse("cable:top:vertical=800"))
     problem = opened(nothing.problem, [spring])
     cost = cost_of(problem, problem.free(FITTED), FLOOR)
-    sprung = Hypothesis(effects=(spring,), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
+    sprung = Candidate(effects=(spring,), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
     (one,) = swallowing(list(whitened(sprung, derivatives=True)), sprung)
     at = [k for k, each in enumerate(sprung.fit.parameters) if each.name in one.names]
     C, sd = sprung.fit.covariance[np.ix_(at, at)], np.sqrt(np.diag(sprung.fit.covariance)[at])

@@ -9,13 +9,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from validation.diagnosing.bench import Hypothesis
-from validation.diagnosing.leftover.misfit import Misfit, misfit, of_data
-from validation.engine.fit import fit
-from validation.engine.measured import Measured
-from validation.engine.parameter import DECLARED, FITTED, Parameter
-from validation.engine.prediction import Change, Predicted
-from validation.engine.problem import Problem
+from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.unexplained_fit import Misfit, misfit, of_data
+from validation.estimation.fit import fit
+from validation.estimation.problem import DECLARED, FITTED, Change, Measured, Parameter, Predicted, Problem
 
 RUNS, LINES, CHANNELS, INPUTS = 3, 100, 7, 2
 NOISE = 1e-2
@@ -78,7 +75,7 @@ def laboratory(seed: int, *, gains: bool = True, faults: dict[int, float] | None
 
 
 def missed(problem: Problem) -> Misfit:
-    return misfit(Hypothesis(effects=(), fit=fit(problem, FITTED), problem=problem))
+    return misfit(Candidate(effects=(), fit=fit(problem, FITTED), problem=problem))
 
 
 @cache
@@ -122,7 +119,7 @@ def test_a_tolerance_that_moved_although_data_say_nothing_of_it_is_not_compared_
     k = [one.name for one in found.parameters].index(SHADOW.name)
     moved = np.array(found.offsets)
     moved[k] = 30 * SHADOW.tolerance
-    told = misfit(Hypothesis(effects=(), fit=replace(found, offsets=moved), problem=problem))
+    told = misfit(Candidate(effects=(), fit=replace(found, offsets=moved), problem=problem))
     assert told.least_due[0] != SHADOW.name
     assert told.largest[0] == SHADOW.name
 

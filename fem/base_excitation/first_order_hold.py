@@ -1,0 +1,281 @@
+"""Exact answer of a linear system to piecewise linear input, sample by sample (first-order hold).
+
+    M y'' + C y' + K y = B p(t)
+
+With the undamped modes y = Phi eta and the state z = (omega eta, eta'), which measures energy, the system is z' = A z + ... with
+a matrix A that is nearly skew, so that its eigenvectors are well conditioned whatever the damping couples: clusters, overdamped
+pairs, damping beside the diagonal. Each first-order equation w' = lambda w + b p then has the exact solution over a step h
+
+    w(t + h) = exp(s) w(t) + h (phi1(s) - phi2(s)) b p(t) + h phi2(s) b p(t + h),   s = lambda h,
+    phi1(s) = (exp(s) - 1) / s,   phi2(s) = (exp(s) - 1 - s) / s²
+
+(Hochbruck & Ostermann, Acta Numerica 19, 2010). Where eigenvectors coincide (critical damping) the matrix exponential steps all
+states together: as exact, and slower.
+
+Motion that is smooth between its samples is not piecewise linear: at frequency f the answer comes out too small by the factor
+sinc²(f h), that is by x²/12 with x = omega h; what the corners excite besides, at the sampling rate and above, counts only for
+modes up there. `straightened` lifts the samples beforehand, p - (p(t + h) - 2 p(t) + p(t - h)) / 12, which leaves x⁴/90: 2e-9
+instead of 4e-5 at 28 Hz and 8192 Hz.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import factorial
+
+import numpy as np
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import CheckFailed
+from geometry.frames import Array, frozen
+
+Progress = Callable[[float], None]
+"""Called with the share done, 0 to 1; it may raise to end the run."""
+
+WELL_CONDITIONED = 1e6
+"""Condition of the eigenvectors up to which rounding stays below 1e-9 of the answer."""
+
+BLOCK = 32_768
+"""Samples that are answered at a time, to spare memory."""
+
+SMALL = 0.1
+"""Below this size of s a series gives phi1 and phi2, where their closed form would lose digits."""
+
+TERMS = 12
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class States:
+    """First-order form z' = A z + B p of a second-order system.
+
+    Attributes
+    ----------
+    A : (2 n, 2 n) on z = (omega eta, eta') [rad/s]
+    B : (2 n, p)
+    displacement, velocity : (n, 2 n) y and y' from z
+    acceleration, direct : (n, 2 n) and (n, p), y'' = acceleration @ z + direct @ p
+    """
+
+    A: Array
+    B: Array
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+    direct: Array
+
+    def __post_init__(self) -> None:
+        for name in ("A", "B", "displacement", "velocity", "acceleration", "direct"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.shape(getattr(self, name)), name))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Poles:
+    """The same system, uncoupled: w' = pole w + drive p, z = Re(shape @ w), w = project @ z.
+
+    Attributes
+    ----------
+    pole : (m,) complex [rad/s], of each conjugate pair the one above the real axis, and the real ones
+    drive : (m, p) complex
+    shape : (2 n, m) complex, doubled for a pair, so that the other of the two is counted
+    project : (m, 2 n) complex
+    """
+
+    pole: ComplexArray
+    drive: ComplexArray
+    shape: ComplexArray
+    project: ComplexArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Block:
+    """Some samples of an answer.
+
+    Attributes
+    ----------
+    samples : which, k of them
+    outputs : (k, o)
+    state : (2 n,) z at the last of them
+    """
+
+    samples: slice
+    outputs: Array
+    state: Array
+
+
+def states(mass: Array, viscous: Array, stiffness: Array, input_matrix: Array) -> States:
+    """First-order form of M y'' + C y' + K y = B p; `input_matrix` (n, p).
+
+    Raises
+    ------
+    CheckFailed : a mass or stiffness that is not positive definite: something moves freely.
+    """
+    from scipy.linalg import LinAlgError, eigh
+
+    n = len(mass)
+    if not n:
+        return _nothing(input_matrix.shape[1])
+    try:
+        squares, Phi = eigh(stiffness, mass)
+    except LinAlgError:
+        raise CheckFailed("The mass matrix of what moves on the table is not positive definite.") from None
+    if squares[0] <= np.finfo(np.float64).eps * squares[-1]:
+        raise CheckFailed(
+            f"Something on the table swings freely: its lowest squared frequency is {squares[0]:.3g} (rad/s)², nothing but "
+            f"rounding beside the highest of {squares[-1]:.3g}. Hold it, or soften what is stiffest.",
+            squared_frequency=float(squares[0]),
+            greatest=float(squares[-1]),
+        )
+    omega, C = np.sqrt(squares), Phi.T @ viscous @ Phi
+    zero = np.zeros((n, n))
+    B = np.vstack([np.zeros((n, input_matrix.shape[1])), Phi.T @ input_matrix])
+    lower = np.hstack([-np.diag(omega), -(C + C.T) / 2])
+    return States(
+        A=np.vstack([np.hstack([zero, np.diag(omega)]), lower]),
+        B=B,
+        displacement=np.hstack([Phi / omega, zero]),
+        velocity=np.hstack([zero, Phi]),
+        acceleration=Phi @ lower,
+        direct=Phi @ B[n:],
+    )
+
+
+def poles(system: States) -> Poles | None:
+    """`system` uncoupled, or None when its eigenvectors are too close to one another."""
+    value, V = (np.asarray(found, dtype=np.complex128) for found in np.linalg.eig(system.A))
+    if value.size and np.linalg.cond(V) > WELL_CONDITIONED:
+        return None
+    one, project = value.imag >= 0, np.asarray(np.linalg.inv(V), dtype=np.complex128)
+    return Poles(
+        pole=value[one],
+        drive=(project @ system.B)[one],
+        shape=V[:, one] * np.where(value[one].imag > 0, 2.0, 1.0),
+        project=project[one],
+    )
+
+
+def answer(
+    system: States,
+    outputs: Array,
+    samples: Array,
+    sampling_rate: float,
+    *,
+    stop: int | None = None,
+    progress: Progress | None = None,
+) -> Iterator[Block]:
+    """`outputs` (o, 2 n) @ z of `system`, at rest at the first sample, block after block.
+
+    Parameters
+    ----------
+    samples : (N, p) input, between samples along straight lines
+    sampling_rate : [Hz]
+    stop : a sample at which one block ends, whose state is wanted
+    """
+    solve = solver(system, outputs, sampling_rate)
+    for start, end in pairwise(_edges(len(samples), stop)):
+        found, state = solve(samples[start:end])
+        yield Block(samples=slice(start, end), outputs=found, state=state)
+        if progress is not None:
+            progress(end / len(samples))
+
+
+def solver(system: States, outputs: Array, sampling_rate: float) -> Callable[[Array], tuple[Array, Array]]:
+    """What answers block after block of samples (k, p), at rest at the first: `outputs` (k, o), and state (2 n,) at the end."""
+    uncoupled, step = poles(system), 1 / sampling_rate
+    return _by_stepping(system, outputs, step) if uncoupled is None else _by_poles(uncoupled, outputs, step)
+
+
+def straightened(samples: Array) -> Array:
+    """Input (N, p) to which straight lines between samples answer as a smooth motion through `samples` (N, p) would.
+
+    Before the first sample there is none, and after the last one it goes on as it is.
+    """
+    lifted = samples * (7 / 6)
+    lifted[1:] -= samples[:-1] / 12
+    lifted[:-1] -= samples[1:] / 12
+    lifted[-1:] -= samples[-1:] / 12
+    return np.asarray(lifted)
+
+
+def _edges(count: int, stop: int | None) -> list[int]:
+    wanted = set() if stop is None else {min(stop + 1, count)}
+    return sorted({*range(0, count, BLOCK), count} | wanted)
+
+
+def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:
+    """What answers the next block of samples, from where the last one ended: outputs (k, o), state (2 n,) at the end."""
+    from scipy.signal import lfilter
+
+    growth, now, ahead = held(uncoupled.pole * step)
+    first, last = step * now, step * ahead
+    modes, parted = len(uncoupled.pole), np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
+    seen = outputs @ np.hstack([uncoupled.shape.real, -uncoupled.shape.imag])  # real products: those of BLAS, half as many
+    memory: ComplexArray | None = None
+
+    def solve(samples: Array) -> tuple[Array, Array]:
+        nonlocal memory
+        parts = parted @ samples.T  # real and imaginary part of the forces, then of the states
+        end = np.empty(modes, dtype=np.complex128)
+        if memory is None:
+            memory = -last * (parts[:modes, 0] + 1j * parts[modes:, 0])  # at rest at the first sample, whatever the input
+        for r in range(modes):
+            forces = parts[r] + 1j * parts[modes + r]
+            w, rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces, zi=memory[r : r + 1])
+            parts[r], parts[modes + r], end[r], memory[r] = w.real, w.imag, w[-1], rest[0]
+        return (seen @ parts).T, np.asarray((uncoupled.shape @ end).real)
+
+    return solve
+
+
+def _by_stepping(system: States, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:
+    """The same by the matrix exponential, all states together."""
+    growth, first, last = _exponential(system, step)
+    state = np.zeros(len(system.A))
+    before: Array | None = None
+
+    def solve(samples: Array) -> tuple[Array, Array]:
+        nonlocal state, before
+        z = np.empty((len(samples), len(state)))
+        for k, forces in enumerate(samples):
+            if before is not None:
+                state = growth @ state + first @ before + last @ forces
+            z[k], before = state, forces
+        return z @ outputs.T, state
+
+    return solve
+
+
+def held(s: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """exp(s), phi1(s) - phi2(s) and phi2(s): what the state before, the input before and the input now are multiplied by."""
+    near = np.abs(s) < SMALL
+    far = np.where(near, 1.0, s)
+    phi1 = np.where(near, _series(s, 1), np.expm1(far) / far)
+    phi2 = np.where(near, _series(s, 2), (np.expm1(far) - far) / far**2)
+    return np.exp(s), phi1 - phi2, phi2
+
+
+def _series(s: ComplexArray, order: int) -> ComplexArray:
+    """sum over k of s^k / (k + order)!, by Horner."""
+    total = np.zeros_like(s)
+    for k in reversed(range(TERMS)):
+        total = total * s + 1 / factorial(k + order)
+    return total
+
+
+def _exponential(system: States, step: float) -> tuple[Array, Array, Array]:
+    """The same three for the whole system, from one matrix exponential (Van Loan, IEEE Trans. Autom. Control 23, 1978)."""
+    from scipy.linalg import expm
+
+    n, p = system.B.shape
+    whole = np.zeros((n + 2 * p, n + 2 * p))
+    whole[:n, :n], whole[:n, n : n + p] = step * system.A, step * system.B
+    whole[n : n + p, n + p :] = np.eye(p)
+    E = expm(whole)
+    first, second = E[:n, n : n + p], E[:n, n + p :]
+    return E[:n, :n], first - second, second
+
+
+def _nothing(inputs: int) -> States:
+    none, square = np.zeros((0, inputs)), np.zeros((0, 0))
+    return States(A=square, B=none, displacement=square, velocity=square, acceleration=square, direct=none)

@@ -1,0 +1,741 @@
+"""Beam models of the built-in articles and their stacks, in milliseconds: the model that fitting uses.
+
+Clumod is a frame, Cuboid and disc are stiff columns, the FMD's moving part is rigid. What stands on something stands on its top
+node, rigidly. The base holds the lowest body: Clumod's flange, the foot of a column, the FMD's cover plate or, when its load
+cells are springs, what is below them.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import pairwise
+from operator import sub
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from fem.beam import frame
+from fem.beam.elements import Sandwich, Section, rectangle, sandwich, tube
+from fem.beam.frame import Body, Frame, Member, Plan, Ports, assemble, on_top, placed
+from fem.factorisers import factorise
+from fem.held_base import hold
+from fem.structure import Structure, rigid_motion
+from geometry.article import Article, Part, Placed, Shape, material, prefixes
+from geometry.article import rectangle as corners
+from geometry.articles import built_in, changes_of, dimension_files
+from geometry.articles import parts as articles_parts
+from geometry.articles.dimensions import Dimensions, load
+from geometry.errors import BadInput
+from geometry.frames import Array, Integers, Pose, frozen, rigid_transformation, rigid_transformation_6
+from geometry.inertia import Inertia
+from geometry.routes import inertia as drawn_inertia
+from geometry.toml_file import nearest
+
+# Cuboid and disc as stiff columns of their section, the FMD as a rigid cover plate, on springs when asked.
+
+
+AXES = ("x", "y", "z")
+REFINED = 3
+"""Elements in a column for one in a half-blade: it is stubby, and there shear converges slowly."""
+
+
+def cuboid(article: Article, d: Dimensions, elements: int) -> Plan:
+    """The Cuboid, standing on its underside."""
+    x, y, z = d["size"]
+    return _column(article, rectangle(y, x, material(d["material"])), z, elements)
+
+
+def disc(article: Article, d: Dimensions, elements: int) -> Plan:
+    """The disc: a column far wider than high, whose give is nearly all shear and stretch of its height."""
+    return _column(article, tube(d["diameter"], 0.0, material(d["material"])), d["height"], elements)
+
+
+def fmd(article: Article, d: Dimensions, cells: Array | None) -> Plan:
+    """The FMD's moving part about F: on its base, or on `cells` (4, 3) [N/m], springs in the middle of the load cells."""
+    body = drawn_inertia(article)
+    if cells is None:
+        return Plan(nodes=np.zeros((1, 3)), carriers=(0,), bodies=(Body(node=0, inertia=body),))
+    names = [f"cell-{number}" for number in range(1, 5)]
+    springs = zip(names, corners(d["load_cell"]["square"], d["load_cell"]["square"]), cells, strict=True)
+    loss = material(d["load_cell"]["material"]).loss_factor
+    return Plan(
+        nodes=np.zeros((2, 3)),
+        carriers=(0, 1),
+        bodies=(Body(node=1, inertia=body),),
+        ports=tuple(_spring(name, [x, y, 0.0], stiffness) for name, (x, y), stiffness in springs),
+        top=1,
+        loss_factors={} if loss is None else dict.fromkeys(names, loss),
+    )
+
+
+def cell_stiffness(d: Dimensions) -> Array:
+    """Stiffness (4, 3) along x, y, z [N/m] of the load cells in `fmd.toml`; an assumption, and labelled so there."""
+    cell = d["load_cell"]
+    return np.tile([cell["lateral_stiffness_N_m"], cell["lateral_stiffness_N_m"], cell["axial_stiffness_N_m"]], (4, 1))
+
+
+def require_cells(cells: npt.ArrayLike) -> Array:
+    """`cells` as stiffness (4, 3) along x, y, z [N/m].
+
+    Raises
+    ------
+    BadInput : another shape, or a stiffness that is not positive and finite.
+    """
+    stiffness = np.asarray(cells, dtype=np.float64)
+    if stiffness.shape != (4, 3):
+        raise _beam_bodies_refused(f"four cells with three stiffnesses each are needed, found shape {stiffness.shape}")
+    for (cell, axis), value in np.ndenumerate(stiffness):
+        if not 0 < value < np.inf:
+            raise _beam_bodies_refused(
+                f"cell {cell + 1} must have a positive, finite stiffness along {AXES[axis]}, found {value:g} N/m"
+            )
+    return stiffness
+
+
+def _beam_bodies_refused(problem: str) -> BadInput:
+    return BadInput(source="load cells of the FMD", field="cells", problem=problem, remedy="Give (4, 3) values in N/m")
+
+
+def _column(article: Article, section: Section, height: float, elements: int) -> Plan:
+    """One part standing up from the origin; its holes are taken off as a rigid body at its foot."""
+    (part,), elements = article.parts, REFINED * elements
+    nodes = np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, height], elements + 1)
+    member = Member(nodes=tuple(range(elements + 1)), section=section, z_axis=np.array([1.0, 0.0, 0.0]), part=part.name)
+    holes = drawn_inertia(article) - frame.inertia(member, nodes)
+    loss = part.material.loss_factor
+    return Plan(
+        nodes=nodes,
+        carriers=tuple(range(elements + 1)),
+        members=(member,),
+        bodies=(Body(node=0, inertia=holes),),
+        top=elements,
+        loss_factors={} if loss is None else {part.name: loss},
+    )
+
+
+def _spring(name: str, place: list[float], stiffness: Array) -> Ports:
+    """Three springs at `place` [m] between two nodes at the origin."""
+    G = rigid_transformation(place)
+    k = G.T @ np.diag(stiffness) @ G
+    return Ports(nodes=(0, 1), stiffness=np.block([[k, -k], [-k, k]]), mass=np.zeros((12, 12)), part=name)
+
+
+# Clumod as a frame: mast and half-blades are beams, flange, hubs and what is clamped between their collars are rigid.
+#
+# A hub holds its blade between two collars. Over their height the mast is rigid, and a half-blade begins not at the mast's axis
+# but at `reach` from it. All that the beams do not have of the real parts - collars, the blade's middle with its holes for mast
+# and bolts - is a rigid body on the hub, drawing less beams, so that the frame carries the mass of the drawing exactly. Where a
+# blade has been taken off, its two collars stay, a tube's gap apart.
+#
+# What a rigid hub cannot say - the collars' own give, the blade that is wider than they are - enters as `Joint`: matrices on
+# ports, from a local solid model of the crossing.
+
+
+ELEMENTS = 6
+"""In a half-blade; the mast, three times as long and stiffer, has twice as many."""
+
+MAST = "mast"
+X, Y, Z = np.eye(3)
+BEAM_CLUMOD_AXES = {"x": X, "y": Y}
+
+RIGID_ROUNDING = 1e-6
+"""Share of a joint's stiffness that a rigid motion of all its ports may meet, which is what condensation loses to rounding."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Port:
+    """A place on a beam of Clumod, where a node is put for it.
+
+    Attributes
+    ----------
+    member : "mast" or the name of a blade
+    at : [m] height on the mast above Clumod's origin; on a blade the distance from the mast's axis, negative on its other side
+    """
+
+    member: str
+    at: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Joint:
+    """What a local model adds to the frame between ports, in Clumod's axes.
+
+    Attributes
+    ----------
+    ports : k of them
+    stiffness : (6 k, 6 k) symmetric, x, y, z, alpha, beta, gamma of the first port, then of the second ...; rigid motions of all
+        ports together cost nothing
+    mass : (6 k, 6 k) symmetric; zero by default, and without rigid mass when the frame shall weigh what the drawing weighs
+    part : whose stiffness and loss factor it is
+    """
+
+    ports: tuple[Port, ...]
+    stiffness: Array
+    mass: Array | None = None
+    part: str = MAST
+
+    def __post_init__(self) -> None:
+        size = 6 * len(self.ports)
+        for name in ("stiffness",) if self.mass is None else ("stiffness", "mass"):
+            matrix = frozen(getattr(self, name), (size, size), name)
+            if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max(initial=0)):
+                raise BadInput(
+                    source="joint of Clumod", field=name, problem="must be symmetric", remedy="Check the order of ports"
+                )
+            object.__setattr__(self, name, matrix)
+
+
+def reach(radius: float, thickness: float) -> float:
+    """Distance [m] from the mast's axis at which a half-blade of `thickness` between collars of `radius` begins to bend.
+
+    The collars end at their radius; a plate is not held rigidly at the edge of what clamps it but yields over a length of the
+    order of its thickness. Local solid models (`fem.beam.articles`) give 0.9 to 1.4 thicknesses between the thick collars of the lower
+    blades; one is taken. Thin collars and the mast's wall yield more: that is left to the joints.
+    """
+    return radius - thickness
+
+
+def beam_clumod_plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Plan:
+    """Clumod with the `blades` named; node 0 is the flange, at the article's origin.
+
+    Raises
+    ------
+    BadInput : hubs that overlap, a joint on a port that does not exist, a section that is none.
+    """
+    article, pieces = articles_parts.build(tuple(blades), d), _rigid_pieces(blades, d)
+    asked = [_checked(port, blades, d) for joint in joints for port in joint.ports]
+    nodes = _Nodes()
+    nodes.put(np.zeros(3), carrier=0)
+    for piece in pieces:
+        nodes.put(piece.middle * Z)
+    members = [_mast(d, pieces, asked, elements, nodes)]
+    for station, piece in enumerate(pieces, start=1):
+        blade = d["blade"][piece.number]
+        if blade["name"] in blades:
+            members += [_half_blade(blade, d, side, station, asked, elements, nodes) for side in (1, -1)]
+    points = np.array(nodes.points)
+    return Plan(
+        nodes=points,
+        carriers=tuple(nodes.carriers),
+        members=tuple(members),
+        bodies=tuple(_bodies(article, d, pieces, members, points)),
+        ports=tuple(_ports(joint, d, points) for joint in joints),
+        loss_factors={
+            part.name: part.material.loss_factor for part in _elastic(article) if part.material.loss_factor is not None
+        },
+    )
+
+
+class _Nodes:
+    """The nodes of a plan while it grows."""
+
+    def __init__(self) -> None:
+        self.points: list[Array] = []
+        self.carriers: list[int] = []
+
+    def put(self, point: Array, carrier: int | None = None) -> int:
+        """Add a node at `point` that rides on `carrier`, or moves on its own; its index."""
+        index = len(self.points)
+        self.points.append(point)
+        self.carriers.append(index if carrier is None else carrier)
+        return index
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Rigid:
+    """A piece of the mast that is rigid from `bottom` to `top`, riding on a node at `middle` [m]; `number` of its blade."""
+
+    bottom: float
+    middle: float
+    top: float
+    number: int
+
+
+def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
+    """Where collars make the mast rigid, from the bottom: one piece with the blade between them, two without."""
+    pieces = []
+    for number, blade in enumerate(d["blade"]):
+        z, t = blade["z"], blade["thickness"] / 2
+        h = t + blade["hub_height"] / 2
+        ends = [(-h, h)] if blade["name"] in blades else [(-h, -t), (t, h)]
+        pieces += [_Rigid(bottom=z + a, middle=z + (a + b) / 2, top=z + b, number=number) for a, b in ends]
+    pieces.sort(key=lambda piece: piece.bottom)
+    _require_apart(pieces, d)
+    return pieces
+
+
+def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
+    edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top))]
+    for lower, upper in pairwise(edges):
+        if upper < lower:
+            raise BadInput(
+                source="clumod.toml",
+                field="blade.z",
+                problem=f"hubs must lie on the mast and apart, found {1e3 * lower:g} mm above {1e3 * upper:g} mm",
+                remedy="Move the blade or make its hub lower",
+            )
+
+
+def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int, nodes: _Nodes) -> Member:
+    """The mast from the flange to its top; what lies within a rigid piece rides on it."""
+    mast, chain = d["mast"], []
+    for height in _mast_heights(d, pieces, [port.at for port in asked if port.member == MAST], 2 * elements):
+        carrier = next((1 + index for index, piece in enumerate(pieces) if piece.bottom <= height <= piece.top), None)
+        chain.append(nodes.put(height * Z, 0 if height == d["flange"]["height"] else carrier))
+    section = tube(mast["outer_diameter"], mast["inner_diameter"], material(mast["material"]))
+    return Member(nodes=tuple(chain), section=section, z_axis=X, part=MAST)
+
+
+def _mast_heights(d: Dimensions, pieces: list[_Rigid], asked: list[float], elements: int) -> list[float]:
+    """Heights of the nodes: the flange, the ends of rigid pieces, those asked for, the top, and enough between."""
+    # a collar may stand out beyond the mast's top
+    ends = [min(end, d["mast"]["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
+    fixed = sorted({d["flange"]["height"], d["mast"]["top"], *ends, *asked})
+    return _between(fixed, (fixed[-1] - fixed[0]) / elements)
+
+
+def _half_blade(
+    blade: Dimensions, d: Dimensions, side: int, station: int, asked: list[Port], elements: int, nodes: _Nodes
+) -> Member:
+    """One half of a blade, on the positive or the negative `side` of its axis, from its root to its tip."""
+    root, tip = _ends(blade, d)
+    own = [side * port.at for port in asked if port.member == blade["name"] and side * port.at > 0]
+    distances = _between(sorted({root, tip, *own}), (tip - root) / elements)
+    places = [blade["z"] * Z + side * distance * BEAM_CLUMOD_AXES[blade["axis"]] for distance in distances]
+    chain = [nodes.put(places[0], station), *(nodes.put(place) for place in places[1:])]
+    return Member(nodes=tuple(chain), section=_blade_section(blade, d), z_axis=Z, part=blade["name"], bonded=frozenset(chain[:1]))
+
+
+def _ends(blade: Dimensions, d: Dimensions) -> tuple[float, float]:
+    """Distances [m] from the mast's axis at which a half-blade begins and ends."""
+    return reach(d["hubs"]["outer_diameter"] / 2, blade["thickness"]), blade["length"] / 2
+
+
+def _between(fixed: list[float], step: float) -> list[float]:
+    """`fixed`, ascending, and what divides the gaps evenly into pieces not much longer than `step`."""
+    gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False).tolist() for a, b in pairwise(fixed)]
+    return [*(value for gap in gaps for value in gap), fixed[-1]]
+
+
+def _blade_section(blade: Dimensions, d: Dimensions) -> Section | Sandwich:
+    steel, w, t = material(d["blades"]["material"]), blade["width"], blade["thickness"]
+    if "layer" not in blade:
+        return rectangle(w, t, steel)
+    bottom, layer, top = (f"{blade['name']}-{body}" for body in ("bottom", "silicone", "top"))
+    return sandwich(w, t, blade["layer"]["thickness"], steel, material(blade["layer"]["material"]), (bottom, layer, top))
+
+
+def _bodies(article: Article, d: Dimensions, pieces: list[_Rigid], members: list[Member], nodes: Array) -> list[Body]:
+    """What the beams lack: the flange, and on every rigid piece its collars and the blade as drawn less the blade's beams."""
+    drawn = {part.name: part for part in article.parts}
+    bodies = [Body(node=0, inertia=_drawn([drawn["flange"]]))]
+    for station, piece in enumerate(pieces, start=1):
+        blade, hub = d["blade"][piece.number]["name"], drawn[f"hub-{piece.number + 1}"]
+        own = [part for name, part in drawn.items() if name == blade or name.startswith(f"{blade}-")]
+        beams = [frame.inertia(member, nodes) for member in members if member.part == blade]
+        bodies.append(Body(node=station, inertia=reduce(sub, beams, _drawn([_collars(hub, piece), *own]))))
+    return bodies
+
+
+def _collars(hub: Part, piece: _Rigid) -> Part:
+    """The collars of a hub that belong to a rigid piece of the mast."""
+
+    def there(placed: Placed) -> bool:
+        return bool(piece.bottom <= placed.pose.position[2] <= piece.top)
+
+    shape = Shape(solids=tuple(filter(there, hub.shape.solids)), voids=tuple(filter(there, hub.shape.voids)))
+    return replace(hub, shape=shape)
+
+
+def _drawn(parts: Iterable[Part]) -> Inertia:
+    return drawn_inertia(Article(name="rigid", parts=tuple(parts)))
+
+
+def _elastic(article: Article) -> Iterable[Part]:
+    return (part for part in article.parts if part.name != "flange" and not part.name.startswith("hub-"))
+
+
+def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
+    mass = np.zeros_like(joint.stiffness) if joint.mass is None else joint.mass
+    chosen = tuple(nearest_node(place(port, d), nodes) for port in joint.ports)
+    carried = np.abs(joint.stiffness @ rigid_motion(nodes[list(chosen)])).max(initial=0)
+    if carried > RIGID_ROUNDING * np.abs(joint.stiffness).max(initial=0):
+        raise BadInput(
+            source="joint of Clumod",
+            field="stiffness",
+            problem=f"must let its ports move together rigidly, found a force or moment of {carried:.3g} for a unit motion",
+            remedy="Check that the ports lie where the local model has them, in Clumod's axes",
+        )
+    return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
+
+
+def nearest_node(there: Array, nodes: Array) -> int:
+    """Index of the one of `nodes` (n, 3) that lies nearest to the place `there` (3,) [m]."""
+    return int(np.argmin(np.linalg.norm(nodes - there, axis=1)))
+
+
+def place(port: Port, d: Dimensions) -> Array:
+    """Where `port` is (3,) [m], in Clumod's frame."""
+    if port.member == MAST:
+        return port.at * Z
+    blade = next(blade for blade in d["blade"] if blade["name"] == port.member)
+    return np.asarray(blade["z"] * Z + port.at * BEAM_CLUMOD_AXES[blade["axis"]])
+
+
+def _checked(port: Port, blades: Sequence[str], d: Dimensions) -> Port:
+    """`port`, which must lie on a beam that is there."""
+    ends = {MAST: (d["flange"]["height"], d["mast"]["top"])}
+    ends |= {blade["name"]: _ends(blade, d) for blade in d["blade"] if blade["name"] in blades}
+    if port.member not in ends:
+        raise _beam_clumod_refused(f"there is no {port.member!r}", f"{nearest(port.member, ends)}Known are {', '.join(ends)}")
+    first, last = ends[port.member]
+    if not first <= (port.at if port.member == MAST else abs(port.at)) <= last:
+        raise _beam_clumod_refused(
+            f"{port.member} is no beam at {1e3 * port.at:g} mm", f"Its beam goes from {1e3 * first:.1f} to {1e3 * last:.1f} mm"
+        )
+    return port
+
+
+def _beam_clumod_refused(problem: str, remedy: str) -> BadInput:
+    return BadInput(source="joint of Clumod", field="port", problem=problem, remedy=remedy)
+
+
+NO_CHANGES: Mapping[str, float] = MappingProxyType({})
+BASE = 6
+"""The first degrees of freedom are those of the base."""
+
+BLADES = {"clumod-1": articles_parts.ONE_BLADE, "clumod-4": articles_parts.FOUR_BLADES}
+
+
+def structure(
+    article_name: str,
+    changes: Mapping[str, float] = NO_CHANGES,
+    *,
+    elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
+) -> Structure:
+    """Beam model of the built-in article or stack called `article_name`, about its origin.
+
+    Parameters
+    ----------
+    article_name, changes : as `geometry.articles.built_in` takes them
+    elements : in a half-blade of Clumod; its mast has twice, a column three times as many
+    cells : (4, 3) [N/m] stiffness of the FMD's load cells along x, y, z (`load_cells` gives assumed values); rigid when None
+    joints : what a local model of Clumod's crossings adds
+
+    Raises
+    ------
+    BadInput : an article, a dimension, a port or a material that cannot be used; the message says why.
+    """
+    return _structure(assemble(plan(article_name, changes, elements=elements, cells=cells, joints=joints)))
+
+
+def plan(
+    article_name: str,
+    changes: Mapping[str, float] = NO_CHANGES,
+    *,
+    elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
+) -> Plan:
+    """What the frame of `structure` is made of, from the same arguments; other programs make their own elements of it.
+
+    Raises
+    ------
+    BadInput : as `structure`.
+    """
+    built_in(article_name, changes)  # checks names, order and changes of the whole stack
+    names = article_name.split("+")
+    _require_usable(article_name, names, elements, cells, joints)
+    plans = [_plan(name, changes, elements, cells, joints) for name in names]
+    return reduce(on_top, _in_place(names, plans, changes))
+
+
+def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:
+    """Assumed stiffness (4, 3) along x, y, z [N/m] of the FMD's load cells, from `fmd.toml`."""
+    return cell_stiffness(load("fmd", changes))
+
+
+def build(blades: tuple[str, ...], dimensions: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Frame:
+    """Frame of Clumod with the `blades` named, from `dimensions` as `clumod.toml` has them; its base is the flange."""
+    return assemble(beam_clumod_plan(blades, dimensions, joints=joints, elements=elements))
+
+
+def frequencies(frame: Frame, count: int) -> Array:
+    """The lowest `count` eigenfrequencies (count,) [Hz] with the base held, ascending."""
+    from scipy.linalg import eigh
+
+    K = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
+    n = len(K) - BASE
+    # The largest of M x = mu K x: what an eigen-solver loses to rounding is a share of the largest value, and here that is ours.
+    inverse = eigh(frame.mass[BASE:, BASE:], K[BASE:, BASE:], eigvals_only=True, subset_by_index=[n - count, n - 1])
+    return np.asarray(1 / np.sqrt(inverse[::-1]) / (2 * np.pi))
+
+
+def _plan(name: str, changes: Mapping[str, float], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> Plan:
+    """One article in its own frame."""
+    (file,) = dimension_files(name)
+    article, dimensions = _article(name, changes), load(file, changes)
+    if name in BLADES:
+        return beam_clumod_plan(BLADES[name], dimensions, joints=joints, elements=elements)
+    if name == "fmd":
+        return fmd(article, dimensions, None if cells is None else require_cells(cells))
+    return {"cuboid": cuboid, "disc": disc}[name](article, dimensions, elements)
+
+
+def _article(name: str, changes: Mapping[str, float]) -> Article:
+    return built_in(name, changes_of(name, changes))
+
+
+def _in_place(names: list[str], plans: list[Plan], changes: Mapping[str, float]) -> list[Plan]:
+    """`plans` where the seats below them put them; seats have parallel axes. Names of parts as the stacked article has them."""
+    if len(plans) == 1:
+        return plans
+    pose, in_place = Pose(), []
+    for name, prefix, plan in zip(names, prefixes(names), plans, strict=True):
+        in_place.append(placed(plan, pose.position, f"{prefix}/"))
+        seat = _article(name, changes).seat
+        pose = pose @ seat if seat else pose
+    return in_place
+
+
+def _structure(frame: Frame) -> Structure:
+    from scipy.sparse import csr_array
+
+    parts = {part: csr_array(k) for part, k in frame.stiffness.items()}
+    moving = list(frame.moving)
+    return Structure(
+        stiffness=csr_array(sum(frame.stiffness.values(), np.zeros_like(frame.mass))),
+        mass=csr_array(frame.mass),
+        rigid=frame.rigid,
+        held=np.arange(BASE),
+        points=frame.plan.nodes[moving],
+        translations=6 * np.arange(len(moving))[:, None] + np.arange(3),
+        part_stiffness=MappingProxyType(parts),
+        loss_factors=MappingProxyType(dict(frame.plan.loss_factors)),
+    )
+
+
+def _require_usable(whole: str, names: list[str], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> None:
+    if elements < 1:
+        raise _refused(whole, "elements", f"at least one element is needed, found {elements}", "Give a whole number from 1 on")
+    if cells is not None and "fmd" not in names:
+        raise _refused(whole, "cells", "there is no FMD whose load cells could be springs", "Name a stack that begins with fmd")
+    if joints and not BLADES.keys() & set(names):
+        raise _refused(whole, "joints", "there is no Clumod whose crossings could have joints", "Leave the joints away")
+
+
+def _refused(whole: str, field: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=f"article {whole}", field=field, problem=problem, remedy=remedy)
+
+
+# Joints of Clumod's beam model from local solid models: what hub, blade roots and mast do that beams and rigid hubs do not.
+#
+# A crossing is cut out of the drawing: a piece of the mast with its hubs and the roots of its blades, no frequency in sight. It
+# is built twice from the same dimensions, as hexahedra and as the beam model's own beams, both held at the lower end of the
+# mast. Unit loads at the other ends - the ports - give the flexibility of each, 6 x 6 a port; ends of the solid carry and report
+# them as the mean over the cut section. The difference of the two stiffnesses, expanded to all ports by rigid motion, is the
+# joint: added to the beams it gives them the flexibility of the solid, and nothing else. The mast's foot on the elastic flange
+# is a joint as well.
+
+
+STUB = 0.75
+"""Length of a blade's root beyond the collars, in widths of the blade: where the plate has become a beam."""
+
+SLEEVE = 1.0
+"""Length of mast beyond the collars, in diameters of the mast."""
+
+SAME = 1e-7
+"""Nodes closer to a cut than this [m] lie in it."""
+
+CROSSING_ELEMENTS = 24
+"""Of a half-blade in the local beam model, which shall be exact."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Piece:
+    """A piece of Clumod between two heights of the mast.
+
+    Attributes
+    ----------
+    dimensions : as of a Clumod that ends where the piece ends; its flange reaches up to the lower end, unless `foot`
+    blades : names of those whose roots belong to the piece
+    ports : its free ends
+    base : (3,) [m] where its lowest beam begins, which moves with what holds the piece
+    foot : whether the flange itself belongs to it, held at its underside
+    """
+
+    dimensions: Dimensions
+    blades: tuple[str, ...]
+    ports: tuple[Port, ...]
+    base: Array
+    foot: bool = False
+
+
+def joints(blades: Sequence[str], d: Dimensions, *, size: float = 0.02) -> tuple[Joint, ...]:
+    """The joints of Clumod with the `blades` named, for `fem.beam.articles.build`; `size` [m] is that of the local solids' cells.
+
+    Raises
+    ------
+    BadInput, CheckFailed : a local solid that cannot be meshed or factorised.
+    """
+    return tuple(joint(piece, d, size) for piece in pieces(blades, d))
+
+
+def joint(piece: Piece, d: Dimensions, size: float) -> Joint:
+    """What the solid `piece` adds to the stiffness of its beams, between its lower end and its ports."""
+    added = np.linalg.inv(_kept_flexibility(piece, size)) - np.linalg.inv(beam_flexibility(piece))
+    T = np.hstack([-np.vstack([rigid_transformation_6(place(port, d) - piece.base) for port in piece.ports]), np.eye(len(added))])
+    held = Port(member=MAST, at=float(piece.base[2]))
+    return Joint(ports=(held, *piece.ports), stiffness=T.T @ ((added + added.T) / 2) @ T)
+
+
+def pieces(blades: Sequence[str], d: Dimensions) -> Iterator[Piece]:
+    """The foot of the mast, then its hubs from bottom to top, neighbours in one piece when they stand close together."""
+    sleeve = SLEEVE * d["mast"]["outer_diameter"]
+    yield _foot(d, sleeve)
+    for group in _neighbours(d, sleeve):
+        low, high = _crossing_collars(group[0])[0] - sleeve, _crossing_collars(group[-1])[1] + sleeve
+        piece = _crossing(d, group, tuple(b["name"] for b in group if b["name"] in blades), low, min(high, d["mast"]["top"]))
+        if piece.ports:  # bare collars at the end of the mast carry nothing
+            yield piece
+
+
+def beam_flexibility(piece: Piece) -> Array:
+    """Displacements and rotations of the ports (6 k, 6 k) for unit forces and moments there, by the beam model."""
+    frame = assemble(beam_clumod_plan(piece.blades, piece.dimensions, elements=CROSSING_ELEMENTS))
+    stiffness = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
+    moving = frame.plan.nodes[list(frame.moving)]
+    nodes = [nearest_node(place(port, piece.dimensions), moving) for port in piece.ports]
+    dofs = np.concatenate([6 * node + np.arange(6) for node in nodes])
+    free = np.arange(6, len(stiffness))
+    loads = np.zeros((len(stiffness), len(dofs)))
+    loads[dofs, np.arange(len(dofs))] = 1.0
+    return np.asarray(np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])[dofs - 6])
+
+
+def solid_flexibility(piece: Piece, size: float) -> Array:
+    """The same by hexahedra."""
+    solid = _solid(piece, size)
+    held = hold(solid)
+    shares = _shares(solid)
+    B = np.hstack([_mean(solid, shares, piece, port) for port in piece.ports])[held.free]
+    return np.asarray(B.T @ factorise(held.stiffness, definite=True).solve(B))
+
+
+def _kept_flexibility(piece: Piece, size: float) -> Array:
+    """`solid_flexibility`, remembered on disk by the drawing of the piece and its materials."""
+    from fem.solid import model
+    from fem.solid.tetrahedra import bodies
+
+    drawn = [
+        [body.name, body.fingerprint, body.material.youngs_modulus, body.material.poisson_ratio]
+        for body in bodies(articles_parts.build(piece.blades, piece.dimensions))
+    ]
+    ports = [[port.member, port.at] for port in piece.ports]
+    name = model.key("flexibility of ports", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
+    kept = model.load(name)
+    if kept is None:
+        kept = {"flexibility": solid_flexibility(piece, size)}
+        model.store(name, kept)
+    return kept["flexibility"]
+
+
+def _solid(piece: Piece, size: float) -> Structure:
+    from fem.solid.hexahedra import hexahedra
+    from fem.solid.model import of_mesh
+
+    article = articles_parts.build(piece.blades, piece.dimensions)
+    parts = [part for part in article.parts if piece.foot or part.name != "flange"]
+    sizes, cuts = ([2 * size, size], [piece.dimensions["flange"]["height"]]) if piece.foot else ([size], [])
+    mesh = hexahedra(parts, sizes=sizes, cuts=cuts)
+    return of_mesh(mesh, {part.name: part.material for part in parts})
+
+
+def _shares(solid: Structure) -> Array:
+    """Mass (N,) that moves with every degree of freedom when all of the solid goes along with it."""
+    return np.asarray((solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1))
+
+
+def _mean(solid: Structure, shares: Array, piece: Piece, port: Port) -> Array:
+    """Weights (N, 6) whose products with the displacements are the mean motion of the port's section.
+
+    The motion is that of the rigid section nearest to the displacements, every node weighted with its share of the cells' mass
+    (`shares`). Of a sandwich it is the mean of the motions of its two faces, each about its own middle: a beam's moment bends the
+    faces and does not make them slide, which is another degree of freedom.
+    """
+    middle = place(port, piece.dimensions)
+    axis = 2 if port.member == MAST else int(np.argmax(np.abs(middle[:2])))
+    nodes = np.flatnonzero(np.abs(solid.points[:, axis] - middle[axis]) < SAME)
+    if port.member == MAST:
+        return _of_section(solid, shares, nodes, middle)
+    faces = _faces(next(blade for blade in piece.dimensions["blade"] if blade["name"] == port.member))
+    heights = solid.points[nodes, 2] - middle[2]
+    sections = [(nodes[(low - SAME < heights) & (heights < high + SAME)], (low + high) / 2) for low, high in faces]
+    return np.asarray(
+        sum(_of_section(solid, shares, own, middle + np.array([0.0, 0.0, height])) for own, height in sections) / len(sections)
+    )
+
+
+def _faces(blade: Dimensions) -> list[tuple[float, float]]:
+    """Heights [m] between which the plates of a blade lie, from its middle: one plate, or two faces."""
+    outer = blade["thickness"] / 2
+    if "layer" not in blade:
+        return [(-outer, outer)]
+    inner = blade["layer"]["thickness"] / 2
+    return [(-outer, -inner), (inner, outer)]
+
+
+def _of_section(solid: Structure, shares: Array, nodes: Integers, middle: Array) -> Array:
+    """Weights (N, 6) of the mean motion, about `middle` (3,) [m], of the section that consists of `nodes`."""
+    own = solid.translations[nodes].ravel()
+    R = solid.rigid[own] @ np.linalg.inv(rigid_transformation_6(middle))
+    weighted = shares[own, None] * R
+    result = np.zeros((len(solid.rigid), 6))
+    result[own] = weighted @ np.linalg.inv(R.T @ weighted)
+    return result
+
+
+def _foot(d: Dimensions, sleeve: float) -> Piece:
+    top = d["flange"]["height"] + sleeve
+    own = {**copy.deepcopy(d), "blade": [], "mast": {**d["mast"], "top": top}}
+    return Piece(
+        dimensions=own, blades=(), ports=(Port(member=MAST, at=top),), base=np.array([0.0, 0.0, d["flange"]["height"]]), foot=True
+    )
+
+
+def _crossing(d: Dimensions, group: list[Dimensions], blades: tuple[str, ...], low: float, high: float) -> Piece:
+    own = copy.deepcopy(d)
+    own["flange"] |= {"height": low}
+    own["mast"] |= {"top": high}
+    own["blade"] = [{**blade, "length": 2 * _end(blade, d)} for blade in group]
+    ports = [Port(member=b["name"], at=side * _end(b, d)) for b in group if b["name"] in blades for side in (1, -1)]
+    if high < d["mast"]["top"]:
+        ports.append(Port(member=MAST, at=high))
+    return Piece(dimensions=own, blades=blades, ports=tuple(ports), base=np.array([0.0, 0.0, low]))
+
+
+def _neighbours(d: Dimensions, sleeve: float) -> list[list[Dimensions]]:
+    """Hubs from bottom to top, in groups whose sleeves would run into one another."""
+    groups: list[list[Dimensions]] = []
+    for blade in sorted(d["blade"], key=lambda blade: float(blade["z"])):
+        if groups and _crossing_collars(blade)[0] - _crossing_collars(groups[-1][-1])[1] < 2 * sleeve:
+            groups[-1].append(blade)
+        else:
+            groups.append([blade])
+    return groups
+
+
+def _crossing_collars(blade: Dimensions) -> tuple[float, float]:
+    """Heights [m] between which the hub of a blade reaches."""
+    half = (blade["thickness"] + blade["hub_height"]) / 2
+    return blade["z"] - half, blade["z"] + half
+
+
+def _end(blade: Dimensions, d: Dimensions) -> float:
+    return float(min(d["hubs"]["outer_diameter"] / 2 + STUB * blade["width"], blade["length"] / 2))

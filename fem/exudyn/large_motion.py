@@ -1,0 +1,731 @@
+"""From an article and a base motion, however large, to the response."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import Jet, Sweep, sine, window
+from fem.base_excitation.response import Response
+from fem.beam import articles
+from fem.beam.elements import Sandwich
+from fem.beam.frame import Body, Member, Plan, assemble, inertia, placed
+from fem.exudyn import driven_rig, frame
+from fem.exudyn.driven_rig import Drive, Number, Progress, Scene, recorded, targets, watch_node, watch_object
+from fem.exudyn.driven_run import Solver, described, integrate, simulation
+from fem.exudyn.frame import Native, viscous
+from fem.exudyn.run import failed, finite, kept, running
+from geometry.articles import built_in
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen
+from geometry.inertia import Inertia, judge
+from geometry.routes import inertia as drawn_inertia
+
+# What stands on the table: a built-in article of rigid bodies and beams, or as one rigid body.
+
+
+def plan_of(article_name: str, changes: Mapping[str, float] = articles.NO_CHANGES, elements: int | None = None) -> Plan:
+    """The built-in article or stack as a frame about its origin; as one rigid body, as it is drawn, when `elements` is None.
+
+    Parameters
+    ----------
+    article_name, changes, elements : as `fem.beam.articles.plan` takes them
+
+    Raises
+    ------
+    BadInput : an article, a dimension or a number of elements that cannot be used.
+    """
+    if elements is None:
+        return rigid(drawn_inertia(built_in(article_name, changes)))
+    return able_to_turn(articles.plan(article_name, changes, elements=elements))
+
+
+def rigid(body: Inertia) -> Plan:
+    """One rigid body on the table, its inertia in the frame of the article."""
+    return Plan(nodes=np.zeros((1, 3)), carriers=(0,), bodies=(Body(node=0, inertia=body),))
+
+
+def able_to_turn(plan: Plan) -> Plan:
+    """`plan` without what exudyn would only know as a matrix in the laboratory's axes, which does not turn with the table.
+
+    Where more material is taken away from a node than its rigid bodies have (the holes of a column), the elements that meet
+    there give their mass to both of their nodes, half of the rod to each: the same inertia about the same point.
+
+    Raises
+    ------
+    BadInput : springs between ports, which are a matrix; material taken away that even then is no body.
+    """
+    if plan.ports:
+        problem = f"springs between ports are matrices that do not turn with the table, found {len(plan.ports)}"
+        raise BadInput(source="large motion", field="ports", problem=problem, remedy="Leave load cells and joints rigid")
+    hollow = {node for node, body in _carried(plan).items() if not judge(body).physical}
+    if not hollow:
+        return plan
+    filled = _lumped(plan, hollow)
+    for node, body in _carried(filled).items():
+        if not judge(body).physical:
+            problem = f"more material is taken away at node {node} than there is, {judge(body).text}"
+            raise BadInput(
+                source="large motion", field="bodies", problem=problem, remedy="Take it as one rigid body, without elements"
+            )
+    return filled
+
+
+def _carried(plan: Plan) -> dict[int, Inertia]:
+    """Inertia of all rigid bodies on every node that carries some, about that node."""
+    found: dict[int, Inertia] = {}
+    for body in plan.bodies:
+        node = plan.carriers[body.node]
+        found[node] = body.inertia.about(plan.nodes[node]) + found.get(node, Inertia(parameters=np.zeros(10)))
+    return {node: body for node, body in found.items() if body.parameters.any()}
+
+
+def _lumped(plan: Plan, hollow: set[int]) -> Plan:
+    """`plan` with the mass of every element that meets a `hollow` node given to its two nodes as rigid halves."""
+    members: list[Member] = []
+    bodies = list(plan.bodies)
+    for member in plan.members:
+        near = [bool({plan.carriers[n] for n in pair} & hollow) for pair in _elements(member)]
+        if not any(near) or isinstance(member.section, Sandwich):
+            members.append(member)
+            continue
+        weightless = replace(member.section, mass=0.0, rotary_y=0.0, rotary_z=0.0)
+        for (a, b), given in zip(_elements(member), near, strict=True):
+            members.append(replace(member, nodes=(a, b), section=weightless if given else member.section))
+            bodies += _halves(plan, member, a, b) if given else []
+    return replace(plan, members=tuple(members), bodies=tuple(bodies))
+
+
+def _elements(member: Member) -> list[tuple[int, int]]:
+    return list(zip(member.nodes[:-1], member.nodes[1:], strict=True))
+
+
+def _halves(plan: Plan, member: Member, a: int, b: int) -> list[Body]:
+    middle = (plan.nodes[a] + plan.nodes[b]) / 2
+    rod = replace(member, nodes=(0, 1))
+    return [Body(node=node, inertia=inertia(rod, np.array([plan.nodes[node], middle]))) for node in (a, b)]
+
+
+# `Conditions`: under what an article is driven, and what motions and methods can be used for it.
+
+
+AXES = ("table", "laboratory")
+
+LOSS_FREQUENCY = 12.0
+"""[Hz] where most modes of Clumod lie."""
+
+STEEP = 1.4
+"""[rad] up to which beta may go: at a quarter turn exudyn's angles about x and z become one."""
+
+SOLVER = Solver(method="generalised-alpha", subdivision=1)
+"""Stable for the axial swinging of short beams, far above any step, and it damps that. A mode of damping ratio zeta is off by
+(omega h)² / (12 zeta) at its resonance, 0.2 % for 12 Hz and 0.003 at 8 kHz."""
+
+AT_REST = 1e-6
+"""Share of its largest value with which a motion may begin: exudyn starts a table that stands still in its origin."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Conditions:
+    """Under what an article is driven.
+
+    Attributes
+    ----------
+    gravity : [m/s²] along -z of the laboratory
+    loss_frequency : [Hz] at which viscous damping equals the parts' loss factors; None for no damping
+    axes : in which loads and accelerations are told, the "table"'s own or those of the "laboratory"
+    places : (3,) [m] in the article's frame, by name, whose acceleration is told
+
+    Raises
+    ------
+    BadInput : a value out of its bounds.
+    """
+
+    gravity: float = 0.0
+    loss_frequency: float | None = LOSS_FREQUENCY
+    axes: str = "table"
+    places: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.gravity):
+            raise _bad("gravity", f"it must be finite, found {self.gravity:g} m/s²", "Give 9.81, or 0 for none")
+        if self.loss_frequency is not None and not 0 < self.loss_frequency < np.inf:
+            problem = f"it must be positive, found {self.loss_frequency:g} Hz"
+            raise _bad("loss_frequency", problem, "Give the frequency at which losses are known, or None for no damping")
+        if self.axes not in AXES:
+            raise _bad("axes", f"it must be table or laboratory, found {self.axes!r}", "Name one of them")
+        places = {name: frozen(place, (3,), f"places.{name}") for name, place in self.places.items()}
+        object.__setattr__(self, "places", MappingProxyType(places))
+
+
+def require_followable(motion: BaseMotion) -> None:
+    """
+    Raises
+    ------
+    BadInput : a motion of one sample, one that does not begin at rest in the origin, or a beta near a quarter turn.
+    """
+    if len(motion.displacement) < 2:
+        raise _refused(motion, "displacement", "at least two samples are needed, found one", "Give a longer motion")
+    for name in ("displacement", "velocity"):
+        values = np.abs(getattr(motion, name))
+        if np.any(values[0] > AT_REST * values.max(axis=0)):
+            problem = f"it must begin at rest in the origin, found {values[0].tolist()} in the first sample"
+            raise _refused(motion, name, problem, "Start it softly")
+    steepest = float(np.abs(motion.displacement[:, 4]).max())
+    if steepest > STEEP:
+        problem = f"beta must stay within {STEEP} rad, where the angles are unique, found {steepest:.3g} rad"
+        raise _refused(motion, "displacement", problem, "Lower the level, or turn about x or z")
+
+
+def require_unconditional(solver: Solver) -> None:
+    """
+    Raises
+    ------
+    BadInput : a method that is not stable for stiff beams, or lets their joints drift.
+    """
+    if solver.method != SOLVER.method:
+        problem = f"beams that swing at a megahertz and joints that turn far need {SOLVER.method}, found {solver.method}"
+        raise BadInput(source="solver", field="method", problem=problem, remedy=f"Take {SOLVER.method} and halve the step")
+
+
+def _bad(name: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source="large motion", field=name, problem=problem, remedy=remedy)
+
+
+def _refused(motion: BaseMotion, name: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=motion.label, field=name, problem=problem, remedy=remedy)
+
+
+# Gravity on every body and beam of an exudyn model, and the state in which it comes to rest.
+#
+# It acts along -z of the laboratory, so a table that tilts meets it along another of its own axes. A structure that stands in it
+# at rest is already bent and pressed, which changes its frequencies a little: exudyn's beams know that, linear models do not.
+
+
+HEAVY = ("RigidBody", "BeamGeometricallyExact3D")
+"""Exudyn's types of object on which gravity acts."""
+
+LOAD_STEPS = 4
+
+
+def pull(scene: Scene, gravity: float) -> None:
+    """Let `gravity` [m/s²] act on everything in `scene` that has mass."""
+    for number in range(scene.system.systemData.NumberOfObjects()):
+        kind = scene.system.GetObject(number)["objectType"]
+        if kind in HEAVY:
+            marker = scene.system.AddMarker(scene.items.MarkerBodyMass(bodyNumber=number))
+            scene.system.AddLoad(scene.items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, 0.0, -gravity]))
+
+
+def settle(scene: Scene) -> None:
+    """Bring the assembled `scene` to rest under its loads; time integration starts from there.
+
+    Raises
+    ------
+    CheckFailed : it finds no rest, as a column that buckles.
+    """
+    settings = scene.exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    static = settings.staticSolver
+    static.numberOfLoadSteps = LOAD_STEPS
+    static.newton.residualMode = 1
+    static.newton.absoluteTolerance = static.newton.relativeTolerance = ROUNDING
+    with kept():
+        done = scene.system.SolveStatic(settings, updateInitialValues=True)
+    if not done:
+        raise failed("bring the article to rest under gravity", "the solver gave up")
+
+
+# The table under an exudyn model: a body without mass whose six coordinates are prescribed, joined to the model's foot.
+#
+# The joint's own sensors are the load cells: exudyn gives force and torque in the axes of the joint's first marker, which are
+# the table's, about the joint, which is the reference point.
+
+
+SIGNS = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
+"""From what exudyn's joint reports to the load of the table on the foot.
+
+Forces are those on the first marker, the table. Torques are the multipliers of the constraints z0 . y1 = 0, z0 . x1 = 0 and
+x0 . y1 = 0 between the axes of both markers (exudyn's documentation of ObjectJointGeneric): a small turn of the second about x
+raises the first, turns about y and z lower the other two, so that these alone change sign.
+"""
+
+LEVEL = ("Acceleration", "AngularAcceleration")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Table:
+    """A driven table with its sensors.
+
+    Attributes
+    ----------
+    axes : the constraints that drive it
+    accelerations, loads : sensors of the table's node, in the laboratory's axes, and of the joint, in the table's
+    places : sensors of accelerations by name, in the laboratory's axes
+    """
+
+    axes: tuple[Number, ...]
+    accelerations: tuple[Number, ...]
+    loads: tuple[Number, ...]
+    places: Mapping[str, Number]
+
+
+def scene_of(exudyn: Any, native: Native) -> Scene:
+    """The system of `native`, open for more items."""
+    from exudyn import itemInterface
+
+    items: Any = itemInterface
+    ground = native.system.AddObject(items.ObjectGround())
+    origin = native.system.AddNode(items.NodePointGround())
+    return Scene(exudyn=exudyn, items=items, container=native.container, system=native.system, ground=ground, origin=origin)
+
+
+def under(scene: Scene, native: Native, places: Mapping[str, Array], *, velocity: bool) -> Table:
+    """A table in the origin, joined to the foot of `native` there; places (3,) [m] ride on the node that is nearest to them."""
+    table = driven_rig.massless(scene)
+    axes = driven_rig.driven(scene, table, velocity=velocity)
+    foot = native.nodes[0][0]
+    ends = [_marker(scene, table.body, np.zeros(3)), _marker(scene, _massless(scene, foot), -native.points[foot])]
+    joint = int(scene.system.AddObject(scene.items.ObjectJointGeneric(markerNumbers=ends)))
+    return Table(
+        axes=axes,
+        accelerations=tuple(watch_node(scene, table.node, output) for output in LEVEL),
+        loads=tuple(watch_object(scene, joint, output) for output in ("ForceLocal", "TorqueLocal")),
+        places={name: _watch_place(scene, native, place) for name, place in places.items()},
+    )
+
+
+def accelerations(scene: Scene, table: Table) -> Array:
+    """(n, 6) of the table's origin [m/s²] and its angular acceleration [rad/s²], in the laboratory's axes."""
+    return recorded(scene, table.accelerations)
+
+
+def loads(scene: Scene, table: Table) -> Array:
+    """(n, 6) force [N] and moment [N m] about the origin of the table on its load, in the table's axes."""
+    return np.asarray(recorded(scene, table.loads) * SIGNS)
+
+
+def _watch_place(scene: Scene, native: Native, place: Array) -> Number:
+    node = int(np.argmin(np.linalg.norm(native.points - place, axis=1)))
+    sensor = scene.items.SensorBody(
+        bodyNumber=_massless(scene, node),
+        localPosition=(place - native.points[node]).tolist(),
+        outputVariableType=scene.exudyn.OutputVariableType.Acceleration,
+        storeInternal=True,
+    )
+    return int(scene.system.AddSensor(sensor))
+
+
+def _massless(scene: Scene, node: Number) -> Number:
+    """A body that marks places around `node`."""
+    return int(scene.system.AddObject(scene.items.ObjectRigidBody(mass=0.0, inertia=[0.0] * 6, nodeNumber=node)))
+
+
+def _marker(scene: Scene, body: Number, place: Array) -> Number:
+    return int(scene.system.AddMarker(scene.items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist())))
+
+
+# How a table turns: rotation, spin and what accelerometers on it sense, without any assumption of smallness.
+#
+# With the angles alpha, beta, gamma of `BaseMotion` a vector of the table's axes is, in the laboratory's,
+#
+#     v_lab = R v,    R = R_x(alpha) R_y(beta) R_z(gamma),
+#
+# so that alpha turns about the x axis of the laboratory, beta about the y axis that alpha has turned, gamma about the table's
+# own z axis. The spin is the sum of these three rates about these three axes, e_1 = x, e_2 = R_x y, e_3 = R_x R_y z:
+#
+#     omega = alpha' e_1 + beta' e_2 + gamma' e_3
+#     omega' = alpha'' e_1 + beta'' e_2 + gamma'' e_3 + alpha' e_1 x beta' e_2 + (alpha' e_1 + beta' e_2) x gamma' e_3
+#
+# (each axis turns with the rates before it). Only for small angles are alpha'', beta'', gamma'' the angular acceleration.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turning:
+    """The rotation of a table over time.
+
+    Attributes
+    ----------
+    rotation : (n, 3, 3) its columns are the table's axes in the laboratory
+    spin : (n, 3) [rad/s] in the laboratory's axes
+    spin_rate : (n, 3) [rad/s²] its derivative, in the laboratory's axes
+    """
+
+    rotation: Array
+    spin: Array
+    spin_rate: Array
+
+    def __post_init__(self) -> None:
+        n = len(self.rotation)
+        for name, shape in {"rotation": (n, 3, 3), "spin": (n, 3), "spin_rate": (n, 3)}.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+    def seen_from_table(self, vectors: npt.ArrayLike) -> Array:
+        """R^T v: vectors (n, 3) of the laboratory's axes in the table's."""
+        return _turning_each("nji,nj->ni", self.rotation, vectors)
+
+    def seen_from_laboratory(self, vectors: npt.ArrayLike) -> Array:
+        """R v: vectors (n, 3) of the table's axes in the laboratory's."""
+        return _turning_each("nij,nj->ni", self.rotation, vectors)
+
+
+def rotation(angles: npt.ArrayLike) -> Array:
+    """R (n, 3, 3) of Tait-Bryan angles (n, 3) [rad] about x, y, z."""
+    return np.asarray(np.stack(_axes(np.asarray(angles, dtype=np.float64))[1], axis=-1))
+
+
+def turning(motion: BaseMotion) -> Turning:
+    """How the table of `motion` turns."""
+    angles, rates, accelerations = (x[:, 3:] for x in (motion.displacement, motion.velocity, motion.acceleration))
+    turned_about, axes = _axes(angles)
+    a, b, c = (rate[:, None] * axis for rate, axis in zip(rates.T, turned_about, strict=True))
+    spin_rate = sum(x[:, None] * axis for x, axis in zip(accelerations.T, turned_about, strict=True))
+    return Turning(rotation=np.stack(axes, axis=-1), spin=a + b + c, spin_rate=spin_rate + np.cross(a, b) + np.cross(a + b, c))
+
+
+def accelerometer(motion: BaseMotion, place: npt.ArrayLike, gravity: float = 0.0) -> Array:
+    """(n, 3) [m/s²] what an accelerometer fixed to the table at `place` reads, in the table's axes.
+
+    R^T (p'' + g z) + omega' x r + omega x (omega x r) with omega, omega' and r in the table's axes: the last term is the
+    centripetal one that the linear [G] of Eq. 3 does not know, the term of g is what gravity makes it read at rest and in a tilt.
+    In the reference point R^T p'' is left, and R^T omega' is at once the derivative of the spin as the table sees it.
+
+    Parameters
+    ----------
+    place : (3,) [m] from the reference point, in the table's axes
+    gravity : g [m/s²], 0 for a purely kinematic reading
+    """
+    turned, r = turning(motion), np.asarray(place, dtype=np.float64)
+    spin, spin_rate = (turned.seen_from_table(x) for x in (turned.spin, turned.spin_rate))
+    straight = turned.seen_from_table(motion.acceleration[:, :3] + gravity * np.array([0.0, 0.0, 1.0]))
+    return np.asarray(straight + np.cross(spin_rate, r) + np.cross(spin, np.cross(spin, r)))
+
+
+def _turning_each(product: str, matrices: Array, vectors: npt.ArrayLike) -> Array:
+    return np.asarray(np.einsum(product, matrices, np.asarray(vectors, dtype=np.float64)))
+
+
+def _axes(angles: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """The three axes about which alpha, beta and gamma turn, and those of the table, all (n, 3) in the laboratory's."""
+    (a, b, c), (sa, sb, sc) = np.cos(angles.T), np.sin(angles.T)
+    zero, one = np.zeros_like(a), np.ones_like(a)
+    first = np.column_stack([one, zero, zero])
+    second = np.column_stack([zero, a, sa])
+    third = np.column_stack([sb, -sa * b, a * b])
+    x_axis = np.column_stack([b * c, a * sc + sa * sb * c, sa * sc - a * sb * c])
+    return (first, second, third), (x_axis, np.cross(third, x_axis), third)
+
+
+ROUTE = "exudyn, large motion: its own bodies and beams"
+TASK = "integrate the article on its moving base"
+
+ELEMENTS = 3
+"""In a half-blade of Clumod, its mast has twice as many."""
+
+ROUNDING = 1e-13
+"""[m, rad] ten times what Newton's increments keep of the rounding in the internal forces of beams, 1.3e-14 in Clumod."""
+
+NO_PLACES: Mapping[str, Array] = {}
+
+
+def respond(
+    article_name: str,
+    motion: BaseMotion,
+    *,
+    changes: Mapping[str, float] = articles.NO_CHANGES,
+    elements: int | None = ELEMENTS,
+    gravity: float = 0.0,
+    loss_frequency: float | None = LOSS_FREQUENCY,
+    axes: str = "table",
+    places: Mapping[str, Array] = NO_PLACES,
+    solver: Solver = SOLVER,
+    progress: Progress | None = None,
+) -> Response:
+    """What the built-in article or stack called `article_name` does while the table follows `motion`.
+
+    Parameters
+    ----------
+    changes : as `geometry.articles.built_in` takes them
+    elements : in a half-blade of Clumod, as `fem.beam.articles.plan` takes them; None for one rigid body, as it is drawn
+    gravity, loss_frequency, axes, places : as `Conditions` has them
+
+    Raises
+    ------
+    BadInput : an article, motion, condition or solver that cannot be used.
+    CheckFailed : the integration failed or went astray; with the time, the step and the last state.
+    """
+    plan = plan_of(article_name, changes, elements)
+    conditions = Conditions(gravity=gravity, loss_frequency=loss_frequency, axes=axes, places=places)
+    said = {"article": article_name, "changes": dict(changes), "elements": elements}
+    return respond_of_plan(plan, motion, conditions, solver=solver, progress=progress, settings=said)
+
+
+def respond_of_plan(
+    plan: Plan,
+    motion: BaseMotion,
+    conditions: Conditions = Conditions(),  # noqa: B008 - frozen
+    *,
+    solver: Solver = SOLVER,
+    progress: Progress | None = None,
+    settings: Mapping[str, object] = articles.NO_CHANGES,
+) -> Response:
+    """The same for the frame `plan`, about its origin; `settings` are told with the others.
+
+    The load is that of the table on the foot about the reference point, which moves with the table: in the table's axes what load
+    cells between the two measure, R^T f_lab and R^T t_lab. The table's acceleration is R^T p'' and R^T omega' (`turning`), read
+    from exudyn; kinematic, without gravity. The load under gravity alone, at rest, is taken off, as cells that know changes only
+    do it; `settings` tells it.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `respond`.
+    """
+    require_followable(motion)
+    require_unconditional(solver)
+    steps = solver.subdivision or 1
+    with running(TASK) as exudyn:
+        scene, table = _assembled(exudyn, placed(plan, -motion.reference_point), motion, conditions)
+        if conditions.gravity:
+            settle(scene)
+        path = targets(motion, steps, velocity=False)
+        steering = Drive(scene, table.axes, path, motion.sampling_rate * steps, progress)
+        stopped = integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
+        if stopped is None:
+            told = {**described(solver, motion.sampling_rate, steps), **settings, **_said(conditions), "route": ROUTE}
+            return _response(scene, table, motion, conditions, told)
+    raise stopped
+
+
+def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditions) -> tuple[Scene, Table]:
+    """`plan`, whose origin is the reference point, on its table, with sensors."""
+    damping = None if conditions.loss_frequency is None else viscous(plan, conditions.loss_frequency)
+    article = frame.build(exudyn, plan, held=False, damping=damping)
+    scene = scene_of(exudyn, article)
+    if conditions.gravity:
+        pull(scene, conditions.gravity)
+    places = {name: place - motion.reference_point for name, place in conditions.places.items()}
+    table = under(scene, article, places, velocity=False)
+    scene.system.Assemble()
+    return scene, table
+
+
+def _simulation(exudyn: Any, motion: BaseMotion, solver: Solver, steps: int) -> Any:
+    """Newton's iteration ends by its increments, for the residual of a stiff beam is the rounding of its large internal forces.
+
+    Increments tell nothing of the joints' forces, so every step has a Jacobian of its own: with that of a table turned otherwise
+    the moments are 18 % off after a radian while the coordinates are right to the last digit.
+    """
+    rate = motion.sampling_rate
+    travel = max(1.0, float(np.abs(motion.displacement).max()))
+    allowed = max(solver.tolerance * float(np.abs(motion.acceleration).max()) / (rate * steps) ** 2, ROUNDING * travel)
+    samples = len(motion.acceleration)
+    settings = simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
+    settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
+    newton = settings.timeIntegration.newton
+    newton.residualMode, newton.modifiedNewtonJacUpdatePerStep = 1, True
+    newton.relativeTolerance = allowed  # exudyn wants both tolerances alike in this mode
+    return settings
+
+
+def _response(scene: Scene, table: Table, motion: BaseMotion, conditions: Conditions, settings: Mapping[str, object]) -> Response:
+    turned = turning(motion)
+    load = finite(loads(scene, table), TASK)
+    at_rest = load[0] if conditions.gravity else np.zeros(6)
+    acceleration = finite(accelerations(scene, table), TASK)
+    places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in table.places.items()}
+    in_table = conditions.axes == "table"
+    acceleration = _each(turned.seen_from_table, acceleration) if in_table else acceleration
+    return Response(
+        sampling_rate=motion.sampling_rate,
+        table=acceleration,
+        cover=acceleration,
+        load=load - at_rest if in_table else _each(turned.seen_from_laboratory, load) - at_rest,
+        cells=np.zeros((len(load), 0, 3)),
+        places={name: turned.seen_from_table(a) if in_table else a for name, a in places.items()},
+        reference_point=motion.reference_point,
+        settings={**settings, "load_at_rest": at_rest.tolist()},
+    )
+
+
+def _each(turned: Callable[[Array], Array], six: Array) -> Array:
+    """Forces and moments, or both kinds of acceleration (n, 6), each in other axes."""
+    return np.hstack([turned(six[:, :3]), turned(six[:, 3:])])
+
+
+def _said(conditions: Conditions) -> dict[str, object]:
+    values = {f.name: getattr(conditions, f.name) for f in fields(conditions)}
+    return {**values, "places": {name: place.tolist() for name, place in conditions.places.items()}}
+
+
+# What the limit of small motion costs: the load that the linear equations leave out, measured in exudyn level by level.
+#
+# The linear response to a motion is that of the same model at a level so small that nothing but it is left, scaled up. What
+# remains of the full one is compared with it in one figure for all six components, the size of a load,
+#
+#     |f|² = f^T M^-1 f,
+#
+# with M the rigid mass matrix about the reference point. Force and moment so have one unit, and for a rigid body turning about
+# one axis there is a bound: |M a| is the norm of the field of accelerations, weighed with the mass. Tangential accelerations
+# omega' r and centripetal ones omega² r belong to the same radii, and the load has only the share of them that a rigid motion
+# can have, so that at any instant
+#
+#     share left out <= largest omega² / largest omega',
+#
+# which for a sine is its angle. It is proportional to the level, and lies at rest and at twice the driven frequency; at the
+# driven frequency itself there is nothing of it. An elastic article answers to it at these other frequencies, which may come
+# nearer to a resonance than the driven one, and turns second order into third at the driven one. The record of a sweep as a
+# whole has no such separation: the line f also holds twice the frequency that was driven at f / 2.
+#
+# Where an axis is driven along and another about at once, the load also turns away from the prescribed acceleration, by the
+# angle. Whoever measures it on the table does not see that: accelerometers and load cells turn together.
+
+
+FACTORS = (1.0, 3.0, 10.0, 30.0)
+"""Times the nominal levels: from angles of some milliradians to some tenths of a radian."""
+
+SMALL = 1e-4
+"""Times the nominal level: what is of second order is then below the seventh digit."""
+
+RISE, STEADY = 2, 4
+"""Cycles of a sine in which it rises and in which it stays."""
+
+TINY = 1e-300
+"""Where a logarithm is still a number."""
+
+STEPS = 64
+"""Of the integration in a cycle of the sine; its own error is that of the linear response too, and cancels."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """What the linear equations leave out of one run.
+
+    Attributes
+    ----------
+    factor : on the nominal level
+    angle : [rad] largest
+    rate : [rad/s] largest
+    peak : largest share of the load that is left out [1], over the largest load
+    rms : the same of the root mean squares over the record
+    at_line : the same at the driven frequency alone
+    """
+
+    factor: float
+    angle: float
+    rate: float
+    peak: float
+    rms: float
+    at_line: float
+
+
+def of_a_sine(
+    plan: Plan,
+    axes: Sequence[str],
+    factors: Sequence[float] = FACTORS,
+    conditions: Conditions = Conditions(),  # noqa: B008 - frozen
+    *,
+    frequency: float = 4.0,
+    progress: Progress | None = None,
+) -> tuple[Cost, ...]:
+    """The costs of a sine at `frequency` [Hz] of all `axes` at once, in phase, at `factors` times their nominal levels.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `fem.exudyn.large_motion.respond`.
+    """
+    weight, levels = size_of(plan), {axis: LEVELS[axis] for axis in axes}
+    small = _load(plan, sine_of({axis: SMALL * level for axis, level in levels.items()}, frequency), conditions) / SMALL
+    found = []
+    for number, factor in enumerate(factors):
+        motion = sine_of({axis: factor * level for axis, level in levels.items()}, frequency)
+        found.append(_cost(factor, motion, _load(plan, motion, conditions) - factor * small, factor * small, weight, frequency))
+        if progress is not None:
+            progress((number + 1) / len(factors))
+    return tuple(found)
+
+
+def of_a_sweep(plan: Plan, axis: str, factor: float = 1.0, *, rate: float = 30.0, sampling_rate: float = 512.0) -> Array:
+    """(n, 2) lines [Hz] of the band of a sweep and the share of the load left out at each, in the spectrum of the whole record.
+
+    Parameters
+    ----------
+    rate : [octaves per minute]; a slow sweep and a fast one have the same shares, as both pass a line and its half alike
+    """
+    sweep = Sweep(axis=axis, level=factor, rate=rate)
+    motions = [Sweep(axis=axis, level=k, rate=rate).motion(sampling_rate, ring_down=1.0) for k in (factor, factor * SMALL)]
+    full, small = (_load(plan, motion, Conditions()) for motion in motions)
+    linear, weight = small / SMALL, size_of(plan)
+    lines = np.fft.rfftfreq(len(full), 1 / sampling_rate)
+    band = (lines >= sweep.start) & (lines <= sweep.stop)
+    sizes = [_size(np.fft.rfft(load, axis=0)[band], weight) for load in (full - linear, linear)]
+    return np.column_stack([lines[band], sizes[0] / sizes[1]])
+
+
+def exponents(costs: Sequence[Cost]) -> Mapping[str, float]:
+    """With which power of the level each share grows: 1 for what is of second order in the motion, 2 for third."""
+    grown = np.log([cost.factor for cost in costs])
+    shares = {name: np.log([max(getattr(cost, name), TINY) for cost in costs]) for name in ("peak", "rms", "at_line")}
+    return {name: float(np.polyfit(grown, share, 1)[0]) for name, share in shares.items()}
+
+
+def size_of(plan: Plan) -> Array:
+    """M^-1 (6, 6) of the whole about the origin, which makes one size of forces and moments."""
+    frame = assemble(plan)
+    return np.asarray(np.linalg.inv(frame.rigid.T @ frame.mass @ frame.rigid), dtype=np.float64)
+
+
+def _load(plan: Plan, motion: BaseMotion, conditions: Conditions) -> Array:
+    return respond_of_plan(plan, motion, conditions).load
+
+
+def sine_of(levels: Mapping[str, float], frequency: float) -> BaseMotion:
+    """A sine of all axes in phase that rises to `levels` [m/s², rad/s²] in `RISE` cycles and stays there for `STEADY`."""
+    omega, rate = 2 * np.pi * frequency, STEPS * frequency
+    time = np.arange((RISE + STEADY) * STEPS + 1) / rate
+    end = float(time[-1])
+    angle = Jet(omega * time, np.full_like(time, omega), np.zeros_like(time))
+    jet = omega**-2 * (window(time, 0.0, RISE / frequency, 2 * end, 3 * end) * sine(angle))
+    level = [-levels.get(axis, 0.0) for axis in MOTIONS]
+    displacement, velocity, acceleration = (np.outer(x, level) for x in (jet.value, jet.first, jet.second))
+    return BaseMotion(
+        sampling_rate=rate,
+        displacement=displacement,
+        velocity=velocity,
+        acceleration=acceleration,
+        driven=end,
+        label=f"sine {frequency:g} Hz, {' and '.join(levels)}",
+    )
+
+
+def _cost(factor: float, motion: BaseMotion, left: Array, linear: Array, weight: Array, frequency: float) -> Cost:
+    over_time = [_size(load, weight) for load in (left, linear)]
+    at_line = [float(_size(_line(load, motion, frequency), weight)[0]) for load in (left, linear)]
+    angle, rate = (float(np.linalg.norm(x[:, 3:], axis=1).max()) for x in (motion.displacement, motion.velocity))
+    return Cost(
+        factor=factor,
+        angle=angle,
+        rate=rate,
+        peak=float(over_time[0].max() / over_time[1].max()),
+        rms=float(np.linalg.norm(over_time[0]) / np.linalg.norm(over_time[1])),
+        at_line=at_line[0] / at_line[1],
+    )
+
+
+def _line(load: Array, motion: BaseMotion, frequency: float) -> ComplexArray:
+    """(1, 6) of whole steady cycles under a Hann window, which lets nothing in from rest and from twice the frequency."""
+    steady = slice(RISE * STEPS, -1)
+    turn = np.hanning(STEADY * STEPS + 1)[:-1] * np.exp(-2j * np.pi * frequency * motion.time[steady])
+    return np.asarray(turn @ load[steady])[None, :]
+
+
+def _size(loads: Array | ComplexArray, weight: Array) -> Array:
+    """(n,) of loads (n, 6), real or complex."""
+    return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", loads.conj(), weight, loads).real))

@@ -1,0 +1,365 @@
+"""From a path to `Structure` or `Modes`: the data, the text that describes them, and the checks of both."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import tomllib
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.damping import Damping
+from fem.modes import Modes
+from fem.structure import Structure
+from fem.user_model import description as user_model_description
+from fem.user_model import matrices, modal, nastran
+from fem.user_model.description import LARGEST_BYTES, TOO_LARGE, Contents, Description
+from geometry import atomic
+from geometry.errors import BadInput
+from geometry.frames import Array
+
+# Arrays from HDF5. Only what lies in the file itself: no links to other files, and nothing that is declared but not there.
+
+
+ENDINGS = (".h5", ".hdf5", ".hdf")
+
+_WRITE_AGAIN = "Write it again; it may be cut short or damaged"
+_OWN_DATA = "Copy what it points to into this file"
+
+
+def hdf5_read(path: Path) -> Contents:
+    """The datasets in `path`, those of groups as ``group/name``.
+
+    Raises
+    ------
+    BadInput : no HDF5, cut short or damaged, a link or storage outside the file, a dataset that is declared but was never
+        written, or more than `LARGEST_BYTES`.
+    """
+    import h5py
+
+    source = str(path)
+    try:
+        with h5py.File(path, "r") as file:
+            found = _datasets(file, "", source)
+            _require_reasonable(found, source)
+            arrays = {name: np.asarray(dataset[()]) for name, dataset in found.items()}
+            text = file.attrs.get("description")
+    except BadInput:
+        raise
+    except Exception as error:  # h5py raises OSError, KeyError, RuntimeError, ValueError and more on damaged bytes
+        problem = f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else type(error).__name__}"
+        raise BadInput(source=source, problem=problem, remedy=_WRITE_AGAIN) from None
+    if isinstance(text, bytes):
+        text = text.decode("utf-8", errors="replace")
+    return Contents(source=source, arrays=arrays, description=text if isinstance(text, str) else None)
+
+
+def _datasets(group: Any, prefix: str, source: str) -> dict[str, Any]:
+    """All datasets below `group`, by path. Groups within groups are not ours; links are looked at before they are followed."""
+    import h5py
+
+    found: dict[str, Any] = {}
+    for key in group:
+        name, link = f"{prefix}{key}", group.get(key, getlink=True)
+        if not isinstance(link, h5py.HardLink):
+            target = getattr(link, "filename", None) or getattr(link, "path", "")
+            raise BadInput(source=source, field=name, problem=f"is a link to {target!r}, which is not followed", remedy=_OWN_DATA)
+        entry = group[key]
+        if isinstance(entry, h5py.Dataset):
+            found[name] = _own(entry, name, source)
+        elif prefix:
+            problem = "is a group within a group, which no model of ours has"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Put the datasets at the root of the file")
+        elif isinstance(entry, h5py.Group):
+            found |= _datasets(entry, f"{name}/", source)
+    return found
+
+
+def _own(dataset: Any, name: str, source: str) -> Any:
+    """`dataset`, when all of it lies in the file."""
+    if dataset.external or dataset.is_virtual:
+        raise BadInput(source=source, field=name, problem="has its numbers in another file", remedy=_OWN_DATA)
+    if dataset.dtype.kind not in "fiuc":
+        problem = f"must hold numbers, found the type {dataset.dtype}"
+        raise BadInput(source=source, field=name, problem=problem, remedy="Write it as 64-bit floating point")
+    if dataset.size and dataset.id.get_storage_size() == 0:
+        shape = " x ".join(map(str, dataset.shape)) or "1"
+        problem = f"declares {shape} values, but none was ever written"
+        raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_AGAIN)
+    return dataset
+
+
+def _require_reasonable(found: dict[str, Any], source: str) -> None:
+    total = sum(int(dataset.size or 0) * dataset.dtype.itemsize for dataset in found.values())
+    if total > LARGEST_BYTES:
+        problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
+        raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
+
+
+# Arrays from a NumPy ``.npz``: never unpickled, and no larger in memory than the archive's own list says.
+
+
+_NPZ_WRITE_AGAIN = "Write it again with numpy.savez_compressed"
+
+
+def npz_read(path: Path) -> Contents:
+    """The arrays in `path`.
+
+    Raises
+    ------
+    BadInput : no archive, cut short, damaged (the archive's checksums tell), an array that would have to be unpickled, or more
+        than `LARGEST_BYTES`.
+    """
+    source = str(path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            _npz_require_reasonable(archive, source)
+            arrays = {entry.filename.removesuffix(".npy"): _array(archive, entry, source) for entry in archive.infolist()}
+    except BadInput:
+        raise
+    except Exception as error:  # zipfile, zlib and NumPy raise a dozen kinds of their own on damaged bytes
+        problem = f"it cannot be read as .npz: {type(error).__name__}, {error}"
+        raise BadInput(source=source, problem=problem, remedy=f"{_NPZ_WRITE_AGAIN}; it may be cut short or damaged") from None
+    text = arrays.pop("description", None)
+    return Contents(source=source, arrays=arrays, description=None if text is None else str(text))
+
+
+def _npz_require_reasonable(archive: zipfile.ZipFile, source: str) -> None:
+    names = [entry.filename for entry in archive.infolist()]
+    if not names:
+        raise BadInput(source=source, problem="it holds no arrays", remedy=_NPZ_WRITE_AGAIN)
+    if len(set(names)) < len(names):
+        raise BadInput(source=source, problem="it holds two arrays of one name", remedy=_NPZ_WRITE_AGAIN)
+    total = sum(entry.file_size for entry in archive.infolist())
+    if total > LARGEST_BYTES:
+        problem = f"its arrays would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
+        raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
+
+
+def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, source: str) -> Any:
+    """One array, its header compared with what follows it before memory is asked for."""
+    name = entry.filename.removesuffix(".npy")
+    with archive.open(entry) as file:
+        version = np.lib.format.read_magic(file)
+        header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        shape, _, dtype = header(file)
+        if dtype.hasobject:
+            problem = "holds Python objects, which only pickle could read, and that could run anything"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Save an array of numbers")
+        declared = int(np.prod([int(side) for side in shape], dtype=object)) * dtype.itemsize
+        if declared != entry.file_size - file.tell():
+            problem = f"declares {declared} bytes where {entry.file_size - file.tell()} follow"
+            raise BadInput(source=source, field=name, problem=problem, remedy=_NPZ_WRITE_AGAIN)
+    with archive.open(entry) as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
+
+
+DATA_ENDINGS = (*ENDINGS, ".npz", *nastran.ENDINGS)
+
+
+def is_model(path: str | Path) -> bool:
+    """Whether `path` can be meant as a model of a user: a data file by its ending, or a TOML file with a table [fe_model]."""
+    path = Path(path)
+    if path.suffix.lower() in DATA_ENDINGS:
+        return True
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return False
+    try:
+        return user_model_description.TABLE in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UsersModel:
+    """All that a user's model says.
+
+    Attributes
+    ----------
+    name : as described, else that of the file
+    model : K and M as `Structure`, or modal data as `Modes`
+    damping : of a structure whose file says it (loss factors, viscous matrix); None when it does not, and for modal data
+    """
+
+    name: str
+    model: Structure | Modes
+    damping: Damping | None = None
+
+
+def read(path: str | Path) -> Structure | Modes:
+    """The model in `path`: a description (TOML), or the data themselves with a description inside or beside them.
+
+    K and M become a `Structure` whose base is the interface, modal data become `Modes`, both in SI about the reference point.
+
+    Raises
+    ------
+    BadInput : whatever is wrong with it: the file, the field, what was found and what to do.
+    """
+    return load(path).model
+
+
+def load(path: str | Path) -> UsersModel:
+    """As `read`, with the name and the damping that the user gave."""
+    contents, description = _opened(Path(path))
+    if description.kind == "modal":
+        return UsersModel(name=description.name, model=modal.modes(contents, description))
+    structure, viscous = matrices.structure(contents, description)
+    damped = viscous is not None or bool(structure.loss_factors)
+    damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
+    return UsersModel(name=description.name, model=structure, damping=damping)
+
+
+def _opened(path: Path) -> tuple[Contents, Description]:
+    if path.suffix.lower() == ".toml":
+        description = user_model_description.read(path)
+        if description.file is None:
+            problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
+            raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
+        return _contents(description.file, description), description
+    _require_file(path)
+    if path.suffix.lower() in nastran.ENDINGS:
+        description = _beside(path)
+        return _contents(path, description), description
+    contents = _data(path)
+    if contents.description is None:
+        description = _beside(path)
+        _require_digest(path, description)
+    else:
+        description = user_model_description.embedded(contents.description, path)
+    _require_not_nastrans(path, description)
+    return contents, description
+
+
+def _beside(path: Path) -> Description:
+    """The description of the same name beside the data file `path`."""
+    sidecar = path.with_suffix(".toml")
+    if not sidecar.is_file():
+        problem = "says nothing of its units, reference point and interface"
+        remedy = f"Write them into {sidecar.name} beside it; docs/own-model.md shows how"
+        raise BadInput(source=str(path), problem=problem, remedy=remedy)
+    description = user_model_description.read(sidecar)
+    if description.file is not None and description.file.resolve() != path.resolve():
+        problem = f"is {description.file.name}, not {path.name}"
+        raise BadInput(source=str(sidecar), field="fe_model.file", problem=problem, remedy=f"Read {sidecar.name} or correct it")
+    return description
+
+
+def _contents(path: Path, description: Description) -> Contents:
+    _require_file(path)
+    _require_digest(path, description)
+    if path.suffix.lower() in nastran.ENDINGS:
+        return nastran.read(path, description)
+    _require_not_nastrans(path, description)
+    return _data(path)
+
+
+def _require_not_nastrans(path: Path, description: Description) -> None:
+    if description.grids is not None or description.matrices:
+        field = "fe_model.grids" if description.grids is not None else "fe_model.matrices"
+        problem = f"is for Nastran files, and {path.name} is none"
+        raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
+
+
+def _require_digest(path: Path, description: Description) -> None:
+    """What mechanics cannot tell, such as one wrong rotary inertia, a checksum can."""
+    if not description.sha256:
+        return
+    with path.open("rb") as file:
+        found = hashlib.file_digest(file, "sha256").hexdigest()
+    if found != description.sha256:
+        problem = f"is not that of {path.name}, which has {found}"
+        remedy = "Copy the file again; if it was changed on purpose, write its new sum here"
+        raise BadInput(source=description.source, field="fe_model.sha256", problem=problem, remedy=remedy)
+
+
+def _data(path: Path) -> Contents:
+    return npz_read(path) if path.suffix.lower() == ".npz" else hdf5_read(path)
+
+
+def _require_file(path: Path) -> None:
+    ending = path.suffix.lower()
+    if ending not in DATA_ENDINGS:
+        problem = f"its ending {ending!r} is none of {', '.join(DATA_ENDINGS)}, .toml"
+        raise BadInput(source=str(path), problem=problem, remedy="Convert it, or correct its ending")
+    if not path.is_file():
+        problem = "it is a folder" if path.is_dir() else "there is no such file"
+        raise BadInput(source=str(path), problem=problem, remedy="Check the path")
+    size = path.stat().st_size
+    if size > LARGEST_BYTES:
+        problem = f"it has {size / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
+        raise BadInput(source=str(path), problem=problem, remedy="Reduce the model first (Craig-Bampton)")
+
+
+# A `Structure` or `Modes` into a file of its own, which `read` takes back to the last digit.
+
+
+USERS_MODEL_ENDINGS = (*ENDINGS, ".npz")
+
+
+def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
+    """Write `model`, in SI, to `path` (.h5, .hdf5 or .npz by its ending) with its description inside; whole or not at all.
+
+    Structural damping goes along, as the matrix that the loss factors make; the shapes of modes do not.
+
+    Raises
+    ------
+    BadInput : another ending.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in USERS_MODEL_ENDINGS:
+        problem = f"its ending {path.suffix!r} is none of {', '.join(USERS_MODEL_ENDINGS)}"
+        raise BadInput(source=str(path), problem=problem, remedy="Choose one of them")
+    arrays = _of_modes(model) if isinstance(model, Modes) else _of_structure(model)
+    text = _description(name or path.stem, "modal" if isinstance(model, Modes) else "matrices", model.reference_point)
+    save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
+    atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
+
+
+def _of_modes(modes: Modes) -> dict[str, Any]:
+    names = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
+    return {name: getattr(modes, name) for name in names}
+
+
+def _of_structure(structure: Structure) -> dict[str, Any]:
+    arrays = {"rigid": structure.rigid, "held": structure.held}
+    if len(structure.points):
+        arrays |= {"points": structure.points, "translations": structure.translations}
+    matrices = {"stiffness": structure.stiffness, "mass": structure.mass}
+    damped = [factor * structure.part_stiffness[part] for part, factor in structure.loss_factors.items() if factor]
+    if damped:
+        matrices["structural"] = sum(damped[1:], damped[0])
+    return arrays | {key: array for name, matrix in matrices.items() for key, array in _compressed(name, matrix).items()}
+
+
+def _compressed(name: str, matrix: Any) -> dict[str, Any]:
+    from scipy.sparse import csr_array
+
+    A = csr_array(matrix)
+    A.sum_duplicates()
+    parts = {"data": A.data, "indices": A.indices, "indptr": A.indptr, "shape": np.array(A.shape)}
+    return {f"{name}/{part}": array for part, array in parts.items()}
+
+
+def _description(name: str, kind: str, point: Array) -> str:
+    metres = ", ".join(f'"{value!r} m"' for value in point.tolist())
+    title = "".join(letter for letter in name if letter.isprintable() and letter not in '"\\')
+    return f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
+
+
+def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:
+    packed = io.BytesIO()  # numpy adds its ending to the name of a path that lacks it
+    np.savez_compressed(packed, allow_pickle=False, **arrays, description=np.array(text))
+    path.write_bytes(packed.getvalue())
+
+
+def _save_hdf5(path: Path, arrays: dict[str, Any], text: str) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.attrs["description"] = text
+        for name, array in arrays.items():  # checksums: a damaged file is refused, not believed
+            file.create_dataset(name, data=array, **({"fletcher32": True} if np.size(array) else {}))

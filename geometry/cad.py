@@ -1,0 +1,397 @@
+"""STEP files: named bodies at their places, in millimetres whatever unit the file is written in."""
+
+from __future__ import annotations
+
+import faulthandler
+import hashlib
+import io
+import os
+import signal
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from itertools import combinations
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from geometry import atomic
+from geometry.article import Article, Box, Part, Placed, Primitive
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose
+from geometry.inertia import Inertia
+from geometry.mesh import TriangleMesh
+
+# Drawings turned into OCC solids by CadQuery: material united, voids cut. In millimetres.
+
+
+MM = 1e-3
+"""One OCC length unit in metres."""
+
+OccShape = Any
+"""A `cadquery.Shape`; the library has no types of its own."""
+
+
+def solid(part: Part) -> OccShape:
+    """The part as a CadQuery compound [mm], in the article's frame, its voids cut out."""
+    return _cut(_compound(part.shape.solids), part.shape.voids).moved(location(part.pose))
+
+
+def _cut(material: OccShape, voids: Iterable[Placed]) -> OccShape:
+    tools = [_placed(void) for void in voids]
+    return material.cut(*tools) if tools else material
+
+
+def _compound(solids: Iterable[Placed]) -> OccShape:
+    from cadquery import Compound
+
+    return Compound.makeCompound([_placed(placed) for placed in solids])
+
+
+def _placed(placed: Placed) -> OccShape:
+    return _primitive(placed.primitive).moved(location(placed.pose))
+
+
+def _primitive(primitive: Primitive) -> OccShape:
+    """The primitive centred on its own origin."""
+    from cadquery import Solid, Vector
+
+    if isinstance(primitive, Box):
+        x, y, z = primitive.size / MM
+        return Solid.makeBox(x, y, z, Vector(-x / 2, -y / 2, -z / 2))
+    height = primitive.height / MM
+    return Solid.makeCylinder(primitive.diameter / 2 / MM, height, Vector(0, 0, -height / 2))
+
+
+def location(pose: Pose) -> Any:
+    """`pose` as a CadQuery location, its translation in millimetres."""
+    from cadquery import Location
+    from OCP.gp import gp_Trsf
+
+    transformation = gp_Trsf()
+    transformation.SetValues(*np.column_stack([pose.rotation, pose.position / MM]).ravel().tolist())
+    return Location(transformation)
+
+
+ENDINGS = (".step", ".stp")
+"""What can be read, upper or lower case."""
+
+TIME_LIMIT = 600
+"""Seconds after which a file that OCC never finishes counts as corrupt."""
+
+
+class Body(NamedTuple):
+    """One solid of a STEP file.
+
+    Attributes
+    ----------
+    name : unique in its file; bodies that share a name are numbered, ``bolt-1``, ``bolt-2``
+    label : the name as the file has it
+    solid : a CadQuery solid [mm], in the frame of the file
+    """
+
+    name: str
+    label: str
+    solid: OccShape
+
+
+def read(path: Path) -> tuple[Body, ...]:
+    """Every solid of the STEP file `path`, at its place in the assembly, in the order of the file.
+
+    Raises
+    ------
+    BadInput : not a STEP file, corrupt, without solids (the message says what it holds instead), or with a solid that OCC
+        finds invalid or without positive volume.
+    """
+    source = str(path)
+    content = path.read_bytes()
+    if not content[:256].lstrip().startswith(b"ISO-10303-21"):
+        raise BadInput(source=source, problem="it is not a STEP file (it does not begin with ISO-10303-21)", remedy=_AGAIN)
+    if b"END-ISO-10303-21" not in content[-256:]:
+        raise BadInput(source=source, problem="it is cut short (it does not end with END-ISO-10303-21)", remedy=_AGAIN)
+    if not _survived(path):
+        raise BadInput(source=source, problem="OCC breaks down on it: the file is corrupt", remedy=_AGAIN)
+    try:
+        found = _leaves(path)
+    except BadInput:
+        raise
+    except Exception as error:  # OCC raises Standard_Failure and Python errors alike on corrupt files
+        raise BadInput(source=source, problem=f"OCC cannot read it ({type(error).__name__})", remedy=_AGAIN) from error
+    bodies = _numbered([(label, solid) for label, shape in found for solid in shape.Solids()])
+    if not bodies:
+        raise BadInput(
+            source=source,
+            problem=f"it holds no solid body, only {_contents([shape for _, shape in found])}",
+            remedy="Export solids; surfaces must be closed and made solid in the CAD first",
+        )
+    for body in bodies:
+        _require_sound(body, source)
+    return bodies
+
+
+def moved(solid: OccShape, pose: Pose) -> OccShape:
+    """`solid` [mm], given in its own frame, at `pose` of an outer frame."""
+    return solid.moved(location(pose))
+
+
+def diagonal(solid: OccShape) -> float:
+    """Diagonal [m] of the box around `solid`."""
+    return float(solid.BoundingBox().DiagonalLength) * MM
+
+
+def curved_reach(solid: OccShape) -> tuple[float, Array]:
+    """Area [m²] of the faces of `solid` that are not planes, and how far they reach from the origin along x, y, z (3,) [m]."""
+    curved = [face for face in solid.Faces() if face.geomType() != "PLANE"]
+    if not curved:
+        return 0.0, np.zeros(3)
+    boxes = [face.BoundingBox() for face in curved]
+    corners = np.array([[[b.xmin, b.ymin, b.zmin], [b.xmax, b.ymax, b.zmax]] for b in boxes])
+    return sum(face.Area() for face in curved) * MM**2, np.abs(corners).max(axis=(0, 1)) * MM
+
+
+_AGAIN = "Check that the file is whole and what its ending says, and export it again as STEP (AP203, AP214 or AP242)"
+
+
+def _survived(path: Path) -> bool:
+    """Whether OCC lives through reading and meshing the file: on corrupt ones it may end its process, so a child goes first."""
+    child = os.fork()
+    if child:
+        return not os.WIFSIGNALED(os.waitpid(child, 0)[1])
+    try:
+        faulthandler.disable()
+        for number in (1, 2):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), number)
+        signal.alarm(TIME_LIMIT)
+        for _, shape in _leaves(path):
+            for solid in shape.Solids():
+                _rehearse(solid)
+    finally:
+        os._exit(0)  # what the child found wrong without dying is found again, and said, by the parent
+
+
+def _rehearse(solid: OccShape) -> None:
+    solid.isValid()
+    solid.Volume()
+    solid.tessellate(1e-3 * solid.BoundingBox().DiagonalLength, 0.5)
+
+
+def _leaves(path: Path) -> list[tuple[str, OccShape]]:
+    """Names and placed CadQuery shapes of everything in the file that is not itself an assembly."""
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Reader
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    with silence():
+        reader = STEPCAFControl_Reader()
+        reader.SetNameMode(True)
+        Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
+        if reader.ReadFile(str(path)) != IFSelect_RetDone:
+            raise BadInput(source=str(path), problem="OCC cannot read it: the file is corrupt or cut short", remedy=_AGAIN)
+        document = TDocStd_Document(TCollection_ExtendedString("massline"))
+        if not reader.Transfer(document):
+            raise BadInput(source=str(path), problem="it holds no body, surface or curve", remedy=_AGAIN)
+        tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+        return [leaf for label in _sequence(tool.GetFreeShapes) for leaf in _walk(tool, label, None, "")]
+
+
+def _walk(tool: Any, label: Any, location: Any, inherited: str) -> Iterator[tuple[str, OccShape]]:
+    """The leaves below `label`, at `location` (a TopLoc_Location or None); a nameless one has the name of what holds it."""
+    from cadquery import Shape
+    from OCP.TDF import TDF_Label
+
+    name = _name(label) or inherited
+    if tool.IsReference_s(label):
+        target = TDF_Label()
+        tool.GetReferredShape_s(label, target)
+        here = tool.GetLocation_s(label)
+        yield from _walk(tool, target, here if location is None else location.Multiplied(here), name)
+    elif tool.IsAssembly_s(label):
+        for component in _sequence(lambda found: tool.GetComponents_s(label, found)):
+            yield from _walk(tool, component, location, name)
+    else:
+        shape = tool.GetShape_s(label)
+        yield inherited or name or "body", Shape.cast(shape if location is None else shape.Moved(location))
+
+
+def _sequence(fill: Any) -> list[Any]:
+    from OCP.TDF import TDF_LabelSequence
+
+    found = TDF_LabelSequence()
+    fill(found)
+    return [found.Value(number) for number in range(1, found.Length() + 1)]
+
+
+def _name(label: Any) -> str:
+    from OCP.TDataStd import TDataStd_Name
+
+    attribute = TDataStd_Name()
+    return str(attribute.Get().ToExtString()).strip() if label.FindAttribute(TDataStd_Name.GetID_s(), attribute) else ""
+
+
+def _numbered(found: list[tuple[str, OccShape]]) -> tuple[Body, ...]:
+    total, seen, bodies = Counter(label for label, _ in found), Counter[str](), []
+    for label, solid in found:
+        seen[label] += 1
+        name = label if total[label] == 1 else f"{label}-{seen[label]}"
+        bodies.append(Body(name=name, label=label, solid=solid))
+    return tuple(bodies)
+
+
+def _contents(shapes: list[OccShape]) -> str:
+    kinds = {"shell": "Shells", "face": "Faces", "wire": "Wires", "edge": "Edges", "vertex": "Vertices"}
+    counts = {kind: sum(len(getattr(shape, method)()) for shape in shapes) for kind, method in kinds.items()}
+    return ", ".join(f"{count} {kind}(s)" for kind, count in counts.items() if count) or "nothing"
+
+
+def _require_sound(body: Body, source: str) -> None:
+    volume = body.solid.Volume()
+    valid = body.solid.isValid()
+    if not valid or not volume > 0:
+        raise BadInput(
+            source=source,
+            field=body.name,
+            problem=f"the solid is not sound: OCC finds it {'valid' if valid else 'invalid'}, volume {volume:.6g} mm³",
+            remedy="Heal the solid in the CAD (closed shell, faces outwards) and export it again",
+        )
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """Keep OCC's own messages off the terminal; its printers are put back afterwards."""
+    from OCP.Message import Message
+
+    messenger = Message.DefaultMessenger_s()
+    printers = list(messenger.Printers())
+    for printer in printers:
+        messenger.RemovePrinter(printer)
+    try:
+        yield
+    finally:
+        for printer in printers:
+            messenger.AddPrinter(printer)
+
+
+# Exact mass properties of OCC solids: the faces' own surfaces are integrated, nothing is meshed.
+
+
+INTEGRATION_ERROR = 1e-12
+"""Relative error asked of OCC's adaptive integration over curved faces."""
+
+
+def inertia(article: Article) -> Inertia:
+    """Inertia of the article's counted parts from their B-rep, about the article's origin, in its frame."""
+    total = Inertia(parameters=np.zeros(10))
+    for part in article.counted_parts:
+        total = total + from_occ(solid(part), part.material.density)
+    return total
+
+
+def from_occ(shape: OccShape, density: float) -> Inertia:
+    """Inertia of a CadQuery shape [mm] of uniform `density` [kg/m³], about the origin of the shape's frame.
+
+    OCC integrates at unit density: volume in mm³, tensor about the centre of mass in mm⁵, products as matrix entries.
+    """
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape.wrapped, properties, INTEGRATION_ERROR, False, False)
+    centre, matrix = properties.CentreOfMass(), properties.MatrixOfInertia()
+    tensor = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
+    return Inertia.from_cog(
+        density * properties.Mass() * MM**3,
+        np.array([centre.X(), centre.Y(), centre.Z()]) * MM,
+        density * tensor * MM**5,
+    )
+
+
+def to_occ(inertia: Inertia) -> tuple[float, tuple[float, float, float], tuple[tuple[float, ...], ...]]:
+    """Mass [kg], CoG [mm] and tensor about the CoG [kg mm²] as nested tuples: what a CAD's mass-property sheet lists."""
+    x, y, z = (inertia.cog / MM).tolist()
+    return inertia.mass, (x, y, z), tuple(tuple(row) for row in (inertia.tensor_cog / MM**2).tolist())
+
+
+def overlaps(article: Article) -> dict[tuple[str, str], float]:
+    """Pairs of parts that share volume, and how much [m³], by intersecting their B-reps.
+
+    Every part is looked at, counted or not. Contact without common volume is no overlap; what counts as none is relative, a
+    part in 1e9 of the smaller body, since OCC's intersection of touching cylinders may leave slivers.
+    """
+    solids = {part.name: solid(part) for part in article.parts}
+    volumes = {name: shape.Volume() for name, shape in solids.items()}
+    shared = {
+        (a, b): solids[a].intersect(solids[b]).Volume() for a, b in combinations(solids, 2) if _boxes_meet(solids[a], solids[b])
+    }
+    return {pair: v * MM**3 for pair, v in shared.items() if v > 1e-9 * min(volumes[pair[0]], volumes[pair[1]])}
+
+
+def _boxes_meet(a: OccShape, b: OccShape) -> bool:
+    """Whether the axis-aligned bounding boxes share a volume."""
+    p, q = a.BoundingBox(), b.BoundingBox()
+    lower = np.maximum([p.xmin, p.ymin, p.zmin], [q.xmin, q.ymin, q.zmin])
+    upper = np.minimum([p.xmax, p.ymax, p.zmax], [q.xmax, q.ymax, q.zmax])
+    return bool(np.all(upper > lower))
+
+
+# Solids out of the house: STEP assemblies with a name for every body, BREP files and STL meshes. In millimetres.
+
+
+def write_step(path: Path, solids: Mapping[str, OccShape], name: str) -> None:
+    """Write `solids` [mm] by the name of each body as one STEP assembly called `name`."""
+    from cadquery import Assembly
+
+    assembly = Assembly(name=name)
+    for body, solid in solids.items():
+        assembly.add(solid, name=body)
+    with silence():
+        atomic.write_with(path, lambda temporary: assembly.export(str(temporary), "STEP"))
+
+
+def write_stl(path: Path, solid: OccShape, chord: float = 0.01) -> None:
+    """Write `solid` [mm] as a binary STL with chord error `chord` [mm]."""
+    atomic.write_with(path, lambda temporary: solid.exportStl(str(temporary), chord, 0.1))
+
+
+def write_brep(path: Path, solid: OccShape) -> None:
+    """Write `solid` [mm] as OCC's own BREP text: every digit, no names."""
+    atomic.write_with(path, lambda temporary: solid.exportBrep(str(temporary)))
+
+
+def brep_digest(solid: OccShape) -> str:
+    """SHA-256 of the BREP text of `solid`, hexadecimal: the same for the same geometry, whatever file it came from."""
+    text = io.BytesIO()
+    solid.exportBrep(text)
+    return hashlib.sha256(text.getvalue()).hexdigest()
+
+
+# Solids turned into closed triangle meshes with a stated chord error.
+
+
+ANGLE = 0.5
+"""Largest angle between neighbouring facets [rad]: small holes keep at least twelve sides whatever the chord error."""
+
+WELD = 1e-6
+"""Vertices of neighbouring faces closer than this [mm] are one; OCC discretises a shared edge once, so they coincide."""
+
+
+def tessellate(part: Part, chord: float) -> TriangleMesh:
+    """Closed mesh of `part` in the article's frame; no chord lies further than `chord` [m] from the true surface."""
+    return tessellate_solid(solid(part), chord)
+
+
+def tessellate_solid(shape: OccShape, chord: float) -> TriangleMesh:
+    """Closed mesh [m] of a CadQuery shape [mm] with chord error `chord` [m], vertices of neighbouring faces welded."""
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.BRepTools import BRepTools
+
+    BRepTools.Clean_s(shape.wrapped)  # OCC keeps a finer mesh made before; the chord error asked for is the one given
+    # CadQuery by itself would take the chord error relative to each edge's length; here it is a length.
+    BRepMesh_IncrementalMesh(shape.wrapped, chord / MM, False, ANGLE)
+    points, triangles = shape.tessellate(chord / MM, ANGLE)
+    vertices = np.array([point.toTuple() for point in points])
+    _, first, welded = np.unique(np.round(vertices / WELD).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    return TriangleMesh(vertices=vertices[first] * MM, faces=welded.ravel()[np.array(triangles)])

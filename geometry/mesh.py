@@ -1,0 +1,584 @@
+"""`TriangleMesh`: a surface of triangles as two arrays, and what can be read from the arrays alone."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose, frozen
+from geometry.inertia import Inertia
+from geometry.toml_file import METRE, UNITS, LengthUnit, doubts, length_unit
+
+Integers = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TriangleMesh:
+    """A surface of triangles, corners counter-clockwise when seen from outside.
+
+    Attributes
+    ----------
+    vertices : (n, 3) [m], in the frame of the body
+    faces : (k, 3), the vertices of each triangle
+    """
+
+    vertices: Array
+    faces: Integers
+
+    def __post_init__(self) -> None:
+        vertices = frozen(self.vertices, (len(self.vertices), 3), "vertices")
+        faces = np.array(self.faces, dtype=np.int64)
+        if faces.ndim != 2 or faces.shape[1] != 3:
+            raise ValueError(f"`faces` must have shape (k, 3), found {faces.shape}")
+        if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
+            found = f"{faces.min()} to {faces.max()}"
+            raise ValueError(f"`faces` must name vertices 0 to {len(vertices) - 1}, found {found}")
+        faces.setflags(write=False)
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+
+    @property
+    def triangles(self) -> Array:
+        """Corners (k, 3 corners, 3) [m] of every face."""
+        return self.vertices[self.faces]
+
+    @property
+    def bounds(self) -> Array:
+        """Lower and upper corner (2, 3) [m] of the box around the faces."""
+        corners = self.triangles.reshape(-1, 3)
+        return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+    @property
+    def volume(self) -> float:
+        """Signed volume [m³] by the divergence theorem: negative for an inside-out mesh, meaningless for an open one."""
+        a, b, c = np.moveaxis(self.triangles - self.bounds.mean(axis=0), 1, 0)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+class Edges(NamedTuple):
+    """The distinct edges of a mesh.
+
+    Attributes
+    ----------
+    ends : (e, 2), the two vertices of each, ascending
+    of_face : (k, 3), the edges of every face
+    uses : (e,), how many faces meet there: 2 on a closed surface
+    turns : (e,), along minus against: 0 where the two faces agree on what is outside
+    """
+
+    ends: Integers
+    of_face: Integers
+    uses: Integers
+    turns: Integers
+
+
+def edges(mesh: TriangleMesh) -> Edges:
+    """The distinct edges of `mesh`, with what meets at each."""
+    directed = mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    ends, index = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True)
+    along = np.where(directed[:, 0] < directed[:, 1], 1, -1)
+    index = index.reshape(-1)
+    return Edges(
+        ends=ends,
+        of_face=index.reshape(-1, 3),
+        uses=np.bincount(index, minlength=len(ends)),
+        turns=np.bincount(index, weights=along, minlength=len(ends)).astype(np.int64),
+    )
+
+
+def piece_of_face(mesh: TriangleMesh) -> Integers:
+    """(k,) number of the connected piece that each face belongs to, 0 for the piece of the first face; joined by edges."""
+    count, edge = len(mesh.faces), edges(mesh)
+    links = np.column_stack([np.repeat(np.arange(count), 3), count + edge.of_face.reshape(-1)])
+    _, first, numbered = np.unique(connected(links, count + len(edge.ends))[:count], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[numbered.reshape(-1)].astype(np.int64)
+
+
+def connected(links: Integers, nodes: int) -> Integers:
+    """(nodes,) label of the connected part of a graph that each node belongs to; `links` (n, 2) are its edges."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=(nodes, nodes))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def pieces(mesh: TriangleMesh) -> tuple[TriangleMesh, ...]:
+    """The connected pieces of `mesh`, in the order of their first face."""
+    label = piece_of_face(mesh)
+    return tuple(selected(mesh, label == number) for number in range(int(label.max(initial=-1)) + 1))
+
+
+def selected(mesh: TriangleMesh, chosen: npt.NDArray[np.bool_]) -> TriangleMesh:
+    """The faces of `mesh` for which `chosen` (k,) is true, without the vertices that nothing uses any more."""
+    used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
+    return TriangleMesh(vertices=mesh.vertices[used], faces=faces.reshape(-1, 3))
+
+
+def joined(*meshes: TriangleMesh) -> TriangleMesh:
+    """`meshes` as one, vertices kept apart."""
+    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return TriangleMesh(
+        vertices=np.vstack([mesh.vertices for mesh in meshes]),
+        faces=np.vstack([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]),
+    )
+
+
+def merged(mesh: TriangleMesh) -> TriangleMesh:
+    """`mesh` with vertices at exactly the same place made one, so that neighbours know each other; unused ones are dropped."""
+    places, index = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)  # + 0.0 makes one zero of -0 and 0
+    faces = index.reshape(-1)[mesh.faces]
+    return selected(TriangleMesh(vertices=places, faces=faces), np.ones(len(faces), dtype=np.bool_))
+
+
+def turned(mesh: TriangleMesh) -> TriangleMesh:
+    """`mesh` with its inside out."""
+    return TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1])
+
+
+def placed(mesh: TriangleMesh, pose: Pose) -> TriangleMesh:
+    """`mesh`, given in its own frame, seen in the outer frame of `pose`."""
+    return TriangleMesh(vertices=pose.apply(mesh.vertices), faces=mesh.faces)
+
+
+def scaled(mesh: TriangleMesh, factor: float) -> TriangleMesh:
+    """`mesh` with every length times `factor`, which must be positive."""
+    return TriangleMesh(vertices=mesh.vertices * factor, faces=mesh.faces)
+
+
+# Door to libigl: where a surface runs through itself, and how much space two bodies share.
+#
+# Both answers come from CGAL in exact arithmetic (`igl.copyleft.cgal`, which carries CGAL's GPL; the rest of libigl is MPL):
+# faces that share a corner or an edge are not reported; faces that run through one another or lie on one another are, without
+# tolerance.
+
+
+def intersecting_faces(mesh: TriangleMesh) -> Integers:
+    """Pairs (p, 2) of faces of `mesh` that have more in common than the corners they share; every face must have an area."""
+    from igl.copyleft.cgal import remesh_self_intersections
+
+    if not len(mesh.faces):
+        return np.empty((0, 2), dtype=np.int64)
+    pairs = remesh_self_intersections(mesh.vertices, mesh.faces, detect_only=True)[2]
+    return np.sort(np.asarray(pairs, dtype=np.int64), axis=1)
+
+
+def shared_volume(first: TriangleMesh, second: TriangleMesh) -> float:
+    """Volume [m³] that belongs to both bodies; each closed and free of self-intersections."""
+    from igl.copyleft.cgal import mesh_boolean
+
+    vertices, faces, _ = mesh_boolean(first.vertices, first.faces, second.vertices, second.faces, "intersect")
+    return TriangleMesh(vertices=vertices, faces=faces).volume if len(faces) else 0.0
+
+
+def winding_number(mesh: TriangleMesh, point: Array) -> int:
+    """How many times `mesh` encloses `point` (3,) [m], which must not lie on it."""
+    from igl import winding_number as enclosed
+
+    return round(float(enclosed(mesh.vertices, mesh.faces, point.reshape(1, 3))[0]))
+
+
+# The separate bodies of one mesh: every outer skin with the cavities inside it.
+
+
+def bodies(mesh: TriangleMesh) -> tuple[TriangleMesh, ...]:
+    """The bodies of a `mesh` that has passed `geometry.mesh`, in the order of the first face of their outer skin."""
+    every = pieces(mesh)
+    skins = [piece for piece in every if piece.volume > 0]
+    within: list[list[TriangleMesh]] = [[] for _ in skins]
+    for cavity in (piece for piece in every if piece.volume < 0):
+        around = [number for number, skin in enumerate(skins) if winding_number(skin, cavity.vertices[0]) == 1]
+        within[min(around, key=lambda number: skins[number].volume)].append(cavity)
+    return tuple(joined(skin, *cavities) for skin, cavities in zip(skins, within, strict=True))
+
+
+# Is this mesh the skin of a body? The judge at the door of every mesh, with the evidence in the file's own unit.
+#
+# A mesh has a volume, and so a mass, when every edge joins exactly two faces that agree on what is outside, and no face runs
+# through another one. Several separate pieces are one body in several places. A piece that is inside-out and lies wholly within
+# another one is a cavity and takes its volume off; one that is inside-out anywhere else is a mistake. Two pieces of the same
+# orientation may touch: the meshes of two curved parts that fit into one another always overlap by a sliver, so a share up to
+# `SLIVER` of the smaller one is a warning; more is an overlap, its mass would count twice, and it is refused.
+
+
+ROUNDING = 16 * float(np.finfo(np.float64).eps)
+"""Heights of triangles up to this times the largest coordinate are no more than rounding."""
+
+SLIVER = 0.01
+"""Largest share of the smaller piece that two touching pieces may have in common."""
+
+SHOWN = 3
+"""Places that a message lists before it says how many more there are."""
+
+
+def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = METRE) -> tuple[str, ...]:
+    """Pass only the skin of a body; lengths in messages are in `unit`, that of the file. Returns warnings in words.
+
+    Vertices at exactly the same place are taken as one, whether or not the mesh repeats them.
+
+    Raises
+    ------
+    BadInput : `mesh` is empty, degenerate (flat, faces without area, doubled faces), open, not a manifold, wound
+        inconsistently, inside-out, self-intersecting, or made of pieces that overlap.
+    """
+    mesh = merged(mesh)
+    _require_extent(mesh, source)
+    _require_areas(mesh, source, unit)
+    _require_single_faces(mesh, source, unit)
+    found = edges(mesh)
+    _require_watertight(mesh, found, source, unit)
+    _require_one_outside(mesh, found, source, unit)
+    return _require_simple(mesh, source, unit)
+
+
+# --- triangles ------------------------------------------------------------------------------------------------------------
+
+
+def _require_extent(mesh: TriangleMesh, source: str) -> None:
+    if not len(mesh.faces):
+        raise BadInput(source=source, problem="the mesh has no faces", remedy="Export the body again as a triangle mesh")
+    corners = mesh.triangles.reshape(-1, 3)
+    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    if spread[2] <= ROUNDING * np.sqrt(len(corners)) * np.abs(corners).max():
+        raise BadInput(
+            source=source,
+            problem=f"the mesh is flat: all its {len(mesh.faces)} faces lie in one plane, so that it encloses no volume",
+            remedy="Export the body, not one of its faces or its drawing",
+        )
+
+
+def _require_areas(mesh: TriangleMesh, source: str, unit: LengthUnit) -> None:
+    t = mesh.triangles
+    sides = t - np.roll(t, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    doubled_area = np.linalg.norm(np.cross(sides[:, 1], sides[:, 2]), axis=1)
+    degenerate = doubled_area <= longest * ROUNDING * np.abs(t).max()
+    if degenerate.any():
+        raise BadInput(
+            source=source,
+            problem=f"{_count(degenerate.sum(), 'face')} of {len(t)} without area, "
+            f"at {_places(t[degenerate].mean(axis=1), unit)}",
+            remedy="Merge doubled vertices and remove degenerate faces in the program that made the mesh, then export it again",
+        )
+
+
+def _require_single_faces(mesh: TriangleMesh, source: str, unit: LengthUnit) -> None:
+    _, first, count = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True, return_counts=True)
+    doubled = first[count > 1]
+    if doubled.size:
+        raise BadInput(
+            source=source,
+            problem=f"{_count(doubled.size, 'face')} given more than once, at {_places(_middles(mesh, doubled), unit)}",
+            remedy="Remove the doubled faces; if the body was exported twice, export it once",
+        )
+
+
+# --- edges ----------------------------------------------------------------------------------------------------------------
+
+
+def _require_watertight(mesh: TriangleMesh, found: Edges, source: str, unit: LengthUnit) -> None:
+    single, crowded = found.ends[found.uses == 1], found.ends[found.uses > 2]
+    if not single.size and not crowded.size:
+        return
+    problem = (
+        f"the mesh is not watertight: {len(single) + len(crowded)} of its {len(found.ends)} edges do not join exactly two faces"
+    )
+    problem += f"; {_count(len(single), 'open edge')}" + _clusters(mesh, single, "hole", unit)
+    if crowded.size:
+        problem += f"; {_count(len(crowded), 'edge')} where up to {found.uses.max()} faces meet"
+        problem += _clusters(mesh, crowded, "line", unit)
+    raise BadInput(
+        source=source,
+        problem=problem,
+        remedy="Close the holes and take bodies that share an edge apart in the program that made the mesh, then export it again",
+    )
+
+
+def _require_one_outside(mesh: TriangleMesh, found: Edges, source: str, unit: LengthUnit) -> None:
+    broken = found.turns != 0
+    if broken.any():
+        raise BadInput(
+            source=source,
+            problem=f"the faces disagree on what is outside along {_count(broken.sum(), 'edge')}, "
+            f"at {_places(mesh.vertices[found.ends[broken]].mean(axis=1), unit)}",
+            remedy="Make the normals consistent (all outwards) in the program that made the mesh and export it again",
+        )
+
+
+def _clusters(mesh: TriangleMesh, ends: Integers, what: str, unit: LengthUnit) -> str:
+    """Where the edges (n, 2) are: `` in 2 holes: 3 edges within (..) to (..); ...``."""
+    if not ends.size:
+        return ""
+    clusters = _connected(ends)
+    where = (f"{_count(len(edge), 'edge')} within {_box(mesh.vertices[edge.reshape(-1)], unit)}" for edge in clusters)
+    return f" in {_count(len(clusters), what)}: {_listed(where, len(clusters))}"
+
+
+def _connected(ends: Integers) -> list[Integers]:
+    """The edges (n, 2) gathered into connected lines, the longest first."""
+    vertices, index = np.unique(ends, return_inverse=True)
+    index = index.reshape(-1, 2)
+    label = connected(index, len(vertices))[index[:, 0]]
+    return sorted((ends[label == number] for number in range(label.max() + 1)), key=len, reverse=True)
+
+
+# --- pieces ---------------------------------------------------------------------------------------------------------------
+
+
+def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[str, ...]:
+    label, bodies = piece_of_face(mesh), pieces(mesh)
+    pairs = intersecting_faces(mesh)
+    within = label[pairs[:, 0]] == label[pairs[:, 1]]
+    _require_no_crossing(mesh, pairs[within], source, unit)
+    _require_orientation(bodies, source, unit)
+    touching = np.unique(np.sort(label[pairs[~within]], axis=1), axis=0)
+    _require_nested_cavities(bodies, touching, source, unit)
+    return tuple(
+        warning for first, second in touching if (warning := _contact(bodies, int(first), int(second), source, unit)) is not None
+    )
+
+
+def _require_no_crossing(mesh: TriangleMesh, pairs: Integers, source: str, unit: LengthUnit) -> None:
+    if pairs.size:
+        raise BadInput(
+            source=source,
+            problem=f"the surface runs through itself: {_count(len(pairs), 'pair')} of faces intersect, "
+            f"within {_box(mesh.triangles[pairs].reshape(-1, 3), unit)}",
+            remedy="Unite the crossing surfaces in the program that made the mesh and export it again",
+        )
+
+
+def _require_orientation(bodies: tuple[TriangleMesh, ...], source: str, unit: LengthUnit) -> None:
+    volumes = np.array([body.volume for body in bodies])
+    if np.all(volumes <= 0):
+        raise BadInput(
+            source=source,
+            problem=f"the mesh is inside-out: its normals point inwards, its volume comes out as {_volume(volumes.sum(), unit)}",
+            remedy="Flip the normals (reverse the faces) in the program that made the mesh and export it again",
+        )
+
+
+def _require_nested_cavities(bodies: tuple[TriangleMesh, ...], touching: Integers, source: str, unit: LengthUnit) -> None:
+    """Around a body there must be nothing, around a cavity material, as far as they do not touch."""
+    for number, body in enumerate(bodies):
+        contacts = set(touching[(touching == number).any(axis=1)].reshape(-1).tolist())
+        apart = [other for index, other in enumerate(bodies) if index != number and index not in contacts]
+        around = winding_number(joined(*apart), body.vertices[0]) if apart else 0
+        if body.volume < 0 and contacts:
+            raise _misplaced(body, number, "touches or crosses another piece", source, unit)
+        if body.volume < 0 and around != 1:
+            raise _misplaced(body, number, "does not lie within another piece", source, unit)
+        if body.volume > 0 and around != 0:
+            raise _overlap(f"piece {number + 1} lies within another piece", body.volume, body.vertices, source, unit)
+
+
+def _contact(bodies: tuple[TriangleMesh, ...], first: int, second: int, source: str, unit: LengthUnit) -> str | None:
+    a, b = bodies[first], bodies[second]
+    shared = shared_volume(a, b)
+    if shared > SLIVER * min(a.volume, b.volume):
+        raise _overlap(f"pieces {first + 1} and {second + 1} overlap", shared, _common(a, b), source, unit)
+    if shared > ROUNDING * min(a.volume, b.volume):
+        return (
+            f"{source}: pieces {first + 1} and {second + 1} touch and their meshes overlap by {_volume(shared, unit)}, "
+            f"{shared / min(a.volume, b.volume):.2%} of the smaller one, which counts twice"
+        )
+    return None
+
+
+def _misplaced(body: TriangleMesh, number: int, what: str, source: str, unit: LengthUnit) -> BadInput:
+    return BadInput(
+        source=source,
+        problem=f"piece {number + 1} ({_box(body.vertices, unit)}) is inside-out and {what}, so that it is no cavity",
+        remedy="Flip the normals of that piece if it is a body; if it is a cavity, leave a wall around it",
+    )
+
+
+def _overlap(what: str, volume: float, points: Array, source: str, unit: LengthUnit) -> BadInput:
+    return BadInput(
+        source=source,
+        problem=f"{what}: {_volume(volume, unit)} within {_box(points, unit)} would count twice",
+        remedy="Unite the pieces or cut one by the other in the program that made them; of a cavity, turn the normals inwards",
+    )
+
+
+def _common(a: TriangleMesh, b: TriangleMesh) -> Array:
+    """Two corners of the box that the boxes around `a` and `b` have in common."""
+    return np.array([np.maximum(a.bounds[0], b.bounds[0]), np.minimum(a.bounds[1], b.bounds[1])])
+
+
+# --- words ----------------------------------------------------------------------------------------------------------------
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _listed(items: Iterable[str], total: int) -> str:
+    more = f"; and {total - SHOWN} more" if total > SHOWN else ""
+    return "; ".join(islice(items, SHOWN)) + more
+
+
+def _places(points: Array, unit: LengthUnit) -> str:
+    return _listed((unit.shown(point) for point in points), len(points))
+
+
+def _box(points: Array, unit: LengthUnit) -> str:
+    return f"{unit.shown(points.min(axis=0))} to {unit.shown(points.max(axis=0))}"
+
+
+def _middles(mesh: TriangleMesh, faces: Integers) -> Array:
+    middles: Array = mesh.triangles[faces].mean(axis=1)
+    return middles
+
+
+def _volume(volume: float, unit: LengthUnit) -> str:
+    return f"{volume / unit.metres**3:.6g} {unit.name}³"
+
+
+# STL, PLY and OBJ files: bare numbers that become lengths only with a unit.
+
+
+ENDINGS = (".stl", ".ply", ".obj")
+"""What can be read, upper or lower case."""
+
+_STATED = re.compile(r"\bunits?\s*[:=]\s*([A-Za-z]+)", re.IGNORECASE)
+_COMMENT = {".stl": re.compile(rb"\A.{0,80}", re.DOTALL), ".ply": re.compile(rb"^(?:comment|obj_info).*$", re.MULTILINE)}
+_COMMENT[".obj"] = re.compile(rb"^#.*$", re.MULTILINE)
+
+
+class MeshFile(NamedTuple):
+    """What a file holds: the mesh [m], the unit of its numbers, and what was noticed, in words."""
+
+    mesh: TriangleMesh
+    unit: LengthUnit
+    warnings: tuple[str, ...]
+
+
+def read(path: Path, unit: str | None = None) -> MeshFile:
+    """The mesh in `path`, its numbers taken in `unit`, or in the unit that the file states in a comment.
+
+    Raises
+    ------
+    BadInput : no mesh can be read, the unit is not given, unknown, or contradicts the file.
+    """
+    content = path.read_bytes()
+    ending = path.suffix.lower()
+    meant = _unit(content, ending, unit, str(path))
+    mesh = scaled(_parsed(content, ending, str(path)), meant.metres)
+    return MeshFile(mesh=mesh, unit=meant, warnings=doubts(float(np.ptp(mesh.bounds, axis=0).max()), str(path), meant))
+
+
+def _unit(content: bytes, ending: str, given: str | None, source: str) -> LengthUnit:
+    stated = _stated(content, ending)
+    if given is None and stated is None:
+        raise BadInput(
+            source=source,
+            field="unit",
+            problem="the file does not say in which unit its lengths are, and none was given",
+            remedy=f"Give one of {', '.join(UNITS)}",
+        )
+    if given is None or stated is None:
+        return length_unit(given or stated or "", source)
+    meant = length_unit(given, source)
+    if meant != length_unit(stated, source):
+        raise BadInput(
+            source=source,
+            field="unit",
+            problem=f"the unit given is {meant.name}, but the file says of itself that its unit is {stated}",
+            remedy="Leave the unit out to believe the file, or correct the file's comment",
+        )
+    return meant
+
+
+def _stated(content: bytes, ending: str) -> str | None:
+    """The unit that the file's own comments name, if any."""
+    comments = b"\n".join(_COMMENT[ending].findall(content[:4096])).decode("latin-1")
+    found = _STATED.search(comments)
+    return found.group(1) if found else None
+
+
+def _parsed(content: bytes, ending: str, source: str) -> TriangleMesh:
+    import trimesh
+
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            found: Any = trimesh.load_mesh(io.BytesIO(content), file_type=ending[1:], process=False)
+            vertices, faces = np.array(found.vertices, dtype=np.float64), np.array(found.faces)
+    except Exception as error:  # trimesh's readers raise whatever their parsing stumbles over
+        raise _unreadable(ending, "its content does not follow the format", source) from error
+    if faces.size == 0:
+        raise _unreadable(ending, "no faces in it", source)
+    if not np.isfinite(vertices).all():
+        number = int((~np.isfinite(vertices)).any(axis=1).sum())
+        raise _unreadable(ending, f"{number} of its {len(vertices)} vertices are not finite numbers", source)
+    try:
+        return merged(TriangleMesh(vertices=vertices, faces=faces))
+    except ValueError as error:
+        raise _unreadable(ending, str(error), source) from error
+
+
+def _unreadable(ending: str, why: str, source: str) -> BadInput:
+    return BadInput(
+        source=source,
+        problem=f"no mesh can be read from it as {ending[1:].upper()} ({' '.join(why.split())[:200]})",
+        remedy="Check that the file is whole and what its ending says, and export it again",
+    )
+
+
+# Door to trimesh: closed mesh -> `Inertia`, the second of the three routes, and mesh files -> `TriangleMesh`.
+#
+# trimesh gives mass -1 for an inside-out box and NaN for a flat one without a word, so `geometry.mesh` stands before it.
+# Its tensors are matrix entries (products negative integrals, as in Eq. 4) about the *centre of mass*, for the density that it
+# is told.
+
+
+class MassProperties(NamedTuple):
+    """Mass properties as trimesh has them: `mass` [kg], `center_mass` (3,) [m], `inertia` (3, 3) [kg m²] about it."""
+
+    mass: float
+    center_mass: Array
+    inertia: Array
+
+
+def from_trimesh(mass: float, center_mass: npt.ArrayLike, inertia: npt.ArrayLike) -> Inertia:
+    """From trimesh's mass [kg], centre of mass (3,) [m] and tensor (3, 3) [kg m²] about it; the result is about the origin."""
+    return Inertia.from_cog(mass, center_mass, inertia)
+
+
+def to_trimesh(inertia: Inertia) -> MassProperties:
+    """Mass, centre of mass and the tensor about it, as trimesh has them; the mass must not be zero."""
+    return MassProperties(mass=inertia.mass, center_mass=inertia.cog, inertia=inertia.tensor_cog)
+
+
+def inertia(mesh: TriangleMesh, density: float, source: str, unit: LengthUnit = METRE) -> Inertia:
+    """Inertia about the mesh's origin of the body within `mesh`, of `density` [kg/m³].
+
+    Exact for the polyhedron: Mirtich 1996, "Fast and accurate computation of polyhedral mass properties", as trimesh has it.
+    `source` and `unit` are how a refusal names the mesh and its lengths.
+
+    Raises
+    ------
+    BadInput : the mesh is not the skin of a body; `geometry.mesh` lists the ways.
+    """
+    require_closed_volume(mesh, source, unit)
+    return inertia_unchecked(mesh, density)
+
+
+def inertia_unchecked(mesh: TriangleMesh, density: float) -> Inertia:
+    """As `inertia`, for a mesh that has passed `geometry.mesh` already, or that is a piece of one."""
+    from trimesh.triangles import mass_properties
+
+    middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits
+    found: Any = mass_properties(mesh.triangles - middle, density=density)
+    return from_trimesh(found.mass, found.center_mass, found.inertia).moved(middle)

@@ -1,0 +1,612 @@
+"""``article.toml``: which body of which file is made of what, and where it sits; checked whole before any file is read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+from geometry import mesh as geometry_mesh
+from geometry import toml_file
+from geometry.article import Material, material
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose, rotation_about
+from geometry.inertia import Inertia
+from geometry.mesh import SLIVER, TriangleMesh, bodies, inertia_unchecked, placed, require_closed_volume, shared_volume
+from geometry.routes import Agreement, held_together, missing_mass, rounding, single
+from geometry.toml_file import MILLIMETRE, LengthUnit, doubts, length_unit, quantity
+
+if TYPE_CHECKING:
+    from geometry import cad
+
+
+# Materials as users write them: a name of the library, or a density with its unit.
+
+
+def made_of(text: str, source: str, own: Mapping[str, Material] | None = None) -> Material:
+    """The material that `text` names, first among the user's `own`, then in the library; or a density, ``"7800 kg/m^3"``.
+
+    Raises
+    ------
+    BadInput : no such material, or a density that is none.
+    """
+    if own and text in own:
+        return own[text]
+    if text[:1].isdigit() or text[:1] in ("-", "+", "."):
+        return Material(name=text, density=density(text, source))
+    return material(text, source)
+
+
+def density(text: Any, source: str, field: str = "density") -> float:
+    """`text`, such as ``"7.85 g/cm^3"``, as a density in kg/m³.
+
+    Raises
+    ------
+    BadInput : no unit, an unknown one, another dimension, a tolerance, or a number that is not positive and finite.
+    """
+    try:
+        read = quantity(text, "density", source=source, field=field)
+    except BadInput as error:
+        raise _refused(source, field, error.problem) from None
+    if read.std_dev:
+        raise _refused(source, field, f"no tolerance of a density is carried on, found {text!r}")
+    if read.nominal_value <= 0:
+        raise _refused(source, field, f"a density must be positive and finite, found {text!r}")
+    return float(read.nominal_value)
+
+
+def _refused(source: str, field: str, problem: str) -> BadInput:
+    return BadInput(source=source, field=field, problem=problem, remedy='Write it like "7800 kg/m^3" or "7.8 g/cm^3"')
+
+
+DESCRIPTION = "article.toml"
+_TOP = ("format", "article", "part", "material")
+_ELASTIC = {
+    "youngs_modulus": ("pressure", 0.0, np.inf, '"207 GPa"'),
+    "poisson_ratio": ("ratio", -1.0, 0.5, "0.3"),
+    "loss_factor": ("ratio", -1e-12, 1.0, "0.002 to 0.01"),
+}
+"""What a solid model needs to know of a material beside its density: dimension, open range in SI, and an example."""
+
+_PART = ("name", "file", "unit", "material", "density", "body", "materials", "position_mm", "rotation_deg")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PartEntry:
+    """One file, or one body of it, as the user describes it.
+
+    Attributes
+    ----------
+    name : of the part; of a file with several bodies, the first half of their names
+    file : where it is
+    unit : of a mesh's numbers, None when the file states it
+    material : of every body that `materials` does not name; None when each is named
+    materials : of bodies of a STEP file, by name
+    body : the one body that is meant: a name in a STEP file, a number from 1 in a mesh; None for all
+    pose : where the file's frame sits in the article's frame
+    named : whether the user gave the name
+    """
+
+    name: str
+    file: Path
+    unit: str | None = None
+    material: Material | None = None
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    body: str | None = None
+    pose: Pose = field(default_factory=Pose)
+    named: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Description:
+    """The content of an ``article.toml``: the article's `name` and its `parts`."""
+
+    name: str
+    parts: tuple[PartEntry, ...]
+
+
+def read(path: Path) -> Description:
+    """The description in `path`, files relative to it.
+
+    Raises
+    ------
+    BadInput : not TOML, an unknown key (the nearest known one is named), a wrong type, a missing file or material ...
+    """
+    source = str(path)
+    table = toml_file.read(path)
+    toml_file.require_known(table, _TOP, source=source)
+    toml_file.require_format(table, source)
+    article = toml_file.require_table(table.get("article", {}), source=source, where="article")
+    toml_file.require_known(article, ("name",), source=source, where="article")
+    materials = toml_file.require_table(table.get("material", {}), source=source, where="material")
+    own = {name: _own_material(name, entry, source) for name, entry in materials.items()}
+    entries = table.get("part", [])
+    if not isinstance(entries, list) or not entries:
+        raise BadInput(source=source, field="part", problem="there is no part", remedy="Add a [[part]] with name and file")
+    parts = tuple(_part(entry, number, path, own) for number, entry in enumerate(entries, start=1))
+    _require_unique([part.name for part in parts], source)
+    return Description(name=_text(article, "name", source, "article") or path.resolve().parent.name, parts=parts)
+
+
+def template(name: str, parts: Iterable[Path]) -> str:
+    """An ``article.toml`` for the files `parts`, to be corrected by the user."""
+    parts = tuple(parts)
+    lines = [f"format = {toml_file.FORMAT}", "", "[article]", f'name = "{name}"']
+    for part, name_of_part in zip(parts, _numbered([part.stem for part in parts]), strict=True):
+        step = part.suffix.lower() in (".step", ".stp")
+        lines += ["", "[[part]]", f'name = "{name_of_part}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
+        lines.append('material = "steel"')
+    return "\n".join(lines) + "\n"
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """`names`, each once: x, x and x become x, x-2 and x-3, or the next number where such a name is there already."""
+    taken: list[str] = []
+    for name in names:
+        tries = (name, *(f"{name}-{number}" for number in range(2, len(names) + 2)))
+        taken.append(next(each for each in tries if each not in taken and (each == name or each not in names)))
+    return taken
+
+
+def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> PartEntry:
+    source, where = str(path), f"part {number}"
+    if not isinstance(entry, dict):
+        raise BadInput(source=source, field="part", problem=f"must be a table, found {entry!r}", remedy="Write it as [[part]]")
+    toml_file.require_known(entry, _PART, source=source, where=where)
+    name, file = (_needed(entry, key, source, where) for key in ("name", "file"))
+    there = path.parent / file
+    if not there.is_file():
+        raise BadInput(source=source, field=f"{where}.file", problem=f"there is no file {file!r}", remedy=f"Looked for {there}")
+    unit = _text(entry, "unit", source, where)
+    if unit is not None:
+        unit = length_unit(unit, source, f"{where}.unit").name
+    return PartEntry(
+        name=name,
+        file=there,
+        unit=unit,
+        material=_material(entry, source, where, own),
+        materials=_materials(entry, source, where, own),
+        body=_body(entry, source, where),
+        pose=_pose(entry, source, where),
+        named=True,
+    )
+
+
+def _material(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> Material | None:
+    if "material" in entry and "density" in entry:
+        raise BadInput(
+            source=source, field=f"{where}.density", problem="is given beside a material", remedy="Leave one of the two out"
+        )
+    if "density" in entry:
+        return Material(name=str(entry["density"]), density=density(entry["density"], source, f"{where}.density"))
+    return _named(entry["material"], source, f"{where}.material", own) if "material" in entry else None
+
+
+def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> Material:
+    if not isinstance(value, str):
+        raise _wrong(value, "a name of a material or a density as text", source, where)
+    return made_of(value, f"{source}, {where}", own)
+
+
+def _own_material(name: str, entry: Any, source: str) -> Material:
+    where = f"material.{name}"
+    table = toml_file.require_table(entry, source=source, where=where)
+    toml_file.require_known(table, ("density", *_ELASTIC), source=source, where=where)
+    if "density" not in table:
+        raise BadInput(source=source, field=f"{where}.density", problem="is missing", remedy='Add density = "7800 kg/m^3"')
+    elastic = {key: _elastic(key, table[key], source, f"{where}.{key}") for key in _ELASTIC if key in table}
+    return Material(name=name, density=density(table["density"], source, f"{where}.density"), **elastic)
+
+
+def _elastic(key: str, value: Any, source: str, where: str) -> float:
+    """A modulus [Pa], Poisson's ratio or loss factor, within its range."""
+    dimension, lowest, highest, example = _ELASTIC[key]
+    text = str(value) if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool) else value
+    found = quantity(text, dimension, source=source, field=where).nominal_value
+    if not lowest < found < highest:
+        raise BadInput(
+            source=source,
+            field=where,
+            problem=f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}",
+            remedy=f"Steel has {example}",
+        )
+    return float(found)
+
+
+def _materials(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> dict[str, Material]:
+    found = entry.get("materials", {})
+    if not isinstance(found, dict):
+        raise _wrong(found, "a table of body = material", source, f"{where}.materials")
+    return {body: _named(value, source, f"{where}.materials.{body}", own) for body, value in found.items()}
+
+
+def _body(entry: dict[str, Any], source: str, where: str) -> str | None:
+    found = entry.get("body")
+    if found is None:
+        return None
+    if isinstance(found, bool) or not isinstance(found, str | int):
+        raise _wrong(found, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}.body")
+    return str(found)
+
+
+def _pose(entry: dict[str, Any], source: str, where: str) -> Pose:
+    """Turned about the article's x, then y, then z, then carried to its position."""
+    position, angles = (_three(entry, key, source, where) for key in ("position_mm", "rotation_deg"))
+    x, y, z = np.deg2rad(angles)
+    return Pose(position=1e-3 * position, rotation=rotation_about("z", z) @ rotation_about("y", y) @ rotation_about("x", x))
+
+
+def _three(entry: dict[str, Any], key: str, source: str, where: str) -> np.ndarray:
+    found = entry.get(key, [0, 0, 0])
+    numbers = isinstance(found, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in found)
+    if not numbers or len(found) != 3 or not np.isfinite(np.array(found, dtype=np.float64)).all():
+        raise _wrong(found, "three finite numbers", source, f"{where}.{key}")
+    return np.array(found, dtype=np.float64)
+
+
+def _needed(table: dict[str, Any], key: str, source: str, where: str) -> str:
+    found = _text(table, key, source, where)
+    if not found:
+        raise BadInput(source=source, field=f"{where}.{key}", problem="is missing", remedy=f'Add {key} = "..."')
+    return found
+
+
+def _text(table: dict[str, Any], key: str, source: str, where: str) -> str | None:
+    found = table.get(key)
+    if found is not None and not isinstance(found, str):
+        raise _wrong(found, "text", source, f"{where}.{key}")
+    return found
+
+
+def _wrong(found: Any, wanted: str, source: str, where: str) -> BadInput:
+    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy="Correct it")
+
+
+def _require_unique(names: list[str], source: str) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise BadInput(
+                source=source, field="part.name", problem=f"{name!r} names more than one part", remedy="Give each its own name"
+            )
+
+
+# `UserPart` and `UserArticle`: bodies as files have them, where `geometry.article` has drawings of primitives.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UserPart:
+    """One body of one material, in the article's frame.
+
+    Attributes
+    ----------
+    name : unique within its article
+    material : what it is made of
+    source : the file it came from
+    mesh : its skin, closed and checked
+    chord : [m], how far `mesh` may lie from the true surface: 0 when the mesh is what the file holds
+    solid : its CadQuery solid [mm], when it came from a STEP file; else None
+    """
+
+    name: str
+    material: Material
+    source: str
+    mesh: TriangleMesh
+    chord: float = 0.0
+    solid: Any = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UserArticle:
+    """A user's article.
+
+    Attributes
+    ----------
+    name : of the article, or of its file
+    parts : all bodies, in the article's frame
+    note : one sentence on where the geometry comes from
+    warnings : what a user should know before trusting the figures, each a sentence
+    """
+
+    name: str
+    parts: tuple[UserPart, ...]
+    note: str = ""
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        names = [part.name for part in self.parts]
+        doubled = sorted({name for name in names if names.count(name) > 1})
+        if doubled:
+            raise ValueError(f"`parts` must have unique names, found {', '.join(doubled)} more than once")
+
+    @property
+    def exact(self) -> bool:
+        """Whether every part is a solid, so that its B-rep can be integrated exactly."""
+        return all(part.solid is not None for part in self.parts)
+
+
+# The routes from a user's files to inertia, and whether they agree.
+#
+# Solids from STEP go two ways: OCC integrates the B-rep, trimesh a closed mesh of it with a stated chord
+# error. Meshes are already what trimesh integrates, exactly, and there is no second opinion on them.
+
+
+NOTHING = 1e-3
+"""Share of the smaller of two parts that their meshes may have in common before it is worth a warning."""
+
+
+def inertias(article: UserArticle) -> Mapping[str, Inertia]:
+    """Inertia of `article` about its origin by route: "trimesh", and before it "occ" when every part is a solid."""
+    by_mesh = sum((inertia_unchecked(part.mesh, part.material.density) for part in article.parts), _NOTHING)
+    return {"occ": _by_occ(article), "trimesh": by_mesh} if article.exact else {"trimesh": by_mesh}
+
+
+def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
+    """Hold "occ" against "trimesh", to rounding and to what the chord error of the curved faces can make."""
+    if "occ" not in found:
+        return single("one route only: a mesh is integrated exactly as it is, and nothing else is known of it")
+    exact = rounding(found["occ"])
+    return held_together(found, {"occ": exact, "trimesh": exact + tessellation_error(article)})
+
+
+def tessellation_error(article: UserArticle) -> Array:
+    """What meshes of solids may be off by: bound on each of the ten parameters (10,), about the article's origin."""
+    return sum((_missed(part) for part in article.parts if part.solid is not None), np.zeros(10))
+
+
+def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]:
+    """A sentence for every two parts that share a sliver of volume, as meshes of curved surfaces in contact do.
+
+    Raises
+    ------
+    BadInput : two parts share more than that; it would count in both materials.
+    """
+    for first, second in combinations(parts, 2):
+        a, b = first.mesh, second.mesh
+        if np.any(np.maximum(a.bounds[0], b.bounds[0]) >= np.minimum(a.bounds[1], b.bounds[1])):
+            continue
+        share = shared_volume(a, b) / min(a.volume, b.volume)
+        said = f"parts {first.name} and {second.name} overlap: {share:.2%} of the smaller one counts twice"
+        if share > SLIVER:
+            raise BadInput(source=article, problem=said, remedy="Cut one by the other in the CAD, or correct its position")
+        if share > NOTHING:
+            yield said
+
+
+def _by_occ(article: UserArticle) -> Inertia:
+    from geometry.cad import from_occ
+
+    return sum((from_occ(part.solid, part.material.density) for part in article.parts), _NOTHING)
+
+
+def _missed(part: UserPart) -> Array:
+    """Bound on what a mesh within the chord error of the true surface misses or adds: a shell over the curved faces; (10,)."""
+    from geometry import cad
+
+    area, reach = cad.curved_reach(part.solid)
+    return missing_mass(part.material.density * area * part.chord, reach)
+
+
+_NOTHING = Inertia(parameters=np.zeros(10))
+
+
+# From a path to a `UserArticle`: one file with one material, or an ``article.toml`` that says which body is made of what.
+
+
+RELATIVE_CHORD = 1e-4
+"""Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
+
+STEP_ENDINGS = (".step", ".stp")
+ENDINGS = (*STEP_ENDINGS, *geometry_mesh.ENDINGS, ".toml")
+"""Files that can be an article, upper or lower case; a folder stands for the ``article.toml`` in it."""
+
+
+def load(path: str | Path, *, unit: str | None = None, material: str | None = None, chord: float | None = None) -> UserArticle:
+    """The article in the file or folder `path`, every mesh closed and checked, every body with its material.
+
+    `unit` is that of a mesh file's numbers (mm, cm, m, in, ft); it may be left out where the file itself states one, and STEP
+    always does. `material` is a name of the library or a density such as ``"7800 kg/m^3"``, for all bodies; of an
+    ``article.toml`` both go to the parts that state none themselves. `chord` [m] is that of the meshes made of STEP solids, by
+    default `RELATIVE_CHORD` of each.
+
+    Raises
+    ------
+    BadInput : whatever is wrong with path, file, unit, material or mesh.
+    """
+    path = require_file(path)
+    given = None if material is None else made_of(material, "--material")
+    if path.suffix.lower() == ".toml":
+        return _described(path, unit, given, chord)
+    parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given), chord)
+    return _finished(path.stem, parts, f"{path.stem}: read from {path.name}.", warnings)
+
+
+def require_file(path: str | Path) -> Path:
+    """The file that `path` is or, of a folder, its ``article.toml``; nothing in it is looked at.
+
+    Raises
+    ------
+    BadInput : there is none, it is a device, or one of its ending cannot be an article.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise BadInput(source=str(path), problem="there is no such file or folder", remedy="Check the path")
+    if path.is_dir():
+        return _description_in(path)
+    if not path.is_file():
+        raise BadInput(source=str(path), problem="it is a device or a pipe, where a file is needed", remedy="Check the path")
+    if path.suffix.lower() not in ENDINGS:
+        raise _unreadable(path)
+    return path
+
+
+def _unreadable(path: Path) -> BadInput:
+    problem = f"a file that ends in {path.suffix.lower() or 'nothing'} cannot be read"
+    return BadInput(source=str(path), problem=problem, remedy=f"Give one of {', '.join(ENDINGS)}")
+
+
+def _described(path: Path, unit: str | None, material: Material | None, chord: float | None) -> UserArticle:
+    """The article that `path` describes; `unit` and `material` go to the parts that state none."""
+    found = read(path)
+    parts: list[UserPart] = []
+    warnings: list[str] = []
+    for entry in found.parts:
+        default = None if entry.file.suffix.lower() in STEP_ENDINGS else unit
+        there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or material), chord)
+        parts += there
+        warnings += said
+    return _finished(found.name, tuple(parts), f"{found.name}: read from {path.name}.", tuple(warnings))
+
+
+def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:
+    return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(name, parts)))
+
+
+def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
+    """The bodies that one entry stands for, and what was noticed."""
+    ending = entry.file.suffix.lower()
+    if ending in STEP_ENDINGS:
+        parts = _from_step(entry, chord)
+        corners = np.vstack([part.mesh.bounds for part in parts])
+        return parts, doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
+    if ending in geometry_mesh.ENDINGS:
+        return _from_mesh(entry)
+    raise _unreadable(entry.file)
+
+
+# --- STEP -----------------------------------------------------------------------------------------------------------------
+
+
+def _from_step(entry: PartEntry, chord: float | None) -> tuple[UserPart, ...]:
+    from geometry import cad
+
+    if entry.unit is not None:
+        raise BadInput(
+            source=str(entry.file),
+            field="unit",
+            problem=f"a STEP file states its own unit, and {entry.unit!r} was given beside it",
+            remedy="Leave the unit out",
+        )
+    found = cad.read(entry.file)
+    if entry.body is not None:
+        chosen = tuple(body for body in found if entry.body in (body.name, body.label))
+        found = chosen or _no_body(entry, [body.name for body in found])
+    materials = {body.name: entry.materials.get(body.name, entry.materials.get(body.label, entry.material)) for body in found}
+    _require_used(entry, {name for body in found for name in (body.name, body.label)})
+    _require_materials(entry, materials)
+    made_of_it = ((body, materials[body.name]) for body in found)
+    return tuple(_of_solid(entry, body, _name(entry, body, len(found)), made, chord) for body, made in made_of_it if made)
+
+
+def _name(entry: PartEntry, body: cad.Body, count: int) -> str:
+    return body.name if not entry.named else entry.name if count == 1 else f"{entry.name}/{body.name}"
+
+
+def _of_solid(entry: PartEntry, body: cad.Body, name: str, made: Material, chord: float | None) -> UserPart:
+    """The part that is made of one solid, with its mesh."""
+    from geometry import cad
+    from geometry.cad import tessellate_solid
+
+    solid = cad.moved(body.solid, entry.pose)
+    chord = chord or RELATIVE_CHORD * cad.diagonal(solid)
+    mesh = tessellate_solid(solid, chord)
+    require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
+    return UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=chord, solid=solid)
+
+
+def _require_materials(entry: PartEntry, materials: Mapping[str, Material | None]) -> None:
+    missing = [name for name, found in materials.items() if found is None]
+    if missing:
+        rows = ", ".join(f'"{name}" = "..."' for name in missing)
+        raise BadInput(
+            source=str(entry.file),
+            field="material",
+            problem=f"no material is given for {', '.join(missing)}",
+            remedy=f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
+            f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}',
+        )
+
+
+def _require_used(entry: PartEntry, names: set[str]) -> None:
+    for name in entry.materials:
+        if name not in names:
+            _no_body(entry, sorted(names), name)
+
+
+# --- meshes ---------------------------------------------------------------------------------------------------------------
+
+
+def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
+    source = str(entry.file)
+    mesh, unit, doubts = geometry_mesh.read(entry.file, entry.unit)
+    touching = require_closed_volume(mesh, source, unit)
+    found = bodies(mesh)
+    if entry.materials:
+        raise BadInput(
+            source=source,
+            field="materials",
+            problem="bodies of a mesh have no names",
+            remedy="Give each a [[part]] of its own with body = 1, 2 ...",
+        )
+    if entry.material is None:
+        raise BadInput(
+            source=source,
+            field="material",
+            problem="no material is given",
+            remedy='Give a name (steel) or a density ("7800 kg/m^3")',
+        )
+    if entry.body is not None:
+        numbers = [str(number) for number in range(1, len(found) + 1)]
+        if entry.body not in numbers:
+            _no_body(entry, numbers)
+        mesh = found[int(entry.body) - 1]
+    elif len(found) > 1:
+        doubts = (*doubts, *touching, _several(entry, found, unit))
+    part = UserPart(name=entry.name, material=entry.material, source=source, mesh=placed(mesh, entry.pose))
+    return (part,), doubts
+
+
+def _several(entry: PartEntry, found: tuple[TriangleMesh, ...], unit: LengthUnit) -> str:
+    """How a user learns that one density may not do."""
+    listed = "; ".join(
+        f"body {number}: {body.volume / unit.metres**3:.6g} {unit.name}³ around {unit.shown(body.bounds.mean(axis=0))}"
+        for number, body in enumerate(found[:6], start=1)
+    )
+    more = f"; and {len(found) - 6} more" if len(found) > 6 else ""
+    return (
+        f"{entry.file}: {len(found)} separate bodies are taken as one material ({listed}{more}); if they differ, give each a "
+        f"[[part]] with its own body = 1, 2 ... and material in an {DESCRIPTION}"
+    )
+
+
+def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> NoReturn:
+    raise BadInput(
+        source=str(entry.file),
+        field="materials" if wanted else "body",
+        problem=f"it holds no body {wanted or entry.body!r}",
+        remedy=f"It holds {', '.join(names)}",
+    )
+
+
+# --- folders --------------------------------------------------------------------------------------------------------------
+
+
+def _description_in(folder: Path) -> Path:
+    there = folder / DESCRIPTION
+    if there.is_file():
+        return there
+    parts = sorted(file for file in folder.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *geometry_mesh.ENDINGS))
+    if not parts:
+        raise BadInput(
+            source=str(folder),
+            problem=f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})",
+            remedy="Check the path",
+        )
+    raise BadInput(
+        source=str(folder),
+        problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
+        remedy=f"Put this into {there}, corrected:\n\n{template(folder.name, parts)}\nThen try again",
+    )

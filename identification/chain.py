@@ -1,0 +1,1092 @@
+"""Sensors and FMD as a linear chain: what every channel reads for a motion of the cover plate, with every tolerance a parameter.
+
+    y = (A0 + A1 H) u
+
+u (6,) is the motion of the reference point F on the cover plate - the *apparent* acceleration that the structure feels, tilt
+included - and H the dynamic mass of all that stands above the force plane. Accelerometers are `identification.chain`,
+load cells `identification.chain`; what a load cell does to table and cover plate alike is `identification.chain`.
+
+Identification calibrates with the chain, validation predicts with it: there is no other. Source: the paper's Eqs. 2, 3, 6 and 7
+with their errors written out; "The likelihood" of the catalogue of effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import exp, expm1, isfinite, log, log1p
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.article import rectangle
+from geometry.articles.dimensions import load
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, skew
+from geometry.sensors import Channel, ChannelTable, Place, Summation, Tolerances, row, summation
+from identification.base_motion import TILT
+
+# `Parameter`: one thing that a laboratory does not know of its measurement chain, and how far it may be from nominal.
+#
+# Names are the ids of the catalogue of effects: ``family:target``. A vector theta holds the parameters' offsets from nominal;
+# scale factors that must stay positive - stiffnesses - are offset by their logarithm, and `Parameter.value` says what a number
+# means.
+
+
+Offsets = Mapping[str, float]
+"""Offsets of the open parameters by name; a parameter that is not in it stands at its nominal value."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One parameter of the chain.
+
+    Attributes
+    ----------
+    name : id of the catalogue, ``family:target``
+    unit : of `value`, SI, "1" for a relative number
+    tolerance : standard deviation of its offset before anything was measured (prior), in `unit`; of the natural logarithm where
+        `logarithmic`
+    channels : columns of the chain that it touches
+    nominal : value at offset 0
+    logarithmic : whether the offset is that of the logarithm: value = nominal + exp(offset) - 1
+    """
+
+    name: str
+    unit: str
+    tolerance: float
+    channels: tuple[int, ...]
+    nominal: float = 0.0
+    logarithmic: bool = False
+
+    @property
+    def family(self) -> str:
+        """What stands before the first colon of the name."""
+        return self.name.partition(":")[0]
+
+    def value(self, offset: float) -> float:
+        """The value, in `unit`, at `offset` from nominal."""
+        return self.nominal + (expm1(offset) if self.logarithmic else offset)
+
+    def offset(self, value: float) -> float:
+        """The entry of theta at which the parameter has `value`.
+
+        Raises
+        ------
+        BadInput : the value would turn a stiffness negative.
+        """
+        away = value - self.nominal
+        if self.logarithmic and away <= -1:
+            problem = f"a scale factor must stay positive, found {1 + away:g}"
+            raise BadInput(source="measurement chain", field=self.name, problem=problem, remedy="Give a smaller change")
+        return log1p(away) if self.logarithmic else away
+
+    def slope(self, offset: float) -> float:
+        """d value / d offset: how a standard deviation of the offset reads in `unit`."""
+        return exp(offset) if self.logarithmic else 1.0
+
+
+def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> tuple[Parameter, ...]:
+    """The parameters that may move: those of a positive tolerance once `overrides`, by name or by family, have replaced theirs.
+
+    A name goes before its family; 0 closes a parameter.
+
+    Raises
+    ------
+    BadInput : an override that fits no parameter of this chain, or is negative or not finite.
+    """
+    known = tuple(candidates)
+    _require_known(known, overrides)
+    changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
+    return tuple(one for one in changed if one.tolerance > 0)
+
+
+def _require_known(candidates: Sequence[Parameter], overrides: Mapping[str, float]) -> None:
+    names = {one.name for one in candidates} | {one.family for one in candidates}
+    for name, size in overrides.items():
+        if name not in names:
+            families = ", ".join(sorted({one.family for one in candidates}))
+            problem = "this chain has no such parameter"
+            raise BadInput(source="tolerances", field=name, problem=problem, remedy=f"Name one of the families {families}")
+        if not (isfinite(size) and size >= 0):
+            problem = f"a standard deviation must be finite and not negative, found {size}"
+            raise BadInput(source="tolerances", field=name, problem=problem, remedy="Give it in SI units; 0 closes the parameter")
+
+
+# The load cells as springs: how they share a load between them, and how far the cover plate moves on them.
+#
+# With B a row of [G] for every sensing element and K_c their stiffness, a load F about the reference point moves the cover plate
+# by K^-1 F, K = B^T K_c B, so that the elements carry
+#
+#     K_c B K^-1 F.
+#
+# Only the relative stiffness matters for that; the absolute one, known less well, tells table from cover plate: K^-1.
+
+
+ELEMENT = "cell-stiffness"
+COMPLIANCE = "fmd-compliance"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Springs:
+    """Springs between table and cover plate.
+
+    Attributes
+    ----------
+    names : (e,) of the elements, ``1x`` and so on; they are the targets of `cell-stiffness`
+    rows : (e, 6) B, translations [1], rotations [m], about the reference point
+    stiffness : (e,) nominal [N/m], or [N m] where a row is a rotation
+    shares : by target of `fmd-compliance` (e,), which share of an element's compliance it scales, 0 to 1
+    rigid : whether the cover plate does not move on the cells
+    of_cells : whether the rows are those of sensing elements; otherwise they stand for cells of which nothing is known
+    """
+
+    names: tuple[str, ...]
+    rows: Array
+    stiffness: Array
+    shares: dict[str, Array]
+    rigid: bool = False
+    of_cells: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("rows", "stiffness"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.shape(getattr(self, name)), name))
+
+    @property
+    def complete(self) -> bool:
+        """Whether the elements alone carry all six loads."""
+        scale = np.linalg.norm(self.rows, axis=0)
+        return bool(np.all(scale > 0) and np.linalg.matrix_rank(self.rows / scale, tol=1e-6) == 6)
+
+    def relative(self, x: Offsets) -> Array:
+        """(e,) stiffness of the elements, each with its own deviation."""
+        return np.asarray(self.stiffness * np.exp([x.get(f"{ELEMENT}:{name}", 0.0) for name in self.names]))
+
+    def absolute(self, x: Offsets) -> Array:
+        """(e,) the same, softened by the common factors on the compliance."""
+        softer = sum(
+            (share * x.get(f"{COMPLIANCE}:{name}", 0.0) for name, share in self.shares.items()), np.zeros(len(self.names))
+        )
+        return np.asarray(self.relative(x) * np.exp(-softer))
+
+    def sharing(self, x: Offsets) -> Array:
+        """(e, 6) load of every element for a unit load about the reference point."""
+        k = self.relative(x)
+        return np.asarray(k[:, None] * np.linalg.solve(self._total(k), self.rows.T).T)
+
+    def sharing_changes(self, x: Offsets) -> Iterator[tuple[str, Array]]:
+        """d `sharing` / d offset (e, 6) by open parameter: a stiffer element takes load from all others."""
+        R = self.sharing(x)
+        loss = np.eye(len(self.names)) - R @ self.rows.T
+        for e, name in enumerate(self.names):
+            if (key := f"{ELEMENT}:{name}") in x:
+                yield key, np.outer(loss[:, e], R[e])
+
+    def compliance(self, x: Offsets) -> Array:
+        """(6, 6) K^-1: motion of the cover plate below the table's for a unit load."""
+        return np.zeros((6, 6)) if self.rigid else np.asarray(np.linalg.inv(self._total(self.absolute(x))))
+
+    def compliance_changes(self, x: Offsets) -> Iterator[tuple[str, Array]]:
+        """d `compliance` / d offset (6, 6) by open parameter."""
+        if self.rigid:
+            return
+        k, C = self.absolute(x), self.compliance(x)
+        for e, name in enumerate(self.names):
+            if (key := f"{ELEMENT}:{name}") in x:
+                yield key, -k[e] * np.outer(C @ self.rows[e], self.rows[e] @ C)
+        for name, share in self.shares.items():
+            if (key := f"{COMPLIANCE}:{name}") in x:
+                yield key, np.asarray(C @ self._total(share * k) @ C)
+
+    def _total(self, k: Array) -> Array:
+        return np.asarray(self.rows.T @ (k[:, None] * self.rows))
+
+
+# The FMD's load cells as a channel table tells of them: which elements there are, in which cell, and how stiff.
+#
+# Elements at one place are one cell; cells are numbered counter-clockwise from +x +y, as in the paper, and an element is called
+# after its cell and the axis along which it senses: ``1x``. Where the elements do not carry all six loads by themselves - the
+# campaign gives moments, or loads that somebody has already added up - nothing is known of the cells, and the cover plate is
+# taken to stand on one spring for each of the six motions.
+
+
+ASSUMED = log(5.0)
+"""Standard deviation of ln(compliance) where no stiffness is stated: quartz cells with their bolts differ by such a factor."""
+
+STATED = 0.3
+"""The same where the laboratory states a stiffness: that of a data sheet, without bolts, plates and contact."""
+
+ALIGNED = 1e-6
+"""How far from 1 the cosine of an element to its axis may lie to be called after it alone."""
+
+
+def assumed_stiffness() -> Array:
+    """(3,) [N/m] of one cell along x, y, z: that of the reconstructed FMD."""
+    cell = load("fmd")["load_cell"]
+    lateral = cell["lateral_stiffness_N_m"]
+    return np.array([lateral, lateral, cell["axial_stiffness_N_m"]])
+
+
+def cell_springs(elements: Sequence[Place], point: Array, stiffness: npt.ArrayLike | None) -> Springs:
+    """Load cells of `stiffness` (3,) [N/m] along x, y, z each; None takes `assumed_stiffness`, infinity is a rigid FMD.
+
+    Raises
+    ------
+    BadInput : `stiffness` is not three positive numbers, or infinite along some axes only.
+    """
+    k, rigid = _stated(stiffness)
+    squares = np.array([place.direction**2 for place in elements]).reshape(-1, 3)
+    made = Springs(
+        names=names(elements, point),
+        rows=np.array([row(place, point) for place in elements]).reshape(-1, 6),
+        stiffness=squares @ k,
+        shares={"lateral": squares[:, 0] + squares[:, 1], "vertical": squares[:, 2]},
+        rigid=rigid,
+    )
+    return made if made.complete else _six(k, rigid)
+
+
+def names(elements: Sequence[Place], point: Array) -> tuple[str, ...]:
+    """Of `elements`: number of the cell and axis, ``1x``; slanted elements get letters from ``a``."""
+    at = [place.position - point for place in elements]
+    cells = list(dict.fromkeys(sorted((_around(one), *np.round(one, 9)) for one in at)))
+    called: list[str] = []
+    for place, one in zip(elements, at, strict=True):
+        number = cells.index((_around(one), *np.round(one, 9))) + 1
+        axis = int(np.argmax(np.abs(place.direction)))
+        slanted = abs(place.direction[axis]) < 1 - ALIGNED
+        letters = ("" if slanted else "xyz"[axis]) + "abcdefghijklmnopqrstuvw"
+        called.append(next(name for letter in letters if (name := f"{number}{letter}") not in called))
+    return tuple(called)
+
+
+def _around(at: Array) -> float:
+    """Angle counter-clockwise from the x axis [rad], 0 to 2 pi, by which cells are numbered."""
+    angle = float(np.arctan2(at[1], at[0])) if np.hypot(at[0], at[1]) > 0 else 0.0
+    return round(angle % (2 * np.pi), 9) % round(2 * np.pi, 9)
+
+
+def _six(k: Array, rigid: bool) -> Springs:
+    """One spring for each motion, as stiff as four cells on the reconstructed FMD's square around the reference point."""
+    square = load("fmd")["load_cell"]["square"]
+    K = np.zeros((6, 6))
+    for x, y in rectangle(square, square):
+        G = rigid_transformation_6(np.array([x, y, 0.0]))[:3]
+        K += G.T @ (k[:, None] * G)
+    shares = {
+        "lateral": [1, 1, 0, 0, 0, 0],
+        "vertical": [0, 0, 1, 0, 0, 0],
+        "rotation": [0, 0, 0, 1, 1, 0],
+        "torsion": [0] * 5 + [1],
+    }
+    return Springs(
+        names=MOTIONS,
+        rows=np.eye(6),
+        stiffness=np.diag(K),
+        shares={name: np.array(share, dtype=np.float64) for name, share in shares.items()},
+        rigid=rigid,
+        of_cells=False,
+    )
+
+
+def _stated(stiffness: npt.ArrayLike | None) -> tuple[Array, bool]:
+    k = np.asarray(assumed_stiffness() if stiffness is None else stiffness, dtype=np.float64)
+    if k.shape == () and np.isinf(k):
+        return assumed_stiffness(), True
+    if k.shape != (3,) or not np.all(np.isfinite(k)) or np.any(k <= 0):
+        problem = f"three positive numbers are needed, along x, y and z of one cell, found {np.asarray(stiffness).tolist()}"
+        remedy = "Give N/m, infinity for a rigid FMD, or leave it out"
+        raise BadInput(source="measurement chain", field="stiffness", problem=problem, remedy=remedy)
+    return frozen(k, (3,), "stiffness"), False
+
+
+# What happens to a signal on its way from the sensor to the record: gain, delay of channel and board, high-pass.
+#
+#     factor = (1 + g) e^{-i omega (tau + tau_board)} / (1 - i f_c / f)
+#
+# with a late channel's delay positive, and f_c the corner of the charge amplifier's high-pass of first order.
+
+
+def parameters(names: tuple[str, ...], first: int, kind: str, board: str, gain: float, known: Tolerances) -> Iterator[Parameter]:
+    """Gain and delay of the channels `names`, columns `first` and on, of `kind` ("force", "accelerometer") on `board`."""
+    columns = range(first, first + len(names))
+    for k, name in zip(columns, names, strict=True):
+        yield Parameter(name=f"{kind}-gain:{name}", unit="1", tolerance=gain, channels=(k,))
+    for k, name in zip(columns, names, strict=True):
+        yield Parameter(name=f"{kind}-delay:{name}", unit="s", tolerance=known.delay, channels=(k,))
+    if kind == "force":
+        for k, name in zip(columns, names, strict=True):
+            yield Parameter(name=f"force-highpass:{name}", unit="Hz", tolerance=0.0, channels=(k,))
+    yield Parameter(name=f"board-delay:{board}", unit="s", tolerance=0.0, channels=tuple(columns))
+
+
+def factors(names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency: Array) -> ComplexArray:
+    """(n, c) at `frequency` (n,) [Hz]."""
+    gain, late, corner = (
+        np.array([x.get(f"{family}:{name}", 0.0) for name in names])
+        for family in (f"{kind}-gain", f"{kind}-delay", "force-highpass")
+    )
+    turns = np.outer(frequency, late + x.get(f"board-delay:{board}", 0.0))
+    passed = 1 - 1j * corner / frequency[:, None] if np.any(corner) else 1.0
+    return np.asarray((1 + gain) * np.exp(-2j * np.pi * turns) / passed, dtype=np.complex128)
+
+
+def changes(
+    names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency: Array, wanted: Collection[str]
+) -> Iterator[tuple[str, list[int], ComplexArray]]:
+    """By parameter of those `wanted`: which of `names` it touches, and d ln(factor) / d parameter of these, (n, k)."""
+    late = np.asarray(-2j * np.pi * frequency[:, None], dtype=np.complex128)
+    for k, name in enumerate(names):
+        if (key := f"{kind}-gain:{name}") in wanted:
+            yield key, [k], np.full((len(frequency), 1), 1 / (1 + x[key]), dtype=np.complex128)
+        if (key := f"{kind}-delay:{name}") in wanted:
+            yield key, [k], late
+        if (key := f"force-highpass:{name}") in wanted:
+            yield key, [k], np.asarray(1j / (frequency - 1j * x[key]))[:, None]
+    if (key := f"board-delay:{board}") in wanted:
+        yield key, list(range(len(names))), np.repeat(late, len(names), axis=1)
+
+
+# `Placed`: neighbouring channels of a chain, and where they stand in it.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Placed:
+    """Channels of one kind.
+
+    Attributes
+    ----------
+    channels : in their order
+    first : column of the first of them in the chain
+    """
+
+    channels: tuple[Channel, ...]
+    first: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the channels."""
+        return tuple(channel.name for channel in self.channels)
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """Of the channels in the chain."""
+        return tuple(range(self.first, self.first + len(self.channels)))
+
+
+# Force and moment channels: from the load on the structure to what they read.
+#
+#     y = factor · S · diag(1 - lost) · R · X · H u
+#
+# X lets a resultant show in others (cross-talk of the measuring plane, moments that the cells miss), R shares the load between
+# the sensing elements, part of what each carries may pass it by (shunt), and S, the summation box, adds elements up. A moment
+# channel beside elements that carry everything reads the resultant moment.
+
+
+AXES = "xyz"
+CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
+"""``zx``: the x resultant shows in the z channels."""
+
+SHUNTS = {f"load-path-shunt:{axis}": k for k, axis in enumerate(AXES)}
+"""By name of the parameter: the axis along which a load goes past the cells."""
+
+OFFSETS = {"x": (4, 0, -1.0), "y": (3, 1, 1.0)}
+"""By axis of the force at height h: row and column of X and sign: M_y -= h F_x, M_x += h F_y."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Loads(Placed):
+    """The force side of a chain.
+
+    Attributes
+    ----------
+    sums : their elements and sums about the reference point
+    springs : the load cells
+    """
+
+    sums: Summation
+    springs: Springs
+
+
+def loads_parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
+    """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
+    all_of_them = part.columns
+    yield from parameters(part.names, part.first, "force", "force", known.gain, known)
+    for pair in CROSSTALK if part.channels else ():
+        yield Parameter(name=f"force-crosstalk:{pair}", unit="1", tolerance=known.crosstalk, channels=all_of_them)
+    for axis in AXES if part.channels else ():
+        yield Parameter(name=f"load-path-shunt:{axis}", unit="1", tolerance=0.0, channels=all_of_them)
+    for axis in OFFSETS if part.channels else ():
+        yield Parameter(name=f"force-plane-offset:{axis}", unit="m", tolerance=0.0, channels=all_of_them)
+
+
+def rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
+    """A1 of the force channels, (n, c, 6): what they read for a unit load at `frequency` (n,) [Hz]."""
+    f = factors(part.names, "force", "force", x, frequency)
+    return np.asarray(f[:, :, None] * _mixed(part, x))
+
+
+def loads_changes(
+    part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]
+) -> Iterator[tuple[str, list[int], ComplexArray]]:
+    """By open parameter of those `wanted`: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
+    f = factors(part.names, "force", "force", x, frequency)
+    reading, X, even = _reading(part, x), _moved(x), _even(part)
+    A1 = f[:, :, None] * _mixed(part, x)
+    for key, touched, slope in changes(part.names, "force", "force", x, frequency, wanted):
+        yield key, touched, slope[:, :, None] * A1[:, touched]
+    every = list(range(len(part.channels)))
+    for key, change in _reading_changes(part, x):
+        if key in wanted:
+            yield key, every, f[:, :, None] * (change @ X + even @ _heard(x) @ _lost(key))
+    for key, change in _crosstalk(x):
+        if key in wanted:
+            yield key, every, f[:, :, None] * (even @ change @ _carried(x))
+    for key, change in _offsets(x):
+        if key in wanted:
+            yield key, every, f[:, :, None] * (reading @ change)
+
+
+def _mixed(part: Loads, x: Offsets) -> Array:
+    """(c, 6) reading for a unit resultant load: cells share it as they are stiff, and cross-talk shows in all of them alike."""
+    return np.asarray(_reading(part, x) @ _moved(x) + _even(part) @ _heard(x) @ _carried(x))
+
+
+def _heard(x: Offsets) -> Array:
+    """(6, 6) what shows in channels of other axes of what the cells carry."""
+    return np.zeros((6, 6)) + sum(x[key] * change for key, change in _crosstalk(x))
+
+
+def _carried(x: Offsets) -> Array:
+    """(6, 6) what shunts leave to the cells of a resultant load."""
+    return np.eye(6) + sum(x.get(key, 0.0) * _lost(key) for key in SHUNTS)
+
+
+def _lost(key: str) -> Array:
+    """(6, 6) d `_carried` / d offset of the parameter `key`; zero of one that is no shunt."""
+    axis = SHUNTS.get(key)
+    return np.zeros((6, 6)) if axis is None else -_unit(axis, axis)
+
+
+def _even(part: Loads) -> Array:
+    """(c, 6) reading for a unit resultant load of cells that are all alike."""
+    return np.asarray(part.sums.adds @ _sharing(part, {}))
+
+
+def _reading(part: Loads, x: Offsets) -> Array:
+    """(c, 6) reading for a unit resultant load, before the signal's way to the record."""
+    return np.asarray(part.sums.adds @ (_passing(part, x)[:, None] * _sharing(part, x)))
+
+
+def _sharing(part: Loads, x: Offsets) -> Array:
+    """(e, 6) reading of every element for a unit resultant load."""
+    if not part.springs.of_cells:
+        return np.asarray(np.linalg.pinv(part.sums.gives))
+    R = part.sums.gives.T.copy()  # of a moment: its row, that of the resultant moment itself
+    R[_of_force(part)] = part.springs.sharing(x)
+    return np.asarray(R)
+
+
+def _passing(part: Loads, x: Offsets) -> Array:
+    """(e,) share of each element's load that a shunt leaves to it."""
+    lost = np.array([x.get(f"load-path-shunt:{axis}", 0.0) for axis in AXES])
+    return np.asarray(1 - lost @ _along(part))
+
+
+def _along(part: Loads) -> Array:
+    """(3, e) how far a force element measures along each axis, adding up to 1; 0 for moments."""
+    return np.asarray(part.sums.gives[:3] ** 2)
+
+
+def _of_force(part: Loads) -> list[int]:
+    return [e for e, (quantity, _) in enumerate(part.sums.elements) if quantity == "force"]
+
+
+def _moved(x: Offsets) -> Array:
+    """(6, 6) the resultant load about the true plane of the cells from that about the stated one."""
+    return np.eye(6) + sum(x[key] * change for key, change in _offsets(x))
+
+
+def _crosstalk(x: Offsets) -> Iterator[tuple[str, Array]]:
+    for pair in CROSSTALK:
+        if (key := f"force-crosstalk:{pair}") in x:
+            yield key, _unit(AXES.index(pair[0]), AXES.index(pair[1]))
+
+
+def _offsets(x: Offsets) -> Iterator[tuple[str, Array]]:
+    for axis, (row, column, sign) in OFFSETS.items():
+        if (key := f"force-plane-offset:{axis}") in x:
+            yield key, sign * _unit(row, column)
+
+
+def _reading_changes(part: Loads, x: Offsets) -> Iterator[tuple[str, Array]]:
+    """d `_reading` / d offset, (c, 6), of stiffnesses and shunts."""
+    passing, adds = _passing(part, x), part.sums.adds
+    if part.springs.of_cells:
+        force = _of_force(part)
+        for key, change in part.springs.sharing_changes(x):
+            yield key, adds[:, force] @ (passing[force, None] * change)
+    for axis, along in zip(AXES, _along(part), strict=True):
+        if (key := f"load-path-shunt:{axis}") in x:
+            yield key, -adds @ (along[:, None] * _sharing(part, x))
+
+
+def _unit(row: int, column: int) -> Array:
+    E = np.zeros((6, 6))
+    E[row, column] = 1.0
+    return E
+
+
+# Gravity in the chain: what a tilt adds to the acceleration that a structure feels and that an accelerometer reads.
+#
+# A body that has turned by phi carries its axes with it: in them the free fall that it lacks, a - g, has gained -g (phi x e_z)
+# along x and y. With phi = -alpha'' / omega² and so on, one matrix holds the whole effect for every place of the body:
+#
+#     apparent u = (I + g/omega² E) u,      E[x, beta] = 1,  E[y, alpha] = -1,  E² = 0.
+#
+# The latent u of the chain is the apparent acceleration that drives the *structure*. A sensor that tilts reads the same, and
+# gravity cancels; a kinematic one reads (I - g/omega² E) u.
+
+
+STRUCTURE = "gravity"
+SENSOR = "accelerometer-tilt"
+
+
+def turned(rows: Array) -> Array:
+    """``rows @ E`` of rows (..., 6)."""
+    return np.asarray(rows @ TILT)
+
+
+# Accelerometers on the cover plate or the table: from the motion of the reference point to what they read.
+#
+#     y = factor · d^T [G(p)] u          on the cover plate, u apparent (`identification.chain`)
+#     y = factor · d^T [G(p)] u_t        on the table, u_t = u - omega² K^-1 H u: below the load cells
+#
+# Position p and direction d are those of the table of channels, shifted and turned by their tolerances. Should the cover plate
+# bend under a vertical force, its vertical pick-ups read -omega² c f_z on top.
+
+BENDING = "cover-plate-flexibility"
+PARALLEL = 1e-6
+"""Sine of the angle below which a direction lies along an axis: a shift along it, or a turn about it, changes nothing."""
+
+Rows = tuple[ComplexArray, ComplexArray]
+"""A0 and A1, (n, c, 6) each."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PickUps(Placed):
+    """The accelerometers of one group.
+
+    Attributes
+    ----------
+    group : "cover" or "table"
+    point : (3,) [m] reference point, in the frame of the places
+    springs : what the cover plate stands on
+    gravity : [m/s²]
+    """
+
+    group: str
+    point: Array
+    springs: Springs
+    gravity: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sight:
+    """What rows do at the lines: everything between the geometry of a pick-up and the record, at one theta.
+
+    Attributes
+    ----------
+    factors : (n, c)
+    square : (n,) omega² [rad²/s²]
+    sensor, structure : (c,) g times the tilt that each senses, and g times that which the structure feels [m/s²]
+    compliance : (6, 6) K^-1 of a table, zeros for a cover plate
+    bending : [m/N] of a cover plate
+    """
+
+    factors: ComplexArray
+    square: Array
+    sensor: Array
+    structure: float
+    compliance: Array
+    bending: float
+
+
+def pick_ups_parameters(part: PickUps, known: Tolerances) -> Iterator[Parameter]:
+    """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
+    gain = known.table_gain if part.group == "table" else known.gain
+    yield from parameters(part.names, part.first, "accelerometer", part.group, gain, known)
+    for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
+        for k, channel in zip(part.columns, part.channels, strict=True):
+            for axis in _axes(channel, family):
+                yield Parameter(name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,))
+    if part.group == "cover" and part.channels:
+        yield Parameter(name=BENDING, unit="m/N", tolerance=0.0, channels=part.columns)
+
+
+def pick_ups_rows(part: PickUps, x: Offsets, frequency: Array) -> Rows:
+    """A0 and A1 of the accelerometers, (n, c, 6) each, at `frequency` (n,) [Hz]."""
+    geometry, upward = _geometry(part, x)
+    return _seen(_sight(part, x, frequency), geometry, upward, list(range(len(part.channels))))
+
+
+def pick_ups_changes(
+    part: PickUps, x: Offsets, frequency: Array, wanted: Collection[str]
+) -> Iterator[tuple[str, list[int], Rows]]:
+    """By parameter of those `wanted`: the channels of `part` it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
+    sight = _sight(part, x, frequency)
+    geometry, upward = _geometry(part, x)
+    every = list(range(len(part.channels)))
+    A0, A1 = _seen(sight, geometry, upward, every)
+    for key, touched, slope in changes(part.names, "accelerometer", part.group, x, frequency, wanted):
+        yield key, touched, (slope[:, :, None] * A0[:, touched], slope[:, :, None] * A1[:, touched])
+    for key, k, change, rise in _geometry_changes(part, x, wanted):
+        yield key, [k], _seen(sight, change[None], rise[None], [k])
+    common = _common_changes(part, x, sight, geometry, upward)
+    yield from ((key, every, change) for key, change in common if key in wanted)
+
+
+def _axes(channel: Channel, family: str) -> str:
+    """Axes along which a shift, or the two about which a turn, changes what `channel` reads."""
+    across = np.array([np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)])
+    if family == "position":
+        return "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
+    kept = sorted(np.argsort(-across, kind="stable")[:2])
+    return "".join(AXES[k] for k in kept)
+
+
+def _vector(x: Offsets, stem: str) -> Array:
+    return np.array([x.get(f"{stem}:{axis}", 0.0) for axis in AXES])
+
+
+def _geometry(part: PickUps, x: Offsets) -> tuple[Array, Array]:
+    """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
+    made = [_placed(part, channel, x) for channel in part.channels]
+    return np.array([row for row, _ in made]).reshape(-1, 6), np.array([up for _, up in made])
+
+
+def _placed(part: PickUps, channel: Channel, x: Offsets) -> tuple[Array, float]:
+    shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
+    Q = _rotation(turn)
+    directions = [Q @ place.direction for place in channel.places]
+    arms = [place.position + shift - part.point for place in channel.places]
+    row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
+    return np.asarray(row), float(np.mean([d[2] for d in directions]))
+
+
+def _geometry_changes(part: PickUps, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, Array]]:
+    """By `wanted` parameter of position and angle: the channel, the change (6,) of its row and () of its vertical component."""
+    for k, channel in enumerate(part.channels):
+        shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
+        Q, J = _rotation(turn), _left_jacobian(turn)
+        for axis, e in zip(AXES, np.eye(3), strict=True):
+            if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
+                d = np.mean([Q @ place.direction for place in channel.places], axis=0)
+                yield key, k, np.concatenate([np.zeros(3), -d @ skew(e)]), np.zeros(())
+            if (key := f"accelerometer-misalignment:{channel.name}:{axis}") in wanted:
+                turned = [(np.cross(J @ e, Q @ place.direction), place.position + shift - part.point) for place in channel.places]
+                change = np.mean([d @ rigid_transformation(arm) for d, arm in turned], axis=0)
+                yield key, k, np.asarray(change), np.asarray(np.mean([d[2] for d, _ in turned]))
+
+
+def _sight(part: PickUps, x: Offsets, frequency: Array) -> Sight:
+    table = part.group == "table"
+    senses = np.array([channel.senses_gravity for channel in part.channels], dtype=np.float64)
+    return Sight(
+        factors=factors(part.names, "accelerometer", part.group, x, frequency),
+        square=np.square(2 * np.pi * frequency),
+        sensor=part.gravity * (1 + x.get(SENSOR, 0.0)) * senses,
+        structure=part.gravity * (1 + x.get(STRUCTURE, 0.0)),
+        compliance=part.springs.compliance(x) if table else np.zeros((6, 6)),
+        bending=0.0 if table else x.get(BENDING, 0.0),
+    )
+
+
+def _seen(sight: Sight, geometry: Array, upward: Array, chosen: list[int]) -> Rows:
+    """A0, A1 (n, k, 6) of the `chosen` channels with rows `geometry` (k, 6) and vertical components `upward` (k,)."""
+    f, square = sight.factors[:, chosen, None], sight.square[:, None, None]
+    more, sensed = turned(geometry), sight.sensor[chosen, None]
+    A0 = f * (geometry + (sensed - sight.structure) * more / square)
+    A1 = -f * ((square * geometry + sensed * more) @ sight.compliance)
+    A1[..., 2] -= f[..., 0] * square[..., 0] * sight.bending * upward
+    return np.asarray(A0), np.asarray(A1)
+
+
+def _common_changes(part: PickUps, x: Offsets, sight: Sight, geometry: Array, upward: Array) -> Iterator[tuple[str, Rows]]:
+    """Of what all channels of the group share: tilt, springs, a cover plate that bends."""
+    f, square, more = sight.factors[:, :, None], sight.square[:, None, None], turned(geometry)
+    none = np.zeros((*sight.factors.shape, 6), dtype=np.complex128)
+    senses = np.array([channel.senses_gravity for channel in part.channels], dtype=np.float64)[:, None]
+    if STRUCTURE in x:
+        yield STRUCTURE, (-f * part.gravity * more / square, none)
+    if SENSOR in x:
+        weight = f * part.gravity * senses
+        yield SENSOR, (np.asarray(weight * more / square), np.asarray(-weight * (more @ sight.compliance)))
+    if part.group == "table":
+        for key, change in part.springs.compliance_changes(x):
+            yield key, (none, np.asarray(-f * ((square * geometry + sight.sensor[:, None] * more) @ change)))
+    elif BENDING in x:
+        bent = none.copy()
+        bent[..., 2] = -sight.factors * sight.square[:, None] * upward
+        yield BENDING, (none, bent)
+
+
+def _rotation(turn: Array) -> Array:
+    """(3, 3) rotation about the vector `turn` (3,) by its length [rad] (Rodrigues)."""
+    angle, S = float(np.linalg.norm(turn)), skew(turn)
+    return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S @ S)
+
+
+def _left_jacobian(turn: Array) -> Array:
+    """(3, 3) J: a small change t of `turn` rotates what is already turned about J t."""
+    angle, S = float(np.linalg.norm(turn)), skew(turn)
+    third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
+    return np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
+
+
+STANDARD_GRAVITY = 9.81
+"""[m/s²] of a campaign that states none, as `campaign.toml` does by default."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Derivative:
+    """How the chain answers to one parameter.
+
+    Attributes
+    ----------
+    channels : columns of the chain that change, all others do not
+    rows : (n, k, 6) complex, d(A0 + A1 H) / d offset of these
+    """
+
+    channels: tuple[int, ...]
+    rows: ComplexArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Chain:
+    """A measurement chain. A vector theta (p,) holds offsets of `parameters` from nominal; zeros are the chain as drawn.
+
+    Attributes
+    ----------
+    columns : indices in the channel table of the chain's channels, in the order of its rows
+    names : (c,) of these
+    parameters : that may move
+    possible : names of every parameter that it could have, open or not
+    left_out : names of channels of the table that the chain does not predict
+    remarks : sentences: what was left out and why, what was assumed of the load cells
+    cover, table, forces : its parts
+    springs : the load cells
+    """
+
+    columns: tuple[int, ...]
+    names: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
+    possible: tuple[str, ...]
+    left_out: tuple[str, ...]
+    remarks: tuple[str, ...]
+    cover: PickUps
+    table: PickUps
+    forces: Loads
+    springs: Springs
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @property
+    def tolerances(self) -> Array:
+        """(p,) standard deviation of every offset before anything was measured."""
+        return np.array([one.tolerance for one in self.parameters])
+
+    def theta(self, values: Mapping[str, float]) -> Array:
+        """(p,) offsets at which the parameters named in `values` have these values and all others their nominal one.
+
+        Raises
+        ------
+        BadInput : a name of no open parameter, or a value that turns a stiffness negative.
+        """
+        by_name = {one.name: k for k, one in enumerate(self.parameters)}
+        theta = np.zeros(len(self.parameters))
+        for name, value in values.items():
+            if name not in by_name:
+                problem = "the chain has no such open parameter"
+                raise BadInput(source="measurement chain", field=name, problem=problem, remedy="Give it a tolerance above 0")
+            theta[by_name[name]] = self.parameters[by_name[name]].offset(value)
+        return theta
+
+    def values(self, theta: npt.ArrayLike) -> dict[str, float]:
+        """By parameter, its value in its unit at `theta` (p,)."""
+        return {one.name: one.value(float(t)) for one, t in zip(self.parameters, self._checked(theta), strict=True)}
+
+    def rows(self, theta: npt.ArrayLike, frequency: npt.ArrayLike) -> tuple[ComplexArray, ComplexArray]:
+        """A0 and A1, (n, c, 6) each, at `theta` (p,) and `frequency` (n,) [Hz], above zero: channels = (A0 + A1 H) u.
+
+        Columns are the motions, and for A1 the loads, about the reference point in the order of `MOTIONS`.
+        """
+        x, lines = self._offsets(theta), _lines(frequency)
+        cover, table = (pick_ups_rows(part, x, lines) for part in (self.cover, self.table))
+        A1 = rows(self.forces, x, lines)
+        return np.concatenate([cover[0], table[0], np.zeros_like(A1)], axis=1), np.concatenate([cover[1], table[1], A1], axis=1)
+
+    def derivatives(
+        self, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, wanted: Collection[str] | None = None
+    ) -> tuple[Derivative, ...]:
+        """By parameter, in order, d(A0 + A1 H) / d offset at `theta` (p,), `frequency` (n,) [Hz] and `H` (n, 6, 6).
+
+        Of parameters whose names are not `wanted` there are none; by default all are.
+        """
+        names = [one.name for one in self.parameters if wanted is None or one.name in wanted]
+        x, lines, matrix = self._offsets(theta), _lines(frequency), np.asarray(H, dtype=np.complex128)
+        found: dict[str, list[tuple[list[int], ComplexArray]]] = {name: [] for name in names}
+        for part in (self.cover, self.table):
+            for key, touched, (A0, A1) in pick_ups_changes(part, x, lines, found):
+                found[key].append(([part.first + k for k in touched], A0 + A1 @ matrix))
+        for key, touched, A1 in loads_changes(self.forces, x, lines, found):
+            found[key].append(([self.forces.first + k for k in touched], A1 @ matrix))
+        return tuple(_joined(found[name]) for name in names)
+
+    def _checked(self, theta: npt.ArrayLike) -> Array:
+        return frozen(theta, (len(self.parameters),), "theta")
+
+    def _offsets(self, theta: npt.ArrayLike) -> dict[str, float]:
+        return {one.name: float(t) for one, t in zip(self.parameters, self._checked(theta), strict=True)}
+
+
+def chain(
+    table: ChannelTable,
+    tolerances: Tolerances | None = None,
+    *,
+    stiffness: npt.ArrayLike | None = None,
+    gravity: float = STANDARD_GRAVITY,
+    overrides: Mapping[str, float] = MappingProxyType({}),
+) -> Chain:
+    """The chain of `table`: accelerometers on cover plate and table, then forces and moments of the FMD.
+
+    Parameters
+    ----------
+    table : channels and reference point
+    tolerances : priors; those of an ordinary laboratory by default
+    stiffness : (3,) [N/m] of one load cell along x, y, z; infinity for an FMD that does not give. None when nobody knows: that of
+        the reconstructed FMD then, with a prior as wide as the ignorance
+    gravity : [m/s²]
+    overrides : standard deviations by name of a parameter or of its family, in place of `tolerances`. 0 closes a
+        parameter; what is closed by default (delays of boards, shunts, high-passes, ...) opens by a positive one
+
+    Raises
+    ------
+    BadInput : a stiffness or an override that cannot be used.
+    """
+    known = tolerances or Tolerances()
+    cover, below, force = (
+        table.select(group=group, quantity=quantity)
+        for group, quantity in (("cover", "acceleration"), ("table", "acceleration"), ("fmd", ("force", "moment")))
+    )
+    columns = (*cover, *below, *force)
+    sums = summation([table.channels[k] for k in force], table.origin)
+    elements = [place for quantity, place in sums.elements if quantity == "force"]
+    springs = cell_springs(elements, table.origin, stiffness)
+    parts = [
+        PickUps(
+            group=group,
+            channels=tuple(table.channels[k] for k in chosen),
+            first=first,
+            point=table.origin,
+            springs=springs,
+            gravity=gravity,
+        )
+        for group, chosen, first in (("cover", cover, 0), ("table", below, len(cover)))
+    ]
+    forces = Loads(channels=tuple(table.channels[k] for k in force), first=len(cover) + len(below), sums=sums, springs=springs)
+    candidates = _candidates(parts[0], parts[1], forces, known, ASSUMED if stiffness is None else STATED)
+    return Chain(
+        columns=columns,
+        names=tuple(table.names[k] for k in columns),
+        parameters=opened(candidates, overrides),
+        possible=tuple(one.name for one in candidates),
+        left_out=tuple(name for k, name in enumerate(table.names) if k not in columns),
+        remarks=(*_left_out(table, columns), *_assumed(springs, bool(below), stiffness is None)),
+        cover=parts[0],
+        table=parts[1],
+        forces=forces,
+        springs=springs,
+    )
+
+
+def _candidates(cover: PickUps, table: PickUps, forces: Loads, known: Tolerances, softness: float) -> tuple[Parameter, ...]:
+    """Every parameter that the chain could have, family by family; tolerance 0 where none is expected to move."""
+    pick_up = [*pick_ups_parameters(cover, known), *pick_ups_parameters(table, known)]
+    common = [*_cells(table, forces, known, softness), *_gravity(cover, table)]
+    return tuple(sorted([*loads_parameters(forces, known), *pick_up, *common], key=lambda one: _FAMILIES.index(one.family)))
+
+
+_FAMILIES = (
+    *("force-gain", "accelerometer-gain", "force-delay", "accelerometer-delay", "board-delay", "force-highpass"),
+    *("accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, "force-crosstalk", "load-path-shunt"),
+    *("force-plane-offset", "cover-plate-flexibility", STRUCTURE, SENSOR),
+)
+
+
+def _cells(table: PickUps, forces: Loads, known: Tolerances, softness: float) -> list[Parameter]:
+    springs, below = forces.springs, table.columns if not forces.springs.rigid else ()
+    elements = springs.names if springs.of_cells else ()
+    cell = Parameter(name=ELEMENT, unit="1", tolerance=known.cell_stiffness, channels=(*below, *forces.columns), logarithmic=True)
+    common = Parameter(name=COMPLIANCE, unit="1", tolerance=softness, channels=below, nominal=1.0, logarithmic=True)
+    return [replace(cell, name=f"{ELEMENT}:{name}") for name in elements] + [
+        replace(common, name=f"{COMPLIANCE}:{name}") for name in springs.shares if below
+    ]
+
+
+def _gravity(cover: PickUps, table: PickUps) -> list[Parameter]:
+    columns = (*cover.columns, *table.columns)
+    return [
+        Parameter(name=name, unit="1", tolerance=0.0, channels=columns, nominal=1.0) for name in (STRUCTURE, SENSOR) if columns
+    ]
+
+
+def _left_out(table: ChannelTable, columns: tuple[int, ...]) -> list[str]:
+    """Which channels the chain does not predict, and why."""
+    left = [channel for k, channel in enumerate(table.channels) if k not in columns]
+    on_structure = [channel.name for channel in left if channel.group == "article"]
+    others = [channel.name for channel in left if channel.group != "article"]
+    why = ((on_structure, "sits on the structure, which is not rigid"), (others, "measures no load of the FMD"))
+    return [f"not used: {', '.join(names)}; what {reason}, tells nothing here" for names, reason in why if names]
+
+
+def _assumed(springs: Springs, table: bool, unknown: bool) -> list[str]:
+    """What the chain takes for granted of the load cells."""
+    found = []
+    if not springs.of_cells:
+        found.append("the force channels do not tell how cells share the load: their readings are taken for the resultants")
+    if table and unknown:
+        found.append(
+            "the stiffness of the load cells is not stated: that of the reconstructed FMD is assumed, within a factor of five"
+        )
+    return found
+
+
+def _lines(frequency: npt.ArrayLike) -> Array:
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    if np.any(lines <= 0):
+        raise ValueError(f"`frequency` must be above zero, found {lines.min():g}: at rest a tilt is no acceleration")
+    return frozen(lines, lines.shape, "frequency")
+
+
+def _joined(parts: list[tuple[list[int], ComplexArray]]) -> Derivative:
+    return Derivative(
+        channels=tuple(k for touched, _ in parts for k in touched),
+        rows=np.concatenate([rows for _, rows in parts], axis=1),
+    )
+
+
+# Combinations of parameters that no channel ever shows.
+#
+# The motion u is latent: what changes all channels as another motion would is not seen. With A = A0 + A1 H, dA_k the change by
+# parameter k and P the projector off the columns of A, a combination w is invisible where
+#
+#     sum_k w_k P dA_k = 0          at every line and for all six motions,
+#
+# and those are the null space of the Jacobian of the likelihood, whatever the runs were. All accelerometers and load cells of
+# one common gain, or coming late alike, are the plainest. Priors alone decide along such a combination; data cannot.
+
+
+INVISIBLE = 1e-9
+"""What a combination of one tolerance in all may change, relative to the levels of the channels, and still be rounding."""
+
+NEGLIGIBLE = 1e-6
+"""Weight beside the largest one below which a parameter does not take part."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Combination:
+    """Parameters that move together without a trace.
+
+    Attributes
+    ----------
+    weights : by name, offset in the parameter's own unit for an offset 1 of the first one
+    text : the same in words, whole families together
+    """
+
+    weights: Mapping[str, float]
+    text: str
+
+
+def unobservable(
+    chain: Chain,
+    theta: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+    H: npt.ArrayLike,
+    *,
+    structure: Mapping[str, npt.ArrayLike] = MappingProxyType({}),
+) -> tuple[Combination, ...]:
+    """Independent combinations of the chain's parameters, and of what is unknown of the structure, that no channel shows.
+
+    Parameters
+    ----------
+    theta : (p,) where the chain stands
+    frequency : (n,) lines [Hz]
+    H : (n, 6, 6) dynamic mass of what stands above the force plane
+    structure : by name, (6, 6) or (n, 6, 6) change of H by one unit of something that is not known of it either; of a size like
+        that of a tolerance. None where H is known, as in a tare
+    """
+    J = jacobian(chain, theta, frequency, H, tuple(structure.values()))
+    _, singular, Vt = np.linalg.svd(J, full_matrices=False)
+    names = (*(one.name for one in chain.parameters), *structure)
+    units = np.concatenate([chain.tolerances, np.ones(len(structure))])
+    return tuple(_combination(weights, units, names) for weights in _plain(Vt[singular < INVISIBLE]))
+
+
+def jacobian(
+    chain: Chain, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, structure: Sequence[npt.ArrayLike] = ()
+) -> Array:
+    """Change of the channels by one tolerance of each parameter, relative to their levels, beyond all motions.
+
+    Shape (2 n c 6, p + s), real above imaginary parts, for the six motions at their nominal levels each; padded with zero rows
+    to at least p + s.
+    """
+    matrix = np.asarray(H, dtype=np.complex128)
+    A0, A1 = chain.rows(theta, frequency)
+    levels = np.array([LEVELS[axis] for axis in MOTIONS])
+    A = (A0 + A1 @ matrix) * levels
+    size = np.sqrt(np.mean(np.sum(np.abs(A) ** 2, axis=2), axis=0))[:, None]
+    Q, _ = np.linalg.qr(A / size)
+    off = np.eye(len(chain)) - Q @ Q.conj().transpose(0, 2, 1)
+    found: list[ComplexArray] = []
+    for one, tolerance in zip(chain.derivatives(theta, frequency, matrix), chain.tolerances, strict=True):
+        chosen = list(one.channels)
+        found.append(off[:, :, chosen] @ (tolerance * one.rows * levels / size[chosen]))
+    found += [np.asarray(off @ ((A1 @ np.asarray(change)) * levels / size)) for change in structure]
+    flat = np.array([change.ravel() for change in found]).reshape(len(found), -1).T
+    J = np.vstack([flat.real, flat.imag]) / np.sqrt(max(len(A), 1))
+    return np.vstack([J, np.zeros((max(0, J.shape[1] - J.shape[0]), J.shape[1]))])
+
+
+def _plain(null: Array) -> Array:
+    """A basis of the same space that is read more easily: each vector has one parameter to itself, of weight 1."""
+    from scipy.linalg import qr
+
+    if not len(null):
+        return null
+    _, _, order = qr(null, mode="economic", pivoting=True)
+    own = order[: len(null)]
+    return np.asarray(np.linalg.solve(null[:, own], null))
+
+
+def _combination(weights: Array, units: Array, names: Sequence[str]) -> Combination:
+    least = NEGLIGIBLE * float(np.abs(weights).max())
+    kept = {name: float(w * unit) for name, w, unit in zip(names, weights, units, strict=True) if abs(w) > least}
+    first = next(iter(kept.values()))
+    offsets = {name: w / first for name, w in kept.items()}
+    return Combination(weights=MappingProxyType(offsets), text=_words(offsets, names))
+
+
+def _words(offsets: Mapping[str, float], names: Sequence[str]) -> str:
+    """Families of which all take part alike as one, everything else by its name."""
+    said: dict[str, str] = {}
+    for name, weight in offsets.items():
+        family = name.partition(":")[0]
+        members = [one for one in names if one.partition(":")[0] == family]
+        alike = all(abs(offsets.get(one, 0.0) - weight) < NEGLIGIBLE * abs(weight) for one in members)
+        whole = alike and len(members) > 1
+        said[family if whole else name] = f"{weight:+.3g} {f'{family} (all {len(members)})' if whole else name}"
+    return " ".join(said.values())

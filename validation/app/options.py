@@ -1,0 +1,184 @@
+"""What `massline app` was asked, checked at the door, and how it travels to the process of a window."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+import threading
+from dataclasses import dataclass, field
+from ipaddress import ip_address
+from pathlib import Path
+
+from geometry.errors import BadInput
+
+LOOPBACK = "127.0.0.1"
+
+LINGER = 20.0
+"""Seconds that everything stays when the last page was closed: enough to open it again that was closed by mistake."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartOptions:
+    """What every new window begins with; nothing of it makes an empty page.
+
+    Attributes
+    ----------
+    example : name of a built-in example, None for none
+    model : absolute path of a model file, None for none
+    data : absolute paths of campaign folders and measurement files
+    hold_out : names of runs, campaigns and files that no fit may see
+    band : [Hz]; None for what all runs drive
+    method : of `identification.campaign.METHODS`
+    effects_from : absolute paths of folders with effects of the user's own
+    """
+
+    example: str | None = None
+    model: str | None = None
+    data: tuple[str, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    method: str = "full-record"
+    effects_from: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorkbenchOptions:
+    """The options as typed.
+
+    Attributes
+    ----------
+    opened : what every window begins with
+    port : of the door; 0 lets the system choose
+    host : address that the door listens on
+    browser : whether the system's browser is opened
+    linger : seconds that the door stays when the last page is closed; None for ever
+    """
+
+    opened: StartOptions = field(default_factory=StartOptions)
+    port: int = 0
+    host: str = LOOPBACK
+    browser: bool = True
+    linger: float | None = LINGER
+
+
+def opened(
+    example: str | None,
+    model: str | None,
+    data: tuple[str, ...],
+    *,
+    hold_out: tuple[str, ...] = (),
+    band: tuple[float, float] | None = None,
+    method: str = "full-record",
+    effects_from: tuple[str, ...] = (),
+) -> StartOptions:
+    """The arguments of the command as one noun, with absolute paths, because a window works in a folder of its own.
+
+    Raises
+    ------
+    BadInput : an example beside a model or one that nobody knows, a model without data, a path that is not there.
+    """
+    if example is not None:
+        _require_example(example)
+    if example is not None and model is not None:
+        problem = f"an example brings its own model and data, found MODEL {model} beside it"
+        raise BadInput(source="--example", problem=problem, remedy="Give one of the two")
+    if model is not None and not data:
+        raise BadInput(source="DATA", problem=f"nothing stands behind the model {model}", remedy="Name a campaign folder")
+    return StartOptions(
+        example=example,
+        model=None if model is None else _absolute(model),
+        data=tuple(_absolute(path) for path in data),
+        hold_out=hold_out,
+        band=band,
+        method=method,
+        effects_from=tuple(_absolute(path) for path in effects_from),
+    )
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches `host`."""
+    if host == "localhost":
+        return True
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _require_example(name: str) -> None:
+    from validation.app.examples import examples
+
+    known = [one.name for one in examples()]
+    if name not in known:
+        raise BadInput(source="--example", problem=f"there is none called {name}", remedy=f"Known are {', '.join(known)}")
+
+
+def _absolute(path: str) -> str:
+    if not Path(path).exists():
+        raise BadInput(source=path, problem="there is no such file or folder", remedy="Check the path")
+    return str(Path(path).absolute())
+
+
+# What every answer tells the browser: take nothing from elsewhere, guess no types, show this page in no other.
+
+
+SECURITY = {
+    # Vue compiles the page's templates in the browser, which needs `unsafe-eval`; nothing that a user's file says is ever part of
+    # a template. Styles are set by the widgets themselves.
+    "Content-Security-Policy": "; ".join(
+        (
+            "default-src 'none'",
+            "script-src 'self' 'unsafe-eval'",
+            "style-src 'self' 'unsafe-inline'",
+            "img-src 'self' data: blob:",
+            "font-src 'self' data:",
+            "connect-src 'self'",
+            "frame-ancestors 'none'",
+            "base-uri 'self'",
+            "form-action 'none'",
+        )
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+NEVER_KEPT = {"Cache-Control": "no-store"}
+
+DOOR_SECRET = "X-Massline-Door"
+"""What the door says to a window's own server, and nobody else knows."""
+
+
+# A process that does not outlive the one that started it.
+#
+# Two ends are watched. The starter holds the other end of standard input: when it closes, by a clean end or by a crash, this
+# process ends its whole group, workers included. And where the system knows it (Linux), the kernel itself ends this process
+# with the thread that started it. No process is left even when the starter was killed in the middle of a computation.
+
+
+PR_SET_PDEATHSIG = 1
+"""`prctl(2)`: the signal that this process gets when its parent dies."""
+
+
+def tied() -> None:
+    """Tie this process, the leader of its group, to the one that holds the other end of its standard input."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    signal.signal(signal.SIGTERM, lambda *_: end_group())
+    threading.Thread(target=_wait_for_the_end, name="lifeline", daemon=True).start()
+
+
+def end_group() -> None:
+    """End this process and all that it started, at once; what the desk keeps is on disk already."""
+    os.killpg(os.getpgrp(), signal.SIGKILL)
+
+
+def _wait_for_the_end() -> None:
+    # An unbuffered read of its own: the buffered one of `sys.stdin` would hold a lock when the interpreter ends.
+    while os.read(0, 4096):
+        pass
+    end_group()

@@ -1,0 +1,311 @@
+"""What one window holds while it is open: the desk, what was computed for it, and the threads in which anything slow happens.
+
+Everything of worth lies in the desk's folder; a window that was closed and is opened again by its address takes it up from
+there.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import sys
+import time
+import traceback
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from fem.solid import model
+from geometry.errors import BadInput, CheckFailed
+from validation.app import session, workers
+from validation.app.options import StartOptions
+from validation.app.session import Session
+from validation.app.workers import CANCELLED, DONE, FAILED, Job
+from validation.history import history
+
+if TYPE_CHECKING:
+    from validation.app.session import Compared
+    from validation.app.whatif import Table, TrialEffect, WhatIf
+    from validation.app.workers import Worker
+    from validation.report.scenes.turntable import Turntable
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(kw_only=True)
+class WindowState:
+    """A window.
+
+    Attributes
+    ----------
+    state : what the page shows, trame's
+    folder : of this window; desks lie in it
+    opened : what the command line asked to begin with
+    desk : what is worked on, None before something is open
+    compared : the comparison of the model as it stands
+    table : predictions that stand ready for what-if
+    effects : that can be tried, by id
+    worker : the job that runs
+    ending : its end, once it is cancelled
+    turntable : what the view shows
+    sizes : where the sliders of the chosen effect stand, by key
+    wanted : the effect that was chosen last, with its size where one was said
+    tried : what it would do, at every line
+    exact : whether the sliders rest
+    drags, views : how many curves and scenes have been sent
+    """
+
+    state: Any
+    folder: Path
+    opened: StartOptions
+    desk: Session | None = None
+    compared: Compared | None = None
+    table: Table | None = None
+    effects: dict[str, TrialEffect] = field(default_factory=dict)
+    worker: Worker | None = None
+    ending: asyncio.Future[Job] | None = None
+    turntable: Turntable | None = None
+    sizes: dict[str, float] = field(default_factory=dict)
+    wanted: str | None = None
+    tried: WhatIf | None = None
+    exact: bool = True
+    drags: int = 0
+    views: int = 0
+    dragging: asyncio.Task[None] | None = None
+    tasks: set[asyncio.Task[None]] = field(default_factory=set)
+    # One thread each: a desk computes one thing at a time, and OpenGL wants to be spoken to by one thread only.
+    _computing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "desk"))
+    # A slider that moves on does not wait for what was computed where it rested.
+    _resting: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "rest"))
+    # What takes long and is no process gets a thread beside these.
+    _aside: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "aside"))
+    _drawing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "view"))
+
+    async def away(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """`work` done beside the page, which goes on."""
+        return await asyncio.get_running_loop().run_in_executor(self._computing, partial(work, *args, **kwargs))
+
+    async def at_rest(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The same for what is computed exactly where a slider rests."""
+        return await asyncio.get_running_loop().run_in_executor(self._resting, partial(work, *args, **kwargs))
+
+    async def aside(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The same for what takes seconds: no click waits behind it."""
+        return await asyncio.get_running_loop().run_in_executor(self._aside, partial(work, *args, **kwargs))
+
+    async def drawn(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """The same for pictures."""
+        return await asyncio.get_running_loop().run_in_executor(self._drawing, partial(work, *args, **kwargs))
+
+    def begin(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        """Let `work` run by itself; how it fails is told on the page."""
+        task = asyncio.ensure_future(self.told(work))
+        self.tasks.add(task)
+        task.add_done_callback(self.tasks.discard)
+        return task
+
+    async def told(self, work: Awaitable[None]) -> None:
+        """Await `work`; what goes wrong is said on the page in words, and nothing else stops."""
+        try:
+            await work
+        except (BadInput, CheckFailed) as error:
+            self.state.failure = str(error)
+        except OSError as error:
+            self.state.failure = f"{error.filename or 'file'}: {error.strerror or error}. Check the path and its permissions."
+        except Exception:
+            traceback.print_exc(file=sys.stderr)
+            self.state.failure = (
+                f"The workbench itself made a mistake; what is open is not lost. {self.folder / 'window.log'} says more."
+            )
+        self.state.flush()
+
+
+# Long work on the page: a line that says what is done, how far it is, and a button that ends it.
+
+
+PACE = 0.15
+"""Seconds between two looks at a worker."""
+
+WORDS = {
+    workers.COMPARE: "Comparing",
+    workers.DIAGNOSE: "Diagnosing",
+    workers.ADD: "Adding",
+    workers.REPORT: "Writing the report",
+}
+
+
+Following = Callable[[WindowState], Awaitable[None]]
+
+
+async def unchanged(bench: WindowState) -> None:
+    """What a job that only adds to what is found leaves to be done when it is ended early."""
+
+
+def start(bench: WindowState, kind: str, then: Following, left: Following = unchanged, **asked: Any) -> None:
+    """Let a worker begin; `then` follows when it is done. While one works no other begins.
+
+    `left` follows when it was cancelled or failed, and brings the page to what is there.
+    """
+    if bench.desk is None or bench.worker is not None:
+        return
+    bench.state.failure, bench.state.ready = "", None
+    bench.worker = workers.start(bench.desk, kind, **asked)
+    _tell(bench, bench.worker.job())
+    bench.begin(_watched(bench, then, left))
+
+
+async def cancel(bench: WindowState) -> None:
+    """End the worker now. Nobody looks at it while it dies: that would be told as a failure."""
+    if bench.worker is not None and bench.ending is None:
+        bench.ending = asyncio.ensure_future(asyncio.to_thread(bench.worker.cancel))
+
+
+def teller(bench: WindowState, words: str) -> Callable[[str, float], None]:
+    """What work in a thread calls to say how far it is; a thread cannot be cancelled."""
+    loop, began = asyncio.get_running_loop(), time.monotonic()
+
+    def show(what: str, share: float) -> None:
+        bench.state.job = _line(f"{words}: {what}", share, time.monotonic() - began, cancellable=False)
+        bench.state.flush()
+
+    show("...", 0.0)
+    return lambda what, share: None if loop.is_closed() else (loop.call_soon_threadsafe(show, what, share), None)[1]
+
+
+async def _watched(bench: WindowState, then: Following, left: Following) -> None:
+    worker = bench.worker
+    if worker is None:
+        return
+    job = worker.job()
+    while not job.ended:
+        await asyncio.sleep(PACE)
+        job = worker.job() if bench.ending is None else await bench.ending
+        _tell(bench, job)
+    bench.worker, bench.ending, bench.state.job = None, None, None
+    await (then if job.state == DONE else left)(bench)
+    if job.state == FAILED:
+        bench.state.failure = f"{WORDS[job.kind]} failed: {job.error}"
+    if job.state == CANCELLED:
+        bench.state.ready = {"text": f"{WORDS[job.kind]} was cancelled; {job.said or 'nothing has changed'}.", "links": []}
+    bench.state.flush()
+
+
+def _tell(bench: WindowState, job: Job) -> None:
+    bench.state.job = None if job.ended else _line(f"{WORDS[job.kind]}: {job.what}", job.share, job.seconds, cancellable=True)
+    bench.state.flush()
+
+
+def _line(text: str, share: float, seconds: float, *, cancellable: bool) -> dict[str, Any]:
+    percent = round(100 * min(max(share, 0.0), 1.0))
+    return {"text": text, "percent": percent, "seconds": round(seconds), "cancellable": cancellable}
+
+
+# What of the page the next reload finds again.
+
+
+KEPT = ("campaign", "load", "motion", "marked", "map_kind", "run", "tab", "scheme", "mode", "part")
+"""State of the page, by name."""
+
+
+def keep(bench: WindowState) -> None:
+    """Keep it in the desk."""
+    if bench.desk is not None:
+        session.keep_view(bench.desk, {**{key: bench.state[key] for key in KEPT}, "effect": _chosen(bench)})
+
+
+def kept(bench: WindowState) -> str | None:
+    """Put back what was kept; the effect that was chosen, with its size, comes back to be chosen again."""
+    if bench.desk is None:
+        return None
+    found = session.view(bench.desk)
+    bench.state.update({key: found[key] for key in KEPT if key in found})
+    effect = found.get("effect")
+    return effect if isinstance(effect, str) else None
+
+
+def _chosen(bench: WindowState) -> str | None:
+    if bench.state.effect is None:
+        return None
+    known = bench.effects.get(bench.state.effect["id"])
+    return bench.wanted if known is None else known.written(bench.sizes)
+
+
+# What is kept of a window's work when the workbench ends and nobody has saved it: models with the rungs added to them.
+
+
+SAVED = "rungs.saved"
+"""The file of a desk that says how many rungs were there when its model was opened, or downloaded last."""
+
+PLACE = "workbench"
+"""Folder of the cache."""
+
+
+def saved(of: Session) -> None:
+    """All rungs are in the user's hands: the model was opened just now, or downloaded."""
+    (of.folder / SAVED).write_text(str(_rungs(of.folder)), encoding="utf-8")
+
+
+def unsaved(of: Session) -> bool:
+    """Whether effects were added since."""
+    return _unsaved(of.folder)
+
+
+def leaving_kept(home: Path, say: Callable[[str], None]) -> None:
+    """Copy what is unsaved in the windows below `home` to the user's cache, and `say` where it is."""
+    for folder in sorted(home.glob("*/desk-*")):
+        if session.is_desk(folder) and _unsaved(folder):
+            try:
+                say(f"A model with effects added was not saved; it is kept in\n  {_copied(folder)}")
+            except (BadInput, OSError) as error:
+                say(f"A model with effects added was not saved, and cannot be kept: {error}")
+
+
+def _unsaved(folder: Path) -> bool:
+    try:
+        known = int((folder / SAVED).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        known = 0
+    return _rungs(folder) > max(known, 1)  # the first one is the model as it was opened
+
+
+def _rungs(folder: Path) -> int:
+    try:
+        return len(history.read(history.path_beside(folder / "work" / "model.toml")).rungs)
+    except (OSError, BadInput):
+        return 0
+
+
+def _copied(folder: Path) -> Path:
+    """The model with its ladder, files that were dropped, and a report, in a new folder of the cache.
+
+    Raises
+    ------
+    BadInput : there is no cache, or the model cannot be read.
+    OSError : it cannot be written there.
+    """
+    place = model.folder()
+    if place is None:
+        raise BadInput(source="workbench", problem="there is no folder for a cache", remedy="Set MASSLINE_CACHE")
+    to = place / PLACE / next(_names(folder, place / PLACE))
+    for one in _beside(folder):
+        shutil.copytree(one, to / one.name, dirs_exist_ok=True)
+    session.copied(folder / "work" / "model.toml", to / "model.toml")
+    return to / "model.toml"
+
+
+def _beside(folder: Path) -> list[Path]:
+    return [one for one in (*folder.parent.glob("drop-*"), folder / "saved") if one.is_dir()]
+
+
+def _names(folder: Path, place: Path) -> Iterator[str]:
+    number = 0
+    while True:
+        name = f"{folder.parent.name}-{folder.name}" + (f"-{number}" if number else "")
+        if not (place / name).exists():
+            yield name
+        number += 1

@@ -1,0 +1,384 @@
+"""Commands that hold a model against measurements: compare, diagnose, add, undo, ladder, correct, report, app and their kin."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from validation.app.options import LINGER
+from validation.cli import options
+from validation.cli.options import METHODS
+
+
+@click.command("compare")
+@click.argument("model", metavar="MODEL")
+@click.argument("data", nargs=-1, required=True, metavar="DATA ...")
+@options.HOLD_OUT
+@options.BAND
+@options.METHOD
+@options.effects_from
+@options.JSON
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write compare.json and the pictures into DIR.")
+def compare_command(
+    model: str,
+    data: tuple[str, ...],
+    hold_out: tuple[str, ...],
+    band: tuple[float, float] | None,
+    method: str,
+    as_json: bool,
+    out: Path | None,
+) -> None:
+    """Where MODEL fails: four errors with their verdicts, the ten worst spots in words, maps over frequency.
+
+    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. Spots are told in standard
+    deviations of what noise and tolerances let expect, and in per cent of the dynamic mass; docs/compare.md says how to read
+    them.
+
+    Exit code 0 whatever it finds; 1 when a fit does not converge; 2 when the input cannot be used.
+    """
+    from validation.output import require_folder
+    from validation.report.compare import answer
+    from validation.study import CompareOptions
+
+    if out is not None:
+        require_folder(out, "--out")
+    asked = CompareOptions(model=model, data=data, hold_out=hold_out, band=band, method=method)
+    answer(asked, as_json=as_json, folder=out)
+
+
+# `massline add`: an effect fitted and added to a model, with the errors before and after.
+
+
+@click.command("add")
+@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@click.argument("effect", metavar="EFFECT[=VALUE]")
+@click.argument("data", nargs=-1, metavar="[DATA ...]")
+@click.option(
+    "--hold-out",
+    multiple=True,
+    metavar="NAME",
+    help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run in turn]",
+)
+@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]")
+@click.option("--method", type=click.Choice(METHODS), help=f"How spectra are made.  [default: {METHODS[0]}]")
+@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+@click.option("--fixed", is_flag=True, help="Keep the effect at VALUE instead of fitting it.")
+@click.option(
+    "--alias-ok", is_flag=True, help="Add it though these data cannot tell it from what the model has; the rung says so."
+)
+@options.JSON
+def add_command(
+    model: Path,
+    effect: str,
+    data: tuple[str, ...],
+    hold_out: tuple[str, ...],
+    band: tuple[float, float] | None,
+    method: str | None,
+    effects_from: tuple[str, ...],
+    fixed: bool,
+    alias_ok: bool,
+    as_json: bool,
+) -> None:
+    """Add EFFECT to MODEL: fit it, print the errors before and after, and keep both as rungs of the model's ladder.
+
+    EFFECT is an id of the catalogue, such as force-gain:fmd-z2; with =VALUE its fit begins there. DATA are the campaign folders
+    of one series, and weigh, cog and pendulum files with them; they may be left out once the ladder knows them. MODEL is
+    rewritten with the effect, its size and standard deviation; the ladder beside it, MODEL.ladder.json, keeps every version. A
+    wrong effect is added all the same: the ladder shows that nothing fell. docs/ladder.md says how to read it.
+
+    Exit code 0 whatever comes out; 1 when the model as it was cannot be fitted; 2 when the input cannot be used.
+    """
+    from validation.history.add import AddOptions
+    from validation.report.history import add
+
+    asked = AddOptions(
+        model=model,
+        effect=effect,
+        data=data,
+        hold_out=hold_out,
+        band=band,
+        method=method,
+        effects_from=effects_from,
+        fixed=fixed,
+        alias_ok=alias_ok,
+    )
+    add(asked, as_json=as_json)
+
+
+# `massline app`: the workbench in the browser.
+
+
+@click.command("app")
+@click.argument("model", required=False, metavar="[MODEL]")
+@click.argument("data", nargs=-1, metavar="[DATA ...]")
+@click.option("--example", metavar="NAME", help="Begin with a built-in example; the page lists them, too.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port to serve on.  [default: one that is free]"
+)
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to serve on: others reach it.")
+@click.option("--no-browser", is_flag=True, help="Print the address, open nothing.")
+@click.option(
+    "--linger",
+    type=click.FloatRange(0, 86400),
+    default=LINGER,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long to wait, when the last page is closed, for it to be opened again.",
+)
+@click.option("--stay", is_flag=True, help="Keep serving when the last page is closed.")
+@options.HOLD_OUT
+@options.BAND
+@options.METHOD
+@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+def app_command(
+    model: str | None,
+    data: tuple[str, ...],
+    example: str | None,
+    port: int,
+    host: str,
+    no_browser: bool,
+    linger: float,
+    stay: bool,
+    hold_out: tuple[str, ...],
+    band: tuple[float, float] | None,
+    method: str,
+    effects_from: tuple[str, ...],
+) -> None:
+    """The workbench in the browser: compare, diagnose, add, undo, what if.
+
+    Without arguments the page begins empty: drag a folder onto it, or pick an example. MODEL and DATA are those of `massline
+    compare`. Your files are read, and written only where you save.
+
+    The address that is printed is good once, in one browser, on this machine. Every window has a process of its own; closing the
+    last page ends all of them, and Ctrl-C does.
+
+    Exit code 0 at the end; 2 when the input cannot be used.
+    """
+    from validation.app import server
+    from validation.app.options import WorkbenchOptions, opened
+
+    begun = opened(example, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from)
+    server.run(
+        WorkbenchOptions(opened=begun, port=port, host=host, browser=not no_browser, linger=None if stay else linger), click.echo
+    )
+
+
+# `massline correct`: a copy of a campaign without a fault of its measurement.
+
+
+@click.command("correct")
+@click.argument("campaign", metavar="CAMPAIGN")
+@click.argument("effects", nargs=-1, required=True, metavar="EFFECT[=VALUE] ...")
+@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="DIR", help="The new campaign folder.")
+@click.option("--force", is_flag=True, help="Replace the campaign in DIR if there is one.")
+@options.effects_from
+@options.JSON
+def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: bool, as_json: bool) -> None:
+    """Write a copy of CAMPAIGN from which EFFECT is taken out; CAMPAIGN itself is only read.
+
+    The value is the fault, with the sign of the catalogue: force-gain:fmd-z2=0.08 says that fmd-z2 reads 8 % too much. Gains,
+    units, polarities, swapped channels, delays, a high-pass, places and directions of accelerometers and a shunt can be taken
+    out of a record; for everything else the command says why not.
+    """
+    from validation.report.correct import correct
+
+    correct(campaign, effects, out, force=force, as_json=as_json)
+
+
+# `massline diagnose`: which effect a model is missing, that nothing is missing, or that it is none of those known.
+
+
+@click.command("diagnose")
+@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@click.argument("data", nargs=-1, required=True, metavar="DATA ...")
+@options.HOLD_OUT
+@options.BAND
+@options.METHOD
+@click.option(
+    "--candidate",
+    "candidates",
+    multiple=True,
+    metavar="FAMILY[:TARGET]",
+    help="Look for this effect, or this family, only. May be repeated.  [default: all that could act on DATA]",
+)
+@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+@click.option("--auto", is_flag=True, help="Add what is found to MODEL, rung by rung, until the rules say stop.")
+@options.JSON
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write diagnose.json and the pictures into DIR.")
+def diagnose_command(
+    model: Path,
+    data: tuple[str, ...],
+    hold_out: tuple[str, ...],
+    band: tuple[float, float] | None,
+    method: str,
+    candidates: tuple[str, ...],
+    effects_from: tuple[str, ...],
+    auto: bool,
+    as_json: bool,
+    out: Path | None,
+) -> None:
+    """Which physical effect MODEL is missing, how surely, and what would confirm it; that nothing is; or that it is unknown.
+
+    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. With --auto every effect that is
+    found becomes a rung of MODEL's ladder, as `massline add` would make it; each is kept at once, and the same command goes on
+    where an interruption fell. docs/diagnose.md says how to read the page.
+
+    Exit code 0 whatever it finds; 1 when the model with all its tolerances does not converge; 2 when the input cannot be used.
+    """
+    from validation.diagnose.diagnose import DiagnoseOptions
+    from validation.effects import catalogue
+    from validation.output import require_folder
+    from validation.report.diagnose import diagnosis_answer
+
+    if out is not None:
+        require_folder(out, "--out")
+    for folder in effects_from:
+        catalogue.load(folder)
+    asked = DiagnoseOptions(
+        model=model,
+        data=data,
+        hold_out=hold_out,
+        band=band,
+        method=method,
+        candidates=candidates,
+        effects_from=effects_from,
+    )
+    diagnosis_answer(asked, auto=auto, as_json=as_json, folder=out)
+
+
+# `massline effects`: the physical effects that massline knows, or one of them in full.
+
+
+@click.command("effects")
+@click.argument("names", nargs=-1, metavar="[ID ...]")
+@options.JSON
+@options.effects_from
+def effects_command(names: tuple[str, ...], as_json: bool) -> None:
+    """List the effects that massline can simulate, compare, add and look for; with ID say all about these.
+
+    ID is a family such as force-gain, or an effect such as force-gain:fmd-z2. Tolerance is what a careful laboratory admits,
+    plausible what a fault may be, one standard deviation each.
+    """
+    from validation.output import print_json
+    from validation.report import effects
+
+    found = effects.chosen(names)
+    if as_json:
+        print_json({"effects": [effects.as_json(family) for family, _ in found]})
+    elif names:
+        click.echo("\n".join(effects.whole(family, target) for family, target in found), nl=False)
+    else:
+        click.echo(effects.table(), nl=False)
+
+
+# `massline ladder`: every version of a model, and how its errors fell.
+
+
+@click.command("ladder")
+@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@click.option("--go", type=int, metavar="RUNG", help="Go to this rung first: MODEL is rewritten as it was there.")
+@click.option("--plot/--no-plot", default=True, show_default=True, help="Draw the falling errors and the inertia.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Where the pictures go.",
+)
+@options.JSON
+def ladder_command(model: Path, go: int | None, plot: bool, out: Path, as_json: bool) -> None:
+    """The rungs of MODEL as a tree, with their errors on data that were fitted and held out, and the way of its inertia.
+
+    The rung on which MODEL stands is marked. docs/ladder.md says how to read it.
+    """
+    from validation.output import require_folder
+    from validation.report.history import ladder
+
+    if plot:
+        require_folder(out, "--out")
+    ladder(model, go=go, as_json=as_json, folder=out if plot else None)
+
+
+# `massline model`: a commented model file to start from.
+
+
+@click.command("model")
+@click.argument("article", metavar="ARTICLE")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write it there instead of to standard output.")
+@click.option("--force", is_flag=True, help="Replace FILE if it is there.")
+@options.effects_from
+def model_command(article: str, out: Path | None, force: bool) -> None:
+    """Write a commented model file for ARTICLE: laboratory, structure, tolerances, and place for effects.
+
+    ARTICLE is a built-in stack on the force measurement device, such as fmd+clumod-1; a file of your own - FE model, STEP or
+    mesh - which is put on it; or a model file, which is checked and written anew. docs/model-file.md explains every key.
+    """
+    from validation.report.history import model
+
+    model(article, out, force=force)
+
+
+# `massline report`: one page of all that is known of a model and its measurements, to be read, printed and signed.
+
+
+@click.command("report")
+@click.argument("model", metavar="MODEL")
+@click.argument("data", nargs=-1, required=True, metavar="DATA ...")
+@options.HOLD_OUT
+@options.BAND
+@options.METHOD
+@options.effects_from
+@click.option("--no-diagnosis", is_flag=True, help="Do not look for what is missing, which takes longest.")
+@click.option("--pdf", is_flag=True, help="Print it to a PDF beside it as well, by Chromium or what MASSLINE_BROWSER names.")
+@click.option("--by", default="", metavar="NAME", help="Who made it: stands above the first signature line.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE.html",
+    help="Where the page goes.  [default: out/, named after MODEL]",
+)
+def report_command(
+    model: str,
+    data: tuple[str, ...],
+    hold_out: tuple[str, ...],
+    band: tuple[float, float] | None,
+    method: str,
+    no_diagnosis: bool,
+    pdf: bool,
+    by: str,
+    out: Path | None,
+) -> None:
+    """A report of MODEL and DATA as one HTML file that needs no network: figures to look into, tables that copy, room to sign.
+
+    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. The report compares, identifies and
+    diagnoses as the commands of these names do, shows the model's ladder, and says where every figure comes from. docs/report.md
+    shows a page.
+
+    Exit code 0 whatever it finds; 1 when a fit does not converge or nothing is printed; 2 when the input cannot be used.
+    """
+    from validation.report.page import ReportOptions, answer
+    from validation.study import CompareOptions as Compared
+
+    asked = Compared(model=model, data=data, hold_out=hold_out, band=band, method=method)
+    line = shlex.join(["massline", *sys.argv[1:]])
+    answer(ReportOptions(compared=asked, diagnosis=not no_diagnosis, out=out, pdf=pdf, by=by, command=line))
+
+
+# `massline undo`: back to the rung below.
+
+
+@click.command("undo")
+@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@options.JSON
+def undo_command(model: Path, as_json: bool) -> None:
+    """Put MODEL back as it was on the rung below, byte by byte; the rung that it leaves is kept.
+
+    `massline ladder MODEL --go RUNG` goes to any other. Adding an effect after that branches.
+    """
+    from validation.report.history import undo
+
+    undo(model, as_json=as_json)

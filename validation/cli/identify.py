@@ -1,0 +1,208 @@
+"""Commands about campaigns: plan one, check it, identify mass, centre of gravity and inertia from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from validation.cli import options
+from validation.cli.options import METHODS
+
+
+@click.command("identify")
+@click.argument("campaign", metavar="CAMPAIGN")
+@click.option(
+    "--tare",
+    "tares",
+    multiple=True,
+    metavar="CAMPAIGN",
+    help="A campaign of a known article on the same hardware, from which the FMD is learnt. May be repeated.",
+)
+@click.option(
+    "--known",
+    multiple=True,
+    metavar="ARTICLE",
+    help="What stands on the FMD in the tare, for each tare; its drawing gives its inertia.  [default: what the tare says it is]",
+)
+@click.option(
+    "--known-tolerance",
+    default="0.03 %",
+    show_default=True,
+    metavar="SHARE",
+    help="How well that inertia is known, one standard deviation; more where bolts and holes are not as drawn.",
+)
+@click.option(
+    "--classical",
+    multiple=True,
+    metavar="FILE",
+    help="A weighing, CoG, pendulum or results file about the article, taken as data with its tolerance. May be repeated.",
+)
+@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaign's]")
+@click.option("--spectra", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
+@click.option("--modes", default="auto", show_default=True, metavar="N", help="Elastic terms; 0 takes the article for rigid.")
+@click.option(
+    "--condition-limit", type=float, default=100.0, show_default=True, metavar="X", help="Leave out lines conditioned worse."
+)
+@click.option(
+    "--tolerance",
+    "tolerances",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help='Your own tolerance of the measurement chain, one standard deviation: gain="0.2 %", position="0.3 mm", angle, delay, '
+    "table_gain, cell_stiffness, crosstalk, fmd_inertia. May be repeated.",
+)
+@click.option(
+    "--cell-stiffness", nargs=3, type=float, metavar="KX KY KZ", help="Stiffness [N/m] of one load cell, where it is known."
+)
+@click.option("--fmd", metavar="FILE", help="What is known beforehand of the FMD's moving part: a result file about fmd.")
+@click.option("--any-hardware", is_flag=True, help="Allow a tare of different hardware, say so, and take no FMD off.")
+@click.option("--robust", is_flag=True, help="Limit what single lines may say in the plain fit.")
+@click.option("--study/--no-study", default=True, show_default=True, help="The result over start and stop frequency.")
+@click.option("--plot", is_flag=True, help="Also draw condition, dynamic mass, stability, residuals and shares, under out/.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write identify.json and the pictures into DIR.")
+@options.JSON
+@options.FRAME
+def identify_command(
+    campaign: str,
+    tares: tuple[str, ...],
+    known: tuple[str, ...],
+    known_tolerance: str,
+    classical: tuple[str, ...],
+    band: tuple[float, float] | None,
+    spectra: str,
+    modes: str,
+    condition_limit: float,
+    tolerances: tuple[str, ...],
+    cell_stiffness: tuple[float, float, float] | None,
+    fmd: str | None,
+    any_hardware: bool,
+    robust: bool,
+    study: bool,
+    plot: bool,
+    out: Path | None,
+    as_json: bool,
+    frame: str | None,
+) -> None:
+    """Mass, CoG, moments and products of inertia of the article of CAMPAIGN, with 95 % intervals and a verdict on each.
+
+    Plain results (Eqs. 6 to 11, then 1 and 4) and self-calibrated ones, in which every tolerance of sensors and load cells is
+    estimated over article and tare, stand side by side; docs/identification.md says how to read them. Without --tare the FMD's
+    moving part is in the result.
+
+    Exit code 0 when it is done, whatever the verdicts; 1 when no body can have what comes out; 2 when the input cannot be used.
+    """
+    from validation.identify.identify import IdentifyOptions
+    from validation.output import require_folder
+    from validation.report.identify import answer
+
+    if out is not None:
+        require_folder(out, "--out")
+    asked = IdentifyOptions(
+        campaign=campaign,
+        tares=tares,
+        known=known,
+        known_tolerance=known_tolerance,
+        classical=classical,
+        band=band,
+        spectra=spectra,
+        modes=modes,
+        condition_limit=condition_limit,
+        tolerances=tolerances,
+        cell_stiffness=cell_stiffness,
+        fmd=fmd,
+        any_hardware=any_hardware,
+        robust=robust,
+        study=study,
+    )
+    folder = out if out is not None else Path("out") if plot else None
+    answer(asked, frame, as_json=as_json, folder=folder, keep=out is not None)
+
+
+# `massline check`: what is in a campaign folder, and what is wrong with it.
+
+
+@click.command("check")
+@click.argument("campaign")
+@options.JSON
+@click.option("--view", is_flag=True, help="Also draw pick-ups and load cells on the article, under out/.")
+@click.pass_context
+def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) -> None:
+    """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong.
+
+    Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
+    they are.
+    """
+    from validation.cli.main import BAD_INPUT, FAILED_CHECK
+    from validation.identify.check import summary
+    from validation.output import print_json, shown
+    from validation.report import campaign as summary_json
+    from validation.report import campaign as summary_table
+    from validation.report.document import page
+
+    with shown(f"reading {campaign}", quiet=as_json):
+        found = summary(campaign)
+    if found.campaign is None and len(found.problems) == 1:
+        raise found.problems[0]
+    if as_json:
+        print_json(summary_json.as_json(found))
+    else:
+        click.echo(page(summary_table.title(found), summary_table.grids(found), summary_table.notes(found)), nl=False)
+    if view and found.campaign is not None:
+        from validation.report.scenes.sensors import draw
+
+        with shown(f"sensor map of {campaign}", quiet=as_json):
+            path = draw(found.campaign, Path("out"))
+        click.echo(f"massline: wrote {path}.", err=True)
+    if not found.usable:
+        ctx.exit(BAD_INPUT)
+    if found.warnings:
+        ctx.exit(FAILED_CHECK)
+
+
+# `massline pretest`: before a test, what it would tell, and where pick-ups belong.
+
+
+@click.command("pretest")
+@click.argument("article")
+@options.JSON
+@click.option("--tare", default="fmd+disc+cuboid", show_default=True, metavar="ARTICLE", help="Of known inertia, or none.")
+@click.option("--sensors", type=click.Path(path_type=Path), metavar="CAMPAIGN", help="Channels of a campaign.toml of your own.")
+@click.option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, diagonal or multi.")
+@click.option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
+@click.option("--level", type=float, default=1.0, show_default=True, metavar="L", help="Factor on the nominal level.")
+@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
+@click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
+@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the cross motion.")
+@click.option(
+    "--tolerance",
+    "tolerances",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Of the laboratory, one standard deviation: gain=0.2%, angle=0.2deg. May be repeated.",
+)
+@click.option("--noise", default="1", show_default=True, metavar="FACTOR", help="On the noise of the channels, or off.")
+@click.option("--damping", "damping_ratio", type=float, metavar="RATIO", help="Of every mode, instead of the model's own.")
+@click.option(
+    "--condition-limit", type=float, default=100.0, show_default=True, metavar="C", help="Above it a line is of no use."
+)
+@click.option(
+    "--rigid", "rigid_percent", type=float, default=1.0, show_default=True, metavar="PERCENT", help="Elastic motion allowed."
+)
+@click.option("--lost/--no-lost", default=True, show_default=True, help="Leave out every channel in turn.")
+@click.option("--plot", is_flag=True, help="Draw it, under out/.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="A folder for the JSON and the pictures.")
+@options.SET
+def pretest_command(article: str, as_json: bool, plot: bool, out: Path | None, **given: Any) -> None:
+    """Say what six sweeps of ARTICLE on the force measurement device would tell, before anything is mounted.
+
+    ARTICLE is a stack of built-in parts, such as clumod-1 or fmd+clumod-1. Condition number of the planned base motions, expected
+    95 % intervals of mass, CoG and inertia by both ways of identification, what dominates them, what the loss of each
+    channel costs, and where on the article a pick-up moves with the base.
+    """
+    from validation.identify.pretest import question
+    from validation.report.identify import pretest_answer
+
+    pretest_answer(question(article=article, **given), as_json=as_json, plot=plot, out=out)

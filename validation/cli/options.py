@@ -1,0 +1,211 @@
+"""Options that several commands share, so that they read the same everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from geometry.errors import BadInput
+from geometry.routes import DEFAULT_CHORD
+from validation.model.setups import is_file
+from validation.reference import reference
+from validation.reference.reference import ArticleOptions
+
+if TYPE_CHECKING:
+    from validation.flexible import model
+
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+CHORDS = (1e-7, 0.1)
+"""Smallest and largest chord error of a mesh [m]: finer, OCC's own tolerance is reached; coarser, no round body is left."""
+
+ELEMENT_SIZES = (1e-4, 1.0)
+"""Smallest and largest element size of a solid model [m]: finer, no machine holds it; coarser, no article has room for it."""
+
+FRAME = click.option(
+    "--frame",
+    metavar="FRAME",
+    help='Your own frame, seen from the article\'s: origin, then turns, "0 0 45 mm; z 90 deg"; or a TOML file with [frame].',
+)
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead.")
+
+SET = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Your own dimension of a built-in part, in the unit of its file in geometry/articles, such as "
+    "fmd.load_cell.moving_fraction=0.6. May be repeated.",
+)
+MODEL = click.option(
+    "--model",
+    metavar="MODEL",
+    help="beam (milliseconds; the default), solid (meshed CAD) or exudyn (solved by exudyn itself).",
+)
+
+METHODS = ("full-record", "peak-reference-hold")
+
+HOLD_OUT = click.option(
+    "--hold-out",
+    multiple=True,
+    metavar="NAME",
+    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
+)
+BAND = click.option(
+    "--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]"
+)
+METHOD = click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
+
+
+def _load_effects(ctx: click.Context, _: click.Parameter, folders: Sequence[str]) -> None:
+    if folders and not ctx.resilient_parsing:
+        from validation.effects import catalogue
+
+        for folder in folders:
+            catalogue.load(folder)
+
+
+effects_from = click.option(
+    "--effects-from",
+    multiple=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_load_effects,
+    metavar="DIR",
+    help="Your own effects: a folder of files, each with a FAMILY. They take part in everything. May be repeated.",
+)
+"""Puts a user's effects into the catalogue before any other option is read; the command itself gets nothing."""
+
+
+def measurement(command: Command) -> Command:
+    """What a measurement file is reduced with: FILE, ``--against``, ``--json``."""
+    for option in (
+        JSON,
+        click.option("--against", metavar="ARTICLE", help="Set the result beside what is published about ARTICLE."),
+        click.argument("file"),
+    ):
+        command = option(command)
+    return command
+
+
+def asked(command: Command) -> Command:
+    """How articles are read: ``--set``, ``--chord``, ``--unit``, ``--material``."""
+    for option in (
+        click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
+        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
+        click.option(
+            "--chord",
+            metavar="LENGTH",
+            help=f"Chord error of the mesh route.  [default: {DEFAULT_CHORD * 1e6:g} um; in your own STEP 1e-4 of a body's size]",
+        ),
+        SET,
+    ):
+        command = option(command)
+    return command
+
+
+def flexible(command: Command) -> Command:
+    """How a flexible model is made: ``--model``, ``--damping``, ``--size``, ``--joints``, ``--cells``, ``--set`` and others."""
+    for option in (
+        click.option("--material", metavar="NAME", help="Material of your own CAD file, for every body that has none."),
+        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
+        SET,
+        click.option("--cells", is_flag=True, help="The FMD's load cells as springs of assumed stiffness (beam, exudyn)."),
+        click.option("--joints", is_flag=True, help="Correct Clumod's beams by local solid models of its joints (beam, exudyn)."),
+        click.option("--size", metavar="LENGTH", help='Element size of the solid model, for example "20 mm".'),
+        click.option(
+            "--damping",
+            "damping_ratio",
+            type=float,
+            metavar="RATIO",
+            help="Damping ratio of every mode, instead of the model's own.",
+        ),
+        MODEL,
+    ):
+        command = option(command)
+    return command
+
+
+def flexible_asked(
+    *,
+    count: int,
+    counted: str,
+    damping_ratio: float | None,
+    size: str | None,
+    joints: bool,
+    cells: bool,
+    settings: Sequence[str],
+    unit: str | None,
+    material: str | None,
+) -> model.FlexibleOptions:
+    """The options of `flexible`, checked; `counted` is the option that `count` was given as.
+
+    Raises
+    ------
+    BadInput : one of them is out of its range, or no length.
+    """
+    from fem.damping import Damping
+    from validation.flexible.model import FlexibleOptions, require_count
+
+    require_count(count, counted)
+    return FlexibleOptions(
+        count=count,
+        damping=None if damping_ratio is None else Damping(ratio=damping_ratio),
+        size=None if size is None else _length(size, "--size", ELEMENT_SIZES, '"20 mm"'),
+        joints=joints,
+        cells=cells,
+        changes=reference.read(settings),
+        unit=unit,
+        material=material,
+    )
+
+
+def reading(chord: str | None, unit: str | None, material: str | None, settings: Sequence[str]) -> ArticleOptions:
+    """The four options, checked.
+
+    Raises
+    ------
+    BadInput : the chord error is no length within `CHORDS`, or a setting is not of the form KEY=VALUE with a number.
+    """
+    return ArticleOptions(
+        chord=None if chord is None else _chord(chord), unit=unit, material=material, changes=reference.read(settings)
+    )
+
+
+def require_articles(names: Sequence[str]) -> None:
+    """Refuse a name that is neither a file or folder nor a built-in article, before anything is said about its options.
+
+    Raises
+    ------
+    BadInput : such a name, with the nearest.
+    """
+    from geometry.articles import dimension_files
+
+    for name in names:
+        if not is_file(name):
+            dimension_files(name)
+
+
+def _chord(text: str) -> float:
+    return _length(text, "--chord", CHORDS, '"2 um"')
+
+
+def _length(text: str, option: str, limits: tuple[float, float], example: str) -> float:
+    """A length [m] within `limits`."""
+    from geometry.toml_file import quantity
+
+    def refused(problem: str) -> BadInput:
+        return BadInput(source=option, problem=problem, remedy=f"Write for example {example}")
+
+    try:
+        size = float(quantity(text, "length", source=option, field="").nominal_value)
+    except BadInput as error:
+        raise refused(error.problem) from None
+    if size <= 0:
+        raise refused(f"must be positive, found {text}")
+    if not limits[0] * (1 - 1e-9) <= size <= limits[1] * (1 + 1e-9):  # whichever way 0.1 um and 100 mm are rounded
+        raise refused(f"must be from {limits[0] * 1e6:g} um to {limits[1]:g} m, found {text}")
+    return size

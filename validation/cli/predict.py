@@ -1,0 +1,472 @@
+"""Commands that predict: modes, dynamic mass, base excitation, virtual tests, the rope pendulum, and their verification."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geometry.errors import BadInput, CheckFailed
+from validation.cli import options
+from validation.verification.check import FAMILIES
+
+if TYPE_CHECKING:
+    from validation.classical.swing import Simulated
+    from validation.flexible.model import Flexible
+    from validation.flexible.modes import ModeComparison
+
+
+@click.command("modes")
+@click.argument("article")
+@options.JSON
+@options.flexible
+@click.option("--against", metavar="MODEL", help="Set another model of the same article beside it: frequencies, MAC, masses.")
+@click.option("--count", type=int, default=20, show_default=True, metavar="N", help="How many modes.")
+@click.option("--shapes", is_flag=True, help="Also draw the first 11 modes on one sheet under out/.")
+@click.option("--mode", "moving", type=int, metavar="N", help="Also write mode N moving: a GIF and an animated glTF under out/.")
+def modes_command(
+    article: str,
+    as_json: bool,
+    model: str | None,
+    against: str | None,
+    count: int,
+    shapes: bool,
+    moving: int | None,
+    **asked: Any,
+) -> None:
+    """Eigenfrequencies of ARTICLE with its base held, damping, effective masses about its origin, and what moves in each mode.
+
+    ARTICLE is a built-in part or a stack of them (clumod-4, fmd+clumod-1), a STEP file or article.toml of your own (solid
+    model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
+    """
+    from validation.flexible.model import chosen, flexible, require_model, require_used
+    from validation.output import shown
+    from validation.report.flexible import require_drawable, require_mode
+
+    models = chosen(article, model, against)
+    names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
+    question = options.flexible_asked(count=count, counted="--count", **asked)
+    require_used(article, names, question)
+    if shapes or moving is not None:
+        require_drawable(article, names[0])
+    if moving is not None:
+        require_mode(moving, count)
+    found = []
+    for name, which in zip(names, models, strict=True):
+        with shown(f"modes of {article}, {name} model", quiet=as_json):
+            found.append(flexible(article, which, question))
+    _print(found[0], _compared(found), as_json)
+    if shapes or moving is not None:
+        _draw(found[0], shapes, moving, quiet=as_json)
+
+
+def _compared(found: list[Flexible]) -> ModeComparison | None:
+    from validation.flexible.modes import compared
+
+    return compared(found[0], found[1]) if len(found) == 2 else None
+
+
+def _print(model: Flexible, comparison: ModeComparison | None, as_json: bool) -> None:
+    from validation.output import print_json
+    from validation.report import flexible
+    from validation.report.document import page
+
+    if as_json:
+        beside = {} if comparison is None else {"against": flexible.as_json(comparison)}
+        print_json(flexible.modes_json(model) | beside)
+        return
+    printed = flexible.published(model)
+    grids = [flexible.grid(model), *([printed] if printed else [])]
+    click.echo(page(f"{model.article}: {model.model} model", grids, flexible.notes(model)), nl=False)
+    if comparison is not None:
+        title = f"{model.article}: {comparison.second.model} beside {model.model}"
+        click.echo("\n" + page(title, flexible.grids(comparison), flexible.comparison_table_notes(comparison)), nl=False)
+
+
+def _draw(model: Flexible, shapes: bool, moving: int | None, *, quiet: bool) -> None:
+    from validation.output import shown
+    from validation.report.flexible import draw_moving, draw_sheet
+
+    folder = Path("out")
+    with shown(f"shapes of {model.article}", quiet=quiet):
+        written = [draw_sheet(model, folder)] if shapes else []
+        written += draw_moving(model, moving, folder) if moving is not None else []
+    for path in written:
+        click.echo(f"massline: wrote {path}.", err=True)
+
+
+# `massline dynamic-mass`: the blocked 6x6 dynamic mass of an article over frequency.
+
+
+@click.command("dynamic-mass")
+@click.argument("article")
+@options.JSON
+@options.flexible
+@click.option("--against", metavar="MODEL", help="Set another model of the same article beside it.")
+@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@click.option("--step", type=float, default=0.05, show_default=True, metavar="HZ", help="Distance of two lines.")
+@click.option("--modes", "count", type=int, default=30, show_default=True, metavar="N", help="How many modes to keep.")
+@click.option(
+    "--about", default="article", show_default=True, metavar="POINT", help='F, article (its origin) or a point, "0 0 45 mm".'
+)
+@click.option("--plot", is_flag=True, help="Also draw diagonal and full 6x6 grid under out/.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write all entries to a .csv or .npz file.")
+def dynamic_mass_command(
+    article: str,
+    as_json: bool,
+    model: str | None,
+    against: str | None,
+    band: tuple[float, float],
+    step: float,
+    count: int,
+    about: str,
+    plot: bool,
+    out: Path | None,
+    **asked: Any,
+) -> None:
+    """The blocked dynamic mass of ARTICLE: loads of the table on it for unit base acceleration, all six axes prescribed.
+
+    A rigid body has the flat line of its mass matrix; flexible ones leave it at their resonances.
+    """
+    from validation.flexible.model import chosen
+    from validation.report import flexible
+    from validation.report.flexible import DynamicMassOptions, curves, report
+
+    if out is not None:
+        flexible.require_ending(out)
+    question = DynamicMassOptions(
+        article=article,
+        models=chosen(article, model, against),
+        band=band,
+        step=step,
+        about=about,
+        asked=options.flexible_asked(count=count, counted="--modes", **asked),
+    )
+    found = curves(question, quiet=as_json)
+    for warning in found.warnings:
+        click.echo(f"massline: {warning}.", err=True)
+    report(found, as_json=as_json)
+    if out is not None:
+        flexible.write(out, found.masses[0], article)
+        click.echo(f"massline: wrote {out}.", err=True)
+    if plot:
+        from validation.report.flexible import draw
+
+        for path in draw(found, Path("out")):
+            click.echo(f"massline: wrote {path}.", err=True)
+
+
+# `massline excite`: an article on a table that is driven in time; loads, load cells and resonances passed.
+
+
+@click.command("excite")
+@click.argument("article")
+@options.JSON
+@options.flexible
+@click.option(
+    "--axis", "axes", multiple=True, metavar="AXIS", help="x, y, z, alpha, beta or gamma. May be repeated.  [default: x]"
+)
+@click.option("--all", "every", is_flag=True, help="All six axes, a run each.")
+@click.option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, random, burst or multi.")
+@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of a sweep.")
+@click.option("--duration", metavar="TIME", help='Of random (90 s) and burst (4 s), for example "30 s".')
+@click.option("--level", type=float, default=1.0, show_default=True, metavar="FACTOR", help="On the nominal level of each axis.")
+@click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
+@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of cross motion, noise and bursts.")
+@click.option("--ring-down", default="auto", show_default=True, metavar="TIME", help='Record after the drive: auto, or "5 s".')
+@click.option(
+    "--route", metavar="ROUTE", help="linear, exudyn or large (a base that really turns).  [default: what the rig needs]"
+)
+@click.option("--rate", type=float, default=1024.0, show_default=True, metavar="HZ", help="Sampling rate of the result.")
+@click.option(
+    "--modes", "count", type=int, metavar="N", help="How many modes to keep.  [default: 30, of those that the step follows]"
+)
+@click.option(
+    "--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.'
+)
+@click.option("--flange", multiple=True, metavar="KEY=VALUE", help="Compliance: lateral, vertical, rotation, torsion=1e-6.")
+@click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=3 N, or x=3,mass:2.")
+@click.option("--cable", multiple=True, metavar="LOC=K", help="Spring to the ground: mast-top=1000, mast-top:lateral=1000 N/m.")
+@click.option("--damper", multiple=True, metavar="LOC=C", help="Damper to the table: mast-top=20 N s/m.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write signals: .uff, .h5, .csv, .mat or .npz.")
+@click.option("--plot", is_flag=True, help="Also draw loads over time and over frequency under out/.")
+@click.option("--animate", is_flag=True, help="Also draw the article passing its largest resonance, a GIF under out/.")
+def excite_command(
+    article: str, as_json: bool, model: str | None, out: Path | None, plot: bool, animate: bool, **given: Any
+) -> None:
+    """Drive the base of ARTICLE in time, and record the loads of the table on it, its load cells and its resonances.
+
+    ARTICLE is a built-in part or a stack of them (clumod-1, fmd+clumod-1), a STEP file of your own (--model solid) or your own FE
+    model (.h5, .npz, .op4 ... or its .toml). Nominal levels are 2.5 m/s² along x, y, z, 3 rad/s² about x, y and 6 rad/s² about z.
+    """
+    from validation.report.excite import Wanted, excite
+
+    question = _question(article, model, given)
+    excite(question, Wanted(out=out, plot=plot, animate=animate, as_json=as_json))
+
+
+def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
+    from validation.excite.question import ExciteOptions, attached, drive, require_rate, require_route
+
+    require_route(given["route"])
+    require_rate(given["rate"])
+    count = given["count"]
+    driven = ("axes", "every", "pattern", "band", "octaves_per_minute", "duration", "level", "cross", "seed", "ring_down")
+    fastened = ("cells", "preload", "flange", "friction", "cable", "damper")
+    made = ("damping_ratio", "size", "joints", "settings", "unit", "material")
+    return ExciteOptions(
+        article=article,
+        model=model,
+        asked=options.flexible_asked(
+            count=30 if count is None else count, counted="--modes", cells=False, **{name: given[name] for name in made}
+        ),
+        attached=attached(**{name: given[name] for name in fastened}),
+        drive=drive(**{name: given[name] for name in driven}),
+        route=given["route"],
+        rate=given["rate"],
+        every_mode=count is not None,
+    )
+
+
+# `massline simulate`: a virtual test on the shaker, a campaign folder with its truth beside it.
+
+
+@click.command("simulate")
+@click.argument("articles", nargs=-1, required=True, metavar="ARTICLE ...")
+@options.JSON
+@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="DIR", help="The new campaign folder.")
+@click.option(
+    "--effect", "effects", multiple=True, metavar="ID=VALUE", help="Plant an effect: force-gain:fmd-z2=0.08, polarity:fmd-z1."
+)
+@click.option(
+    "--list-effects",
+    is_flag=True,
+    expose_value=False,
+    callback=lambda ctx, _, asked: _list(ctx, asked),
+    help="List the effects that can be planted, and stop.",
+)
+@options.effects_from
+@click.option(
+    "--seed", type=int, default=0, show_default=True, metavar="N", help="Of all that is drawn; one seed is one laboratory."
+)
+@click.option(
+    "--levels", default="1", show_default=True, metavar="L,L", help="Factors on the nominal level: 1,0.5 drives all runs twice."
+)
+@click.option(
+    "--sealed",
+    type=click.Path(path_type=Path),
+    metavar="PATH",
+    help="Where the truth goes, instead of beside DIR; nothing of it is shown.",
+)
+@click.option(
+    "--pattern",
+    default="sweep",
+    show_default=True,
+    metavar="PATTERN",
+    help="sweep, diagonal (and six of two axes at once) or multi (six at once).",
+)
+@click.option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
+@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
+@click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
+@click.option(
+    "--tolerances",
+    default="1",
+    show_default=True,
+    metavar="FACTOR",
+    help="On the ordinary tolerances of laboratory and structure, or off.",
+)
+@click.option("--noise", default="1", show_default=True, metavar="FACTOR", help="On the ordinary noise of the channels, or off.")
+@click.option("--mains", default="1", show_default=True, metavar="FACTOR", help="On the ordinary hum of the mains, or off.")
+@click.option(
+    "--model", default="beam", show_default=True, metavar="MODEL", help="beam, or rigid for an article that does not give."
+)
+@click.option(
+    "--damping", "damping_ratio", type=float, metavar="RATIO", help="Damping ratio of every mode, instead of the model's own."
+)
+@click.option("--rate", type=float, default=564.0, show_default=True, metavar="HZ", help="Sampling rate of the records.")
+@click.option(
+    "--format", "form", default="h5", show_default=True, metavar="FORMAT", help="Of the signal files: h5, uff, csv or mat."
+)
+@click.option(
+    "--unit", "units", multiple=True, metavar="UNIT", help="Of the signal files where it is not SI: g, kN ... May be repeated."
+)
+@options.SET
+def simulate_command(articles: tuple[str, ...], out: Path, as_json: bool, **given: Any) -> None:
+    """Simulate ARTICLE on the multi-axis shaker, as six sweeps would have recorded it: 22 channels, tolerances, noise, hum.
+
+    ARTICLE is a stack on the force measurement device, such as fmd+disc+cuboid or fmd+clumod-1. Several are a series that
+    shares FMD and sensors, a folder each below DIR; so are tests of one seed. The truth goes beside a campaign, DIR.truth.json.
+    """
+    from validation.report.simulate import simulate
+    from validation.virtual_test.simulate import question
+
+    simulate(question(articles=articles, out=out, **given), as_json=as_json)
+
+
+def _list(ctx: click.Context, asked: bool) -> None:
+    """Answer ``--list-effects`` before ARTICLE and --out are missed, and after ``--effects-from``."""
+    if not asked:
+        return
+    from validation.report.effects import page_of_effects
+
+    click.echo(page_of_effects(), nl=False)
+    ctx.exit()
+
+
+# `massline swing`: an article on ropes, simulated by exudyn, recorded and reduced as a measured pendulum.
+
+
+@click.command("swing")
+@click.argument("article")
+@options.JSON
+@options.SET
+@click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm.")
+@click.option("--material", metavar="NAME", help="Material of your own file, for every body that has none.")
+@click.option("--animate", is_flag=True, help="Also write the swing as a GIF under out/, or where --out says.")
+@click.option("--plot", is_flag=True, help="Also draw the pendulum and its signal under out/; --out does so anyway.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FOLDER", help="Write record, measurement file and picture.")
+@click.option("--step", metavar="TIME", help="Step of the integration.  [default: a thousandth of the period or finer]")
+@click.option("--gravity", metavar="G", help='[default: "9.80665 m/s^2"]')
+@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the noise.")
+@click.option("--noise", metavar="ANGLE", help='Standard deviation of the recorder\'s noise, for example "1 mrad".')
+@click.option("--rate", type=float, default=50.0, show_default=True, metavar="HZ", help="Of the recorder.")
+@click.option("--cycles", type=float, default=20.0, show_default=True, metavar="N", help="To record.")
+@click.option("--start", type=click.Choice(["twist", "push"]), default="twist", show_default=True, help="Let go, or pushed.")
+@click.option("--unequal", metavar="LENGTH", help="By which the first rope is longer than the others.")
+@click.option("--off-centre", metavar="LENGTH[,LENGTH]", help="From where the CoG is thought to be to where it is, on x and y.")
+@click.option("--rope-stiffness", metavar="FORCE", help='EA of each rope, for example "1e6 N"; ropes do not stretch without.')
+@click.option("--links", type=int, metavar="N", help="Of which a rope with mass is made.  [default: 8]")
+@click.option("--rope-mass", metavar="MASS", help="Of all ropes together.")
+@click.option("--damping", metavar="RATIO", help='Viscous, of the twist: 0.01 or "1 %".')
+@click.option("--amplitude", default="0.1 rad", show_default=True, metavar="ANGLE", help="Twist at the start.")
+@click.option("--height", metavar="LENGTH", help="Of the ropes' feet above the CoG.  [default: 100 mm]")
+@click.option("--along", metavar="AXIS", help="The article's axis that lies along two ropes.  [default: z, or x with z upright]")
+@click.option("--axis", default="z", show_default=True, metavar="AXIS", help="The article's axis that is upright: x, y or z.")
+@click.option("--length", default="2 m", show_default=True, metavar="LENGTH", help="Of the ropes, unloaded.")
+@click.option("--s2", metavar="LENGTH", help="From the CoG to the second of two ropes.")
+@click.option("--s1", metavar="LENGTH", help="From the CoG to the first of two ropes.")
+@click.option("--radius", metavar="LENGTH", help="Of the circle of three ropes about the CoG.  [default: 300 mm]")
+@click.option("--ropes", type=int, metavar="N", help="2 or 3.  [default: 3, or 2 with --s1 and --s2]")
+def swing_command(
+    article: str,
+    as_json: bool,
+    settings: tuple[str, ...],
+    unit: str | None,
+    material: str | None,
+    animate: bool,
+    plot: bool,
+    out: Path | None,
+    **words: Any,
+) -> None:
+    """ARTICLE on two or three ropes, let swing by exudyn, recorded, and reduced by Eq. 5 as a measured pendulum would be.
+
+    Prints the period beside that of Eq. 5, what every effect alone does to it, and the inertia that comes out beside that of the
+    article. With --out FOLDER the record goes through `massline pendulum FOLDER/pendulum.toml` like any other.
+    """
+    from validation.classical.swing import as_option, setup, simulated
+    from validation.output import require_folder
+
+    options.require_articles([article])
+    asked = options.reading(None, unit, material, settings)
+    question = setup(article, _words(words), asked)
+    for option, folder in _folders(out, plot=plot, animate=animate).items():
+        require_folder(folder, option)
+    try:
+        found = simulated(question, _watched(as_json))
+    except BadInput as error:
+        raise as_option(error) from None
+    _write(found, out)
+    _swing_print(found, out, as_json)
+    for folder in set(_folders(out, plot=plot, animate=animate).values()):
+        _swing_draw(found, asked, folder, animate=animate, quiet=as_json)
+
+
+def _folders(out: Path | None, *, plot: bool, animate: bool) -> dict[str, Path]:
+    """The folder that something is written into, by the option that asked for it; empty where nothing is."""
+    if out is not None:
+        return {"--out": out}
+    return {option: Path("out") for option, wanted in (("--plot", plot), ("--animate", animate)) if wanted}
+
+
+def _words(words: dict[str, Any]) -> Any:
+    from validation.classical.swing import OPTIONS, Words
+
+    texts = {name: words.pop(name) for name in OPTIONS}
+    return Words(texts=texts, **words)
+
+
+def _watched(quiet: bool) -> Any:
+    from functools import partial
+
+    from validation.output import percent
+
+    return partial(percent, quiet=quiet)
+
+
+def _write(found: Simulated, out: Path | None) -> None:
+    from validation.classical.swing import write
+
+    if out is not None:
+        record = found.record
+        path = write(out, record.setup, record.swing, record.signal, record.decay)
+        click.echo(f"massline: wrote {path} and its record. Reduce it with `massline pendulum {path}`.", err=True)
+
+
+def _swing_print(found: Simulated, out: Path | None, as_json: bool) -> None:
+    from validation.output import print_json
+    from validation.report import excite
+
+    if as_json:
+        print_json(excite.as_json(found, out))
+    else:
+        click.echo(excite.text(found), nl=False)
+
+
+def _swing_draw(found: Simulated, asked: Any, folder: Path, *, animate: bool, quiet: bool) -> None:
+    from validation.output import shown
+    from validation.report.scenes.pendulum import draw, in_the_way
+
+    with shown("pictures of the swing", quiet=quiet):
+        written = draw(found, asked, folder, animate=animate)
+        said = in_the_way(found.record.setup, asked)
+    for path in written:
+        click.echo(f"massline: wrote {path}.", err=True)
+    if said:
+        click.echo(f"massline: {said}", err=True)
+
+
+# ``massline verify``: the prediction side against closed forms, second sources and rates of convergence, row by row.
+
+
+@click.command("verify", epilog="Families: " + ", ".join(f"{name} ({words})" for name, words in FAMILIES.items()) + ".")
+@click.argument("families", metavar="[FAMILY]...", nargs=-1, type=click.Choice(tuple(FAMILIES)))
+@click.option("--fine", is_flag=True, help="Finer meshes, a few minutes.")
+@click.option("--markdown", "as_markdown", is_flag=True, help="Print the table in Markdown instead.")
+@options.JSON
+def verify_command(families: tuple[str, ...], fine: bool, as_markdown: bool, as_json: bool) -> None:
+    """Check elements, modes and dynamic mass against closed forms, published benchmarks and rates of convergence.
+
+    Each row: the reference and where it comes from, the value found, the error and the bar that it has to stay within. Without
+    FAMILY, all of them.
+
+    Exit code 0 when every check passes, 1 when one does not.
+    """
+    from validation.output import print_json, print_pages
+    from validation.report.flexible import markdown, pages, summary
+    from validation.verification.check import Mesh, checks, run
+
+    results = run(checks(*families), Mesh.FINE if fine else Mesh.FAST, quiet=as_json)
+    passed = all(result.passed for result in results)
+    if as_json:
+        print_json({"rows": [result.json() for result in results], "pass": passed, "text": summary(results)})
+    elif as_markdown:
+        click.echo(markdown(results))
+    else:
+        print_pages(pages(results))
+    if not passed:
+        raise CheckFailed(summary(results))
+    if not as_json and not as_markdown:
+        click.echo(summary(results))

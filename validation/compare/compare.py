@@ -1,0 +1,283 @@
+"""`Comparison`: all that `massline compare` shows, whichever way it is shown - on paper, as JSON, in pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.frames import Array
+from validation.compare.maps import Map, NamedMode, Rig, doubt, mapped, named
+from validation.compare.spots import Spot, worst
+from validation.estimation import evaluate as estimation_evaluate
+from validation.estimation.evaluate import evaluate, residuals
+from validation.estimation.problem import Offsets, Problem
+from validation.estimation.result import Evaluation, Fit
+from validation.estimation.verdicts import MOST, ExplainedError, StatedError, Tolerance, told, tolerances
+from validation.model.model import Model
+from validation.prediction import effects
+from validation.prediction.classical_facts import ArticleFact, facts
+from validation.prediction.series import SeriesPrediction, predictions
+from validation.study import Data, resolved_names
+
+
+@dataclass(frozen=True, kw_only=True)
+class FactComparison:
+    """One number of a classical measurement beside what the model says.
+
+    Attributes
+    ----------
+    name : where it comes from and what it is
+    unit : SI
+    predicted, measured, tolerance : at the plain fit, in `unit`; the last is one standard deviation
+    sigma : (predicted - measured) / standard deviation, after the plain fit
+    nominal_sigma : the same of the model as it stands
+    """
+
+    name: str
+    unit: str
+    predicted: float
+    measured: float
+    tolerance: float
+    sigma: float
+    nominal_sigma: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorstPair:
+    """A pair of axes of one campaign, where it is worst.
+
+    Attributes
+    ----------
+    data_set : the campaign
+    load, motion : indices in the order of `MOTIONS`
+    frequency : [Hz] of the peak
+    sigma, percent : there
+    """
+
+    data_set: str
+    load: int
+    motion: int
+    frequency: float
+    sigma: float
+    percent: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Comparison:
+    """A model and data, compared.
+
+    Attributes
+    ----------
+    title : of the model
+    source : its file
+    evaluation : the four errors and the fits behind them
+    explained : what tolerances let expect of the plain error
+    errors : the four errors in words
+    absurd : the tolerances that the fit moved farthest, most absurd first
+    maps : one a data set
+    modes : of each data set's configuration
+    worst : the worst spots, worst first
+    facts : classical measurements
+    effects : ids of the effects that are in the model
+    remarks : sentences: what was assumed, what is missing
+    """
+
+    title: str
+    source: str
+    evaluation: Evaluation
+    explained: ExplainedError
+    errors: tuple[StatedError, ...]
+    absurd: tuple[Tolerance, ...]
+    maps: tuple[Map, ...]
+    modes: tuple[tuple[NamedMode, ...], ...]
+    worst: tuple[Spot, ...]
+    facts: tuple[FactComparison, ...] = ()
+    effects: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def data_sets(self) -> tuple[str, ...]:
+        """Names, in order."""
+        return tuple(one.data_set for one in self.maps)
+
+
+def worst_pairs(maps: Sequence[Map], count: int) -> tuple[WorstPair, ...]:
+    """The `count` pairs of axes with the greatest peak in sigmas, of all campaigns together, worst first."""
+    found = []
+    for of in (one.pairs for one in maps if one.pairs is not None):
+        sigma, percent = of.sigma, of.percent
+        for i, j in np.ndindex(6, 6):
+            line = int(np.argmax(sigma[:, i, j]))
+            found.append(
+                WorstPair(
+                    data_set=of.campaign,
+                    load=i,
+                    motion=j,
+                    frequency=float(of.frequency[line]),
+                    sigma=float(sigma[line, i, j]),
+                    percent=float(percent[line, i, j]),
+                )
+            )
+    return tuple(sorted(found, key=lambda pair: -pair.sigma)[:count])
+
+
+# A model compared with data: the four errors, the maps, the worst spots, and classical measurements beside it.
+
+
+FEW = 10
+"""Lines of a data set below which what is said of it is next to nothing."""
+
+UNITS = ("kg", "m", "m", "m", *("kg m²",) * 6)
+"""SI, of the quantities of `identification.request`."""
+
+Progress = Callable[[str, float], None]
+"""Hears what is done now, and the share of it."""
+
+
+def compared(
+    model: Model,
+    data: Data,
+    hold_out: Sequence[str] = (),
+    progress: Progress | None = None,
+    *,
+    band: tuple[float, float] | None = None,
+    method: str = "full-record",
+) -> Comparison:
+    """`model` beside `data`.
+
+    Parameters
+    ----------
+    hold_out : names of runs, campaigns and files that are predicted and never fitted; by default each run and configuration in
+        turn
+    band : (low, high) [Hz]; that of the campaigns by default
+    method : of `identification.campaign.METHODS`
+
+    Raises
+    ------
+    BadInput : data and model that do not fit each other, a name of `hold_out` that is none.
+    CheckFailed : a fit that does not converge.
+    """
+    tell = progress or (lambda what, share: None)
+    made = predictions(model, data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share))
+    said = facts(model, data.classical)
+    problem = Problem(made, said)
+    names = resolved_names(problem, data, hold_out)
+    known = (
+        estimation_evaluate.without(problem, estimation_evaluate.named(problem, names)) if names else problem
+    )  # refused before minutes are spent
+    evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
+    return of_evaluation(model, made, said, problem, known.thinned(), evaluation, lambda share: tell("maps", share))
+
+
+def of_evaluation(
+    model: Model,
+    made: Sequence[SeriesPrediction],
+    said: Sequence[ArticleFact],
+    problem: Problem,
+    fitted: Problem,
+    evaluation: Evaluation,
+    progress: Callable[[float], None],
+) -> Comparison:
+    """What an `evaluation` of `problem` says of `model`; `fitted` is what its fits saw."""
+    maps = mapped_all(made, problem, fitted, evaluation.plain_fit, progress)
+    modes = tuple(modes_of(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
+    spots = worst(maps, modes)
+    return Comparison(
+        title=model.title or model.article,
+        source=model.source,
+        evaluation=evaluation,
+        explained=explained(maps),
+        errors=told(evaluation, explained(maps), max((spot.sigma for spot in spots), default=0.0)),
+        absurd=tolerances(evaluation.fitted)[:MOST],
+        maps=maps,
+        modes=modes,
+        worst=spots,
+        facts=beside(said, problem, evaluation),
+        effects=tuple(one.named.id for one in model.effects),
+        remarks=_remarks(made, maps, evaluation),
+    )
+
+
+def mapped_all(
+    made: Sequence[SeriesPrediction], problem: Problem, known: Problem, plain: Fit, progress: Callable[[float], None]
+) -> tuple[Map, ...]:
+    """The maps of all campaigns at the plain fit; `known` is what was fitted."""
+    left = residuals(problem, plain)
+    unknown = doubt(known, plain)
+    found = []
+    for k, one in enumerate(made):
+        campaign = one.tested.campaign
+        rig = Rig(table=campaign.table, gravity=campaign.gravity)
+        share = _part(progress, k, len(made))
+        found.append(mapped(one, {**problem.start, **plain.by_name}, unknown, left[k].inputs, rig, share))
+    return tuple(found)
+
+
+def explained(maps: Sequence[Map]) -> ExplainedError:
+    """What the plain error comes to by tolerances alone; known noise is no part of either."""
+    return ExplainedError(
+        measurement=_percent([of.explained for of in maps]), with_modes=_percent([of.explained_with_modes for of in maps])
+    )
+
+
+def _percent(shares: Sequence[Array]) -> float:
+    """Of all runs and lines, as `validation.estimation.evaluate` counts them."""
+    return float(100 * np.sqrt(np.mean(np.concatenate([one.ravel() ** 2 for one in shares]))))
+
+
+def beside(facts: Sequence[ArticleFact], problem: Problem, evaluation: Evaluation) -> tuple[FactComparison, ...]:
+    """Every fact, at the plain fit and of the model as it stands."""
+    return tuple(_beside(fact, {**problem.start, **evaluation.plain_fit.by_name}, problem.start) for fact in facts)
+
+
+def _beside(fact: ArticleFact, plain: Offsets, nominal: Offsets) -> FactComparison:
+    sigma = fact.residual(plain)[0]
+    return FactComparison(
+        name=fact.name,
+        unit=UNITS[int(np.argmax(np.abs(fact.weights)))],
+        predicted=fact.value + sigma * fact.deviation,
+        measured=fact.value,
+        tolerance=fact.deviation,
+        sigma=sigma,
+        nominal_sigma=fact.residual(nominal)[0],
+    )
+
+
+def modes_of(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+    """Modes by name, of the structure as the plain fit has it, its effects acting."""
+    carried = prediction.tested.carried
+    if carried.nuisances is None:
+        return ()
+    matrices, _ = carried.nuisances.at(offsets, derivatives=False)
+    return named(effects.structure(matrices, {}, effects.at(prediction.effects, offsets), derivatives=False)[0])
+
+
+def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> tuple[str, ...]:
+    tested = [one.tested for one in made]
+    said = [text for one in tested for text in (*one.campaign.warnings, *one.remarks, *one.carried.standing.remarks)]
+    said += [text for one in maps for text in one.remarks]
+    said += [text for one in tested if (text := few(one.measured.name, len(one.measured.frequency)))]
+    said += [
+        _unconverged(name, of)
+        for name, of in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted))
+        if not of.converged
+    ]
+    return tuple(dict.fromkeys(text.rstrip(".") for text in said))
+
+
+def few(name: str, lines: int) -> str:
+    """A sentence where a data set has so few `lines` that verdicts on it mean little; else nothing."""
+    if lines >= FEW:
+        return ""
+    have = "1 line lies" if lines == 1 else f"{lines} lines lie"
+    return f"only {have} in the band of {name}: no verdict of this page rests on less than {FEW}; widen --band"
+
+
+def _unconverged(name: str, of: Fit) -> str:
+    return f"the {name} fit did not converge: its {len(of.parameters)} parameters still moved, and its figures are no minimum"
+
+
+def _part(progress: Callable[[float], None], k: int, count: int) -> Callable[[float], None]:
+    return lambda share: progress((k + share) / count)

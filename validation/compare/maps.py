@@ -1,0 +1,697 @@
+"""Where a model fails: every channel and every load over frequency and runs, every pair of axes over frequency, every run.
+
+All of it is told at the plain fit - tolerances of the measurement not fitted - in standard deviations of what noise, model-error
+floor and those tolerances let expect, and in per cent of the level there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, Integers
+from geometry.inertia import LOADS, of_motions, of_resultants
+from geometry.sensors import ChannelTable, resultants
+from identification.base_motion import base_motion
+from identification.dynamic_mass import Estimate, from_runs
+from identification.elastic.fit import levels
+from identification.resultants import resultants as identification_resultants
+from identification.self_calibration.elimination import smoothed_level
+from identification.self_calibration.solve import inverse
+from identification.spectra.line_spectra import Spectra
+from validation.effects.stages import Matrices
+from validation.estimation import evaluate
+from validation.estimation.cost import cost_of, left_of_run, root
+from validation.estimation.evaluate import solved
+from validation.estimation.fit import FLOOR, PLAIN_FLOOR
+from validation.estimation.likelihood import floor_of, observed
+from validation.estimation.problem import STRUCTURAL, Lines, Measured, Offsets, Predicted, Prediction, Problem
+from validation.estimation.result import Fit
+from validation.flexible.model import family
+
+# What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
+#
+# A gain that is off by its tolerance moves the inertia of the FMD that a plain fit identifies, and so what that fit leaves
+# over. To first order the fit answers to an offset s of a tolerance by
+#
+#     d theta = -N_ff^-1 N_fs ds
+#
+# with N the second derivatives of its cost, so that one standard deviation of every tolerance moves a whole vector of offsets.
+# What the fitted parameters keep of their own uncertainty is a further doubt, its square root a vector for each of them.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Doubt:
+    """Independent unknowns, each with a standard deviation of 1, and the offsets that they move.
+
+    Attributes
+    ----------
+    tolerances : (q,) by name, standard deviation of each tolerance that was not fitted
+    fitted : (p,) names of the parameters that were and could move
+    answer : (p, q) what one standard deviation of every tolerance does to them
+    own : (p, p) what is left unknown of them when all tolerances are known
+    of_modes : names of those tolerances that are not of the measurement but of modes, of whatever configuration
+    """
+
+    tolerances: dict[str, float]
+    fitted: tuple[str, ...] = ()
+    answer: Array
+    own: Array
+    of_modes: frozenset[str] = frozenset()
+
+
+def nothing_fitted(problem: Problem) -> Doubt:
+    """Of a model as it stands."""
+    loose = _loose(problem, ())
+    return Doubt(tolerances=loose, answer=np.zeros((0, len(loose))), own=np.zeros((0, 0)), of_modes=_doubt_of_modes(problem))
+
+
+def doubt(problem: Problem, plain: Fit) -> Doubt:
+    """At the plain fit of `problem`, on its lines."""
+    loose = _loose(problem, [one.name for one in plain.parameters])
+    free = solved(problem, plain, PLAIN_FLOOR).cost.free
+    others = [one for one in problem.parameters if one.name in loose]
+    held = {name: x for name, x in plain.by_name.items() if name not in {one.name for one in free}}
+    cost = cost_of(problem, (*free, *others), PLAIN_FLOOR, held)
+    N = cost.total(cost.at(plain.by_name))[0].matrix
+    p = len(free)
+    own = inverse(N[:p, :p]) if p else np.zeros((0, 0))
+    return Doubt(
+        tolerances=loose,
+        fitted=tuple(one.name for one in free),
+        answer=-own @ N[:p, p:] * np.array(list(loose.values())),
+        own=root(own) if p else own,
+        of_modes=_doubt_of_modes(problem),
+    )
+
+
+def _doubt_of_modes(problem: Problem) -> frozenset[str]:
+    return frozenset(one.name for one in problem.parameters if one.kind == STRUCTURAL)
+
+
+def _loose(problem: Problem, fitted: list[str] | tuple[str, ...]) -> dict[str, float]:
+    return {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
+
+
+# A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted
+# may move it.
+#
+# All tangents of a series on all lines are more than a laptop holds; a chunk of lines is soon done and forgotten.
+
+
+TOGETHER = 48
+"""Lines of a chunk."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Chunk:
+    """Some lines of a prediction.
+
+    Attributes
+    ----------
+    lines : (n,) indices
+    rows : (r, n, c, k) what the channels read for a unit of every input
+    noise : (r, n, c) standard deviation by noise and model-error floor
+    weight : (r, n, c) by which the plain error tells inputs
+    spread : (r, n, c, q) what one standard deviation of everything that is not known does to the readings, SI
+    """
+
+    lines: Lines
+    rows: ComplexArray
+    noise: Array
+    weight: Array
+    spread: ComplexArray
+
+
+def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unknown: Doubt) -> Iterator[Chunk]:
+    """The lines of `prediction` at `offsets`, in order.
+
+    Parameters
+    ----------
+    inputs : (r, n, k) of the runs, which turn a tolerance into a reading
+    unknown : what may be otherwise
+    """
+    measured = prediction.measured
+    count = len(measured.frequency)
+    for first in range(0, count, TOGETHER):
+        lines = np.arange(first, min(first + TOGETHER, count), dtype=np.int64)
+        found, u = prediction.at(offsets, lines), inputs[:, lines]
+        shape = (len(u), *found.rows.shape[-3:])
+        seen = observed(measured, lines)
+        weight = seen.weight(FLOOR, found.noise)  # of the real and of the imaginary part
+        yield Chunk(
+            lines=lines,
+            rows=np.broadcast_to(found.rows, shape),
+            noise=np.sqrt(2) / weight,
+            weight=seen.weight(evaluate.FLOOR, found.noise),
+            spread=_spread(found, u, unknown),
+        )
+
+
+def _spread(found: Predicted, u: ComplexArray, unknown: Doubt) -> ComplexArray:
+    """(r, n, c, q + p): tolerances with what the fit made of them, then what the fit itself does not know."""
+    tolerances = np.array(list(unknown.tolerances.values()))
+    direct = _readings(found, u, tuple(unknown.tolerances)) * tolerances
+    of_fit = _readings(found, u, unknown.fitted)
+    return np.concatenate([direct + of_fit @ unknown.answer, of_fit @ unknown.own], axis=-1)
+
+
+def _readings(found: Predicted, u: ComplexArray, names: Sequence[str]) -> ComplexArray:
+    """(r, n, c, len(names)) d readings / d offset."""
+    readings = np.zeros((*u.shape[:2], found.rows.shape[-2], len(names)), dtype=np.complex128)
+    for k, name in enumerate(names):
+        change = found.changes.get(name)
+        if change is not None:
+            readings[:, :, list(change.channels), k] = (change.rows @ u[..., None])[..., 0]
+    return readings
+
+
+# What a channel reads beyond what all the others say it should, and how surprising that is.
+#
+# At one line of one run y = A u + e, e with the covariance S = D + V V^H of noise D and of all tolerances V that were not
+# fitted. With latent inputs u the projector
+#
+#     P = S^-1 - S^-1 A (A^H S^-1 A)^-1 A^H S^-1                      (P = S^-1 and y - A u in place of y where u is known)
+#
+# gives for every channel c at once what it reads beyond its prediction from all other channels, and the standard deviation of
+# that,
+#
+#     d_c = (P y)_c / P_cc ,      sd_c = P_cc^-1/2
+#
+# (leave-one-out residuals of generalised least squares; Dubrule, Math. Geology 15, 1983). A channel that is off by itself
+# stands out by d_c; neighbours that merely share its tolerances do not. y^H P y is chi² over all of them.
+#
+# What the model gets wrong shows in the loads instead: their error R (y_f - A_f u), u from the channels that are not judged,
+# adds up what every load cell sees a little of. Its covariance is that of the same linear form.
+
+
+CHECKED = 1e-6
+"""Share of its own variance that must be left of a channel's redundancy; below, nothing checks it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Deviations:
+    """Errors and what is expected of them.
+
+    Attributes
+    ----------
+    value : (..., m) complex, SI
+    expected : (..., m) standard deviation; infinite where nothing checks the row
+    """
+
+    value: ComplexArray
+    expected: Array
+
+
+def covariance(noise: Array, spread: ComplexArray) -> ComplexArray:
+    """S (..., c, c) of noise with standard deviations (..., c) and of tolerances (..., c, p)."""
+    S = spread @ spread.conj().swapaxes(-1, -2)
+    diagonal = np.arange(S.shape[-1])
+    S[..., diagonal, diagonal] += np.square(noise)
+    return np.asarray(S)
+
+
+def left_over(y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexArray | None) -> tuple[Deviations, Array]:
+    """What each channel reads beyond its prediction from all others, (..., c), and chi² of all of them together (...).
+
+    Parameters
+    ----------
+    y : (..., c)
+    A : (..., c, k)
+    S : (..., c, c)
+    known : (..., k) inputs; None where they are latent
+    """
+    scale = np.sqrt(np.diagonal(S, axis1=-2, axis2=-1).real)
+    white = A / scale[..., None]
+    P = np.linalg.inv(S / (scale[..., :, None] * scale[..., None, :]))
+    e = (y if known is None else y - _times(A, known)) / scale
+    if known is None:
+        B = P @ white
+        P = P - B @ np.linalg.solve(white.conj().swapaxes(-1, -2) @ B, B.conj().swapaxes(-1, -2))
+    r, own = _times(P, e), np.maximum(np.diagonal(P, axis1=-2, axis2=-1).real, 0.0)
+    checked = own > CHECKED
+    safe = np.where(checked, own, 1.0)
+    value = np.where(checked, r / safe, 0.0) * scale
+    expected = np.where(checked, scale / np.sqrt(safe), np.inf)
+    chi2 = np.sum(e.conj() * r, axis=-1).real
+    return Deviations(value=value, expected=expected), np.asarray(chi2)
+
+
+def judged_error(
+    y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexArray | None, judged: npt.NDArray[np.bool_]
+) -> tuple[ComplexArray, ComplexArray]:
+    """Error (..., f) of the judged channels with inputs from all others, and its covariance (..., f, f).
+
+    Parameters are those of `left_over`; `judged` (c,) bool.
+    """
+    f, a = np.flatnonzero(judged), np.flatnonzero(~np.asarray(judged, dtype=bool))
+    if known is not None:
+        return (y - _times(A, known))[..., f], np.asarray(S[..., f[:, None], f])
+    weighed = np.linalg.solve(S[..., a[:, None], a], A[..., a, :]).conj().swapaxes(-1, -2)
+    inputs = np.linalg.solve(weighed @ A[..., a, :], weighed)
+    L = np.zeros((*A.shape[:-2], len(f), A.shape[-2]), dtype=np.complex128)
+    L[..., a] = -A[..., f, :] @ inputs
+    L[..., np.arange(len(f)), f] = 1.0
+    return _times(L, y), np.asarray(L @ S @ L.conj().swapaxes(-1, -2))
+
+
+def combined(error: ComplexArray, covariance: ComplexArray, R: Array) -> Deviations:
+    """Combinations R (m, f) of errors (..., f) with `covariance` (..., f, f)."""
+    variance = np.einsum("mf,...fg,mg->...m", R, covariance, R, optimize=True).real
+    return Deviations(value=_times(R.astype(np.complex128), error), expected=np.sqrt(np.maximum(variance, 0.0)))
+
+
+def _times(matrix: ComplexArray, vector: ComplexArray) -> ComplexArray:
+    return np.asarray((matrix @ vector[..., None])[..., 0])
+
+
+# Predicted beside measured 6 x 6 dynamic mass, pair of axes by pair of axes.
+#
+# The measured one is `identification.dynamic_mass` on base motions and resultants as everywhere. The predicted one goes the
+# same way: the channels that the model predicts for the very runs are put through the same operators, so that an effect on a
+# channel which the model knows is in both, and what they differ by is not the way in which they were made. With T and R the
+# rows of motions and resultants, an error of the channels by dy changes H by
+#
+#     dH = (R dy - H T dy) S_u^-1                                                   (from Eq. 10)
+#
+# which gives the standard deviation of every entry from noise and tolerances.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pairs:
+    """The dynamic mass of one campaign, about F, of all that stands on the load cells.
+
+    Attributes
+    ----------
+    campaign : name of the data set
+    frequency : (n,) [Hz]
+    measured, predicted : (n, 6, 6)
+    expected : (n, 6, 6) standard deviation of their difference by noise and by tolerances that were not fitted
+    level : (n, 6, 6) of row and column of the dynamic mass, of which an error is told in per cent: the greater of both
+    """
+
+    campaign: str
+    frequency: Array
+    measured: ComplexArray
+    predicted: ComplexArray
+    expected: Array
+    level: Array
+
+    @property
+    def sigma(self) -> Array:
+        """(n, 6, 6) difference in standard deviations."""
+        return np.asarray(np.abs(self.measured - self.predicted) / self.expected)
+
+    @property
+    def percent(self) -> Array:
+        """(n, 6, 6) difference in per cent of the dynamic mass."""
+        return np.asarray(100 * np.abs(self.measured - self.predicted) / self.level)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Operators:
+    """From channels to what H is made of.
+
+    Attributes
+    ----------
+    motion : (n, 6, c) rows of Eq. 6
+    load : (n, 6, c) rows of the resultants about F
+    """
+
+    motion: ComplexArray
+    load: ComplexArray
+
+
+def operators(table: ChannelTable, frequency: Array, noise: Array, gravity: float) -> Operators:
+    """The operators of a campaign, told from what they make of a unit reading of each channel.
+
+    Parameters
+    ----------
+    noise : (n, c) standard deviation, by which accelerometers are weighed
+
+    Raises
+    ------
+    BadInput : the channels do not tell six motions or six loads.
+    """
+    n, c = len(frequency), len(table)
+    unit = Spectra(
+        table=table,
+        frequency=frequency,
+        values=np.broadcast_to(np.eye(c)[:, None, :], (c, n, c)),
+        noise=np.broadcast_to(noise, (c, n, c)),
+        quality=np.ones((c, n)),
+        runs=tuple(map(str, range(c))),
+        axes=("",) * c,
+    )
+    moved, loaded = base_motion(unit, gravity=gravity).values, identification_resultants(unit).values
+    return Operators(motion=np.moveaxis(moved, 0, -1), load=np.moveaxis(loaded, 0, -1))
+
+
+def through(of: Operators, y: ComplexArray, frequency: Array) -> Estimate:
+    """The dynamic mass that the readings y (r, n, c) lead to.
+
+    Raises
+    ------
+    BadInput : runs that do not tell six motions apart.
+    """
+    load, motion = ((rows @ y[..., None])[..., 0] for rows in (of.load, of.motion))
+    return from_runs(load, motion, frequency)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairLines:
+    """Some lines of both dynamic masses.
+
+    Attributes
+    ----------
+    measured, predicted : (n, 6, 6)
+    variance : (n, 6, 6) of their difference
+    """
+
+    measured: ComplexArray
+    predicted: ComplexArray
+    variance: Array
+
+
+def lines(of: Operators, frequency: Array, y: ComplexArray, inputs: ComplexArray, part: Chunk) -> PairLines:
+    """Predicted beside measured on the lines of `part`.
+
+    Parameters
+    ----------
+    frequency : (m,) of all lines, as the lines of `of`
+    y : (r, m, c) what the channels read
+    inputs : (r, m, k) of the runs
+
+    Raises
+    ------
+    BadInput : runs that do not tell six motions apart.
+    """
+    at = part.lines
+    own = Operators(motion=of.motion[at], load=of.load[at])
+    said = (part.rows @ inputs[:, at, :, None])[..., 0]
+    estimate = through(own, said, frequency[at])
+    return PairLines(
+        measured=through(own, y[:, at], frequency[at]).dynamic_mass.matrix,
+        predicted=estimate.dynamic_mass.matrix,
+        variance=_variance(own, estimate, part.spread, part.noise),
+    )
+
+
+def joined(name: str, frequency: Array, parts: Sequence[PairLines]) -> Pairs:
+    """All lines of a campaign."""
+    measured, predicted = (np.concatenate([getattr(one, name) for one in parts]) for name in ("measured", "predicted"))
+    return Pairs(
+        campaign=name,
+        frequency=frequency,
+        measured=measured,
+        predicted=predicted,
+        expected=np.sqrt(np.concatenate([one.variance for one in parts])),
+        level=np.maximum(levels(predicted), levels(measured)),
+    )
+
+
+def _variance(of: Operators, estimate: Estimate, spread: ComplexArray, noise: Array) -> Array:
+    """(n, 6, 6) of the entries of H: tolerances act on all runs alike, noise on each alone."""
+    W = of.load - estimate.dynamic_mass.matrix @ of.motion
+    by_tolerance = np.einsum("rnip,nrj->nijp", W @ spread, estimate.inverse, optimize=True)
+    by_noise = np.einsum("nic,rnc,nrj->nij", np.abs(W) ** 2, noise**2, np.abs(estimate.inverse) ** 2, optimize=True)
+    return np.asarray(np.sum(np.abs(by_tolerance) ** 2, axis=-1) + by_noise)
+
+
+LENGTHS = np.array([LEVELS["x"] / LEVELS[axis] for axis in MOTIONS])
+"""(6,) [1] and [m]: moments divided by their nominal length are forces."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Map:
+    """One data set: what its channels and loads read beyond what was expected.
+
+    Attributes
+    ----------
+    data_set, configuration : its name and what was tested
+    runs, axes : (r,) names, and what each drove
+    frequency : (n,) [Hz]
+    rows : (m,) names of the channels, then of the six loads where load cells tell them
+    channels : how many of them are channels
+    deviation : (r, n, m) complex, SI
+    expected : (r, n, m) its standard deviation; infinite where nothing checks the row
+    reading : (r, n, m) complex, what was expected to be read
+    level : (r, n, m) of which a deviation is told in per cent
+    inputs : (r, n, k) base motions or known inputs, as the channels that are not judged tell them
+    misfit : (r, n) chi² per degree of freedom of all channels together, tolerances counted
+    explained : (r, n) share of the judged channels' readings that the plain error is expected to be, by tolerances of the
+        measurement
+    explained_with_modes : (r, n) the same by what the model leaves open of its modes as well
+    pairs : of the dynamic mass; None where runs or channels do not tell it
+    remarks : sentences
+    """
+
+    data_set: str
+    configuration: str
+    runs: tuple[str, ...]
+    axes: tuple[str, ...]
+    frequency: Array
+    rows: tuple[str, ...]
+    channels: int
+    deviation: ComplexArray
+    expected: Array
+    reading: ComplexArray
+    level: Array
+    inputs: ComplexArray
+    misfit: Array
+    explained: Array
+    explained_with_modes: Array
+    pairs: Pairs | None = None
+    remarks: tuple[str, ...] = field(default=())
+
+    @property
+    def sigma(self) -> Array:
+        """(r, n, m) deviations in standard deviations."""
+        return np.asarray(np.abs(self.deviation) / self.expected)
+
+    @property
+    def percent(self) -> Array:
+        """(r, n, m) deviations in per cent: of what the channel reads there, of the dynamic mass for a load."""
+        return np.asarray(100 * np.abs(self.deviation) / np.maximum(self.level, np.finfo(np.float64).tiny))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rig:
+    """Where the channels of a data set sit.
+
+    Attributes
+    ----------
+    table : with all channels of the data set
+    gravity : [m/s²]
+    """
+
+    table: ChannelTable
+    gravity: float
+
+
+def mapped(
+    prediction: Prediction,
+    offsets: Offsets,
+    unknown: Doubt,
+    inputs: ComplexArray,
+    rig: Rig | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Map:
+    """The map of one data set.
+
+    Parameters
+    ----------
+    offsets : of the plain fit
+    unknown : what may be otherwise there
+    inputs : (r, n, k) of the runs, with which tolerances act
+    rig : of a base-excitation test; without it there are neither loads nor pairs
+    """
+    measured = prediction.measured
+    R = None if rig is None else _resultants(measured, rig)
+    of, remarks = (None, ()) if rig is None else _operators(measured, rig)
+    of_modes = _of_modes(unknown)
+    said, both, told = [], [], progress or (lambda share: None)
+    for part in chunks(prediction, offsets, inputs, unknown):
+        said.append(_of_lines(measured, part, R) | _explained(measured, part, of_modes))
+        if of is not None:
+            both.append(lines(of, measured.frequency, measured.values, inputs, part))
+        told((part.lines[-1] + 1) / len(measured.frequency))
+    found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
+    return Map(
+        data_set=measured.name,
+        configuration=measured.configuration,
+        runs=measured.runs,
+        axes=measured.axes,
+        frequency=measured.frequency,
+        rows=(*measured.channels, *(() if R is None else LOADS)),
+        channels=len(measured.channels),
+        inputs=inputs,
+        level=_levels(measured, found),
+        pairs=joined(measured.name, measured.frequency, both) if both else None,
+        remarks=remarks,
+        **found,
+    )
+
+
+def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
+    """What a chunk says, by field of `Map`."""
+    y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
+    known = None if measured.inputs is None else measured.inputs[:, part.lines]
+    own, chi2 = left_over(y, A, S, known)
+    error, spread = judged_error(y, A, S, known, measured.judged)
+    loads = Deviations(value=error[..., :0], expected=np.zeros((*error.shape[:2], 0)))
+    predicted = np.zeros((*error.shape[:2], 0), dtype=np.complex128)
+    if R is not None:
+        loads = combined(error, spread, R)
+        predicted = (y[..., measured.judged] - error) @ R.T
+    return {
+        "deviation": np.concatenate([own.value, loads.value], axis=-1),
+        "expected": np.concatenate([own.expected, loads.expected], axis=-1),
+        "reading": np.concatenate([y - own.value, predicted], axis=-1),
+        "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
+    }
+
+
+def _explained(measured: Measured, part: Chunk, of_modes: npt.NDArray[np.bool_]) -> dict[str, Array]:
+    """(r, n) of the error that the engine calls plain, which knows no noise, by tolerances: without those `of_modes` and with."""
+    seen, judged = observed(measured, part.lines), measured.judged
+    found = []
+    for run, (A, V, weight) in enumerate(zip(part.rows, part.spread, part.weight, strict=True)):
+        gain = left_of_run(seen, A, weight, run).gain
+        found.append(np.sum(np.abs((V if gain is None else gain @ V)[:, judged]) ** 2, axis=1))
+    level = np.maximum(np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
+    squares = np.stack(found)  # (r, n, q + p)
+    known, every = (np.sqrt(one.sum(axis=-1) / level) for one in (squares[..., ~of_modes], squares))
+    return {"explained": known, "explained_with_modes": every}
+
+
+def _of_modes(unknown: Doubt) -> npt.NDArray[np.bool_]:
+    """(q + p,) which of the unknowns are what the model leaves open of modes, here or in another configuration of the series."""
+    return np.array([name in unknown.of_modes for name in unknown.tolerances] + [False] * len(unknown.own), dtype=bool)
+
+
+def _levels(measured: Measured, found: Mapping[str, Array]) -> Array:
+    """(r, n, m): of a channel that of the model-error floor; of a load all six of its run, predicted or measured, the greater.
+
+    Moments count divided by their nominal length.
+    """
+    level, of_loads = floor_of(measured), slice(len(measured.channels), None)
+    predicted = found["reading"][..., of_loads]
+    if not predicted.shape[-1]:
+        return level
+    loads = (predicted, predicted + found["deviation"][..., of_loads])
+    power = np.maximum(*(smoothed_level(measured.frequency, one / LENGTHS) for one in loads))
+    together = np.sqrt(np.sum(power**2, axis=-1, keepdims=True))
+    return np.concatenate([level, together * LENGTHS], axis=-1)
+
+
+def _resultants(measured: Measured, rig: Rig) -> Array | None:
+    """(6, f) the loads about F from the judged channels; None where they do not tell all six."""
+    names = [name for name, judged in zip(measured.channels, measured.judged, strict=True) if judged]
+    table = _table(rig, names)
+    return resultants(table.channels, table.origin) if of_resultants(table).complete else None
+
+
+def _table(rig: Rig, names: Collection[str]) -> ChannelTable:
+    by_name = {one.name: one for one in rig.table.channels}
+    return ChannelTable(channels=tuple(by_name[name] for name in names), origin=rig.table.origin)
+
+
+def _operators(measured: Measured, rig: Rig) -> tuple[Operators | None, tuple[str, ...]]:
+    """From channels to the dynamic mass; or None, and why there is none."""
+    table = _table(rig, measured.channels)
+    seen = any(of_motions(table, (group,)).complete for group in ("cover", "table"))
+    if not (seen and of_resultants(table).complete):
+        return None, (f"{measured.name}: its channels do not tell six motions and six loads, so no dynamic mass is measured",)
+    weight = np.sqrt(np.mean(measured.noise**2, axis=0))
+    of = operators(table, measured.frequency, weight, rig.gravity)
+    try:
+        through(of, measured.values, measured.frequency)
+    except BadInput as error:
+        return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}",)
+    return of, ()
+
+
+# Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its
+# modes.
+
+
+PART = 0.05
+"""Share of the greatest effective mass of several modes that one of them must have to be driven."""
+
+ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NamedMode:
+    """One fixed-base mode.
+
+    Attributes
+    ----------
+    name : "first mast mode"
+    frequency : [Hz]
+    damping_ratio : [1]
+    effective_mass : (6,) along and about every axis [kg], [kg m²]; empty where it is not known
+    """
+
+    name: str
+    frequency: float
+    damping_ratio: float
+    effective_mass: tuple[float, ...] = ()
+
+
+def named(matrices: Matrices) -> tuple[NamedMode, ...]:
+    """The modes of `matrices` with the base held, ascending; the last of them stand for the static answer of all others."""
+    from scipy.linalg import eigh
+
+    own = np.arange(matrices.base, len(matrices.mass))
+    if not own.size:
+        return ()
+    K, M, C, S = (one[np.ix_(own, own)] for one in (matrices.stiffness, matrices.mass, matrices.viscous, matrices.structural))
+    squares, shapes = eigh(K, M)
+    omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
+    zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
+    names = in_order(_holders(matrices, own, shapes))
+    effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
+    return tuple(
+        NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=tuple(map(float, m)))
+        for name, w, z, m in zip(names, omega, zeta, effective, strict=True)
+    )
+
+
+def taking_part(modes: Sequence[NamedMode], axis: int) -> tuple[NamedMode, ...]:
+    """Those of `modes` that a motion of the base along `axis` (index in `MOTIONS`) drives; all where that is not known."""
+    if any(len(one.effective_mass) <= axis for one in modes):
+        return tuple(modes)
+    most = max((one.effective_mass[axis] for one in modes), default=0.0)
+    return tuple(one for one in modes if one.effective_mass[axis] >= PART * most)
+
+
+def in_order(holders: Sequence[str]) -> list[str]:
+    """ "mast", "upper-long", "mast" as "first mast mode", "first upper-long mode", "second mast mode"."""
+    return [f"{ordinal(holders[: k + 1].count(part))} {part} mode".replace("  ", " ") for k, part in enumerate(holders)]
+
+
+def ordinal(number: int) -> str:
+    """In words up to ten."""
+    return ORDINALS[number - 1] if number <= len(ORDINALS) else f"{number}th"
+
+
+def _holders(matrices: Matrices, own: Integers, shapes: Array) -> list[str]:
+    """By mode the part with the largest share of strain energy; empty words where the model does not say."""
+    shares: dict[str, Array] = {}
+    for part, K in matrices.parts.items():
+        shares[family(part)] = shares.get(family(part), 0.0) + _energy(K[np.ix_(own, own)], shapes)
+    if not shares:
+        return [""] * shapes.shape[1]
+    most = np.argmax(np.stack(list(shares.values())), axis=0)
+    return [list(shares)[k] for k in most]
+
+
+def _energy(matrix: Array, shapes: Array) -> Array:
+    return np.asarray(np.einsum("im,ij,jm->m", shapes, matrix, shapes))

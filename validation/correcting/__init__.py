@@ -1,1 +1,0 @@
-"""Corrected copies of campaigns: a known fault of the measurement, taken out of what was recorded."""

@@ -1,0 +1,131 @@
+"""When an effect is accepted, and when every name is refused: limits that were set from tests in which nothing is wrong.
+
+The figures behind them are those of `python -m benchmarks.blind --draw development`; docs/diagnosis-proven-blind.md tells them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from geometry.frames import Array
+from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.estimation.evaluate import evaluate
+from validation.estimation.fit import FLOOR, unfitted
+from validation.estimation.likelihood import observed
+from validation.estimation.problem import FITTED, Offsets, Problem
+from validation.estimation.result import Evaluation, Fit
+from validation.estimation.verdicts import expected_z2, largest_z, misfit
+
+SCATTER = 3.0
+"""Standard deviations by which chi² per degree of freedom of a null may lie above what noise alone predicts: those of chi² itself
+and of a noise that short silences tell. The model-error floor is a
+bound that nulls do not use: they read 0.97 to 1.01 of the noise."""
+
+UNLIKELY = 1e-4
+"""Probability of a sum of z² below which tolerances pay for something."""
+
+ABSURD = 4.8
+"""z of one tolerance of some four hundred that is no chance."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoodnessOfFit:
+    """How a fit stands against those of nulls.
+
+    Attributes
+    ----------
+    misfit : chi² per degree of freedom
+    limit : up to which it is that of a null
+    price : sum of z² over what is due
+    largest : |z| of the tolerance that moved farthest
+    likely : probability of such a sum of z², where nothing is wrong
+    """
+
+    misfit: float
+    limit: float
+    price: float
+    largest: float
+    likely: float
+
+    @property
+    def null(self) -> bool:
+        """Whether nothing more need be missing."""
+        return self.misfit <= self.limit and self.likely >= UNLIKELY and self.largest < ABSURD
+
+    @property
+    def text(self) -> str:
+        """Why not, in words; empty where nothing more need be missing."""
+        said = []
+        if self.misfit > self.limit:
+            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {self.limit:.2g}")
+        if self.likely < UNLIKELY:
+            said.append(f"the tolerances pay {self.price:.3g} times what is due")
+        if self.largest >= ABSURD:
+            said.append(f"a tolerance stands at {self.largest:.1f} z")
+        return "; ".join(said)
+
+
+def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
+    """Of a `fit` of all tolerances of `problem`."""
+    from scipy.stats import chi2
+
+    due = max(expected_z2(fit), 1.0)
+    return GoodnessOfFit(
+        misfit=misfit(fit),
+        limit=of_noise(problem) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + spread_of(problem) ** 2)),
+        price=fit.tolerance_z2 / due,
+        largest=largest_z(fit),
+        likely=float(chi2.sf(fit.tolerance_z2, due)),
+    )
+
+
+def excess(fit: Fit, at: GoodnessOfFit) -> float:
+    """How much the cost of a fit lies above that of a null [nats]."""
+    chi2, z2 = fit.chi2 - at.limit * fit.degrees_of_freedom, fit.tolerance_z2 - expected_z2(fit)
+    return 0.5 * (max(chi2, 0.0) + max(z2, 0.0))
+
+
+def of_noise(problem: Problem) -> float:
+    """Chi² per degree of freedom that noise alone would come to: its share s of the variance that the likelihood allows for.
+
+    Noise is an estimate of relative variance v at a line, and its inverse is on average larger than that of what is estimated:
+    by s v, to second order.
+    """
+    scatter = [one.measured.noise_scatter for one in problem.predictions]
+    return float(np.mean(np.concatenate([s * (1 + s * sd**2) for s, sd in zip(_shares(problem), scatter, strict=True)])))
+
+
+def spread_of(problem: Problem) -> float:
+    """Relative standard deviation of that, because the noise of each data set is an estimate."""
+    sums = np.array([shares.sum() for shares in _shares(problem)])
+    spreads = np.array([one.measured.noise_spread for one in problem.predictions])
+    return float(np.linalg.norm(spreads * sums) / max(sums.sum(), np.finfo(np.float64).tiny))
+
+
+def _shares(problem: Problem) -> Iterator[Array]:
+    """Of every data set the share of noise in the variance of each line and channel, flat."""
+    for one in problem.predictions:
+        seen = observed(one.measured, problem.lines_of(one))
+        noise = np.square(seen.noise)
+        yield (noise / np.maximum(noise + np.square(FLOOR * seen.floor), np.finfo(np.float64).tiny)).ravel()
+
+
+# The four errors of a hypothesis, quickly: at every third line, every run held out in turn.
+
+
+Progress = Callable[[float], None]
+
+
+def errors(bench: FittedData, of: Candidate, progress: Progress | None = None) -> Evaluation:
+    """Of the hypothesis `of`, whose fit is known; no configuration is held out."""
+    return evaluate(bench.whole(of.effects), hold_out=bench.hold_out, fitted=of.fit, quick=True, progress=progress)
+
+
+def as_it_stands(bench: FittedData, offsets: Offsets) -> Evaluation:
+    """Of the model of `bench` where no fit of all tolerances makes sense: they stand at `offsets`."""
+    found = unfitted(bench.problem(), FITTED, offsets)
+    return evaluate(bench.whole(), hold_out=bench.hold_out, fitted=found, quick=True)

@@ -1,0 +1,453 @@
+"""`Diagnosis`: the answer to "what is my model missing", with everything that it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from identification.campaign import Campaign
+from validation.effects import practical_units
+from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.effect import MISTAKE as OF_MISTAKES
+from validation.estimation.evaluate import named, without
+from validation.estimation.problem import Fact, Parameter, Problem
+from validation.estimation.result import Evaluation, Fit
+from validation.estimation.screening import ScoreTest
+from validation.model.model import Added, Model
+from validation.prediction.series import SeriesPrediction
+from validation.reference.statement import NONE
+
+NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
+    "nothing",
+    "missing",
+    "ambiguous",
+    "several",
+    "unknown",
+    "nonlinear",
+    "mistake",
+)
+
+MANY_NATS = 1000.0
+"""Beyond which a forecast of evidence says only that it is decided."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EffectEstimate:
+    """One number of a cause.
+
+    Attributes
+    ----------
+    key : as in ``key:number``; empty for the one that stands alone
+    value : SI
+    unit : of it
+    low, high : 90 % interval; both the value of one that was not fitted
+    """
+
+    key: str
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cause:
+    """An effect that would explain the data, as a fit of all parameters left it.
+
+    Attributes
+    ----------
+    named : what it is and where, at the size that was found
+    sizes : with their intervals, the first one first; none of a mistake that has no size
+    evidence : [nats] against the model without it
+    misfit : chi² per degree of freedom with it
+    price : sum of z² of the tolerances with it, over what is due where nothing is wrong
+    null : whether misfit and price are then those of a model that misses nothing
+    note : what these data say of it beyond its size, in words: "its numbers are in g, and the file says m/s^2"
+    """
+
+    named: Named
+    sizes: tuple[EffectEstimate, ...]
+    evidence: float
+    misfit: float = 0.0
+    price: float = 0.0
+    null: bool = True
+    note: str = ""
+
+    @property
+    def id(self) -> str:
+        """``family:target``."""
+        return self.named.id
+
+    @property
+    def text(self) -> str:
+        """What it means, for somebody who never heard of it."""
+        family, targets = FAMILIES[self.named.family], self.named.targets
+        return family.sentence.format(target=self.named.target, targets=" and ".join(targets))
+
+    @property
+    def mistaken_for(self) -> tuple[str, ...]:
+        """Ids or families that look like it."""
+        return FAMILIES[self.named.family].mistaken_for
+
+    @property
+    def confirmed_by(self) -> str:
+        """What would confirm it in the laboratory."""
+        return FAMILIES[self.named.family].confirmed_by
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detectable:
+    """The smallest size at which these data would name an effect.
+
+    Attributes
+    ----------
+    id : of the effect
+    size : of its first number, SI, positive, from where there is no effect: 0.5 of a factor of 1.5
+    unit : of it
+    at : what it belongs to, such as "half of all frequencies" of a resonator; empty where it is one size
+    """
+
+    id: str
+    size: float
+    unit: str
+    at: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Advice:
+    """A measurement that would tell explanations apart.
+
+    Attributes
+    ----------
+    test : what to do, in words: "run the Cuboid turned by 90 degrees about z"
+    gain : expected evidence for the right explanation against the others [nats]; 0 where it tells nothing
+    separates : ids that it tells apart
+    hours : of work that it takes, roughly; assumed, to compare tests by
+    """
+
+    test: str
+    gain: float
+    separates: tuple[str, ...] = ()
+    hours: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """All of it in words."""
+        if not self.separates:
+            return self.test
+        first, *others = self.separates
+        expected = f"{self.gain:.0f} nats" if self.gain < MANY_NATS else f"more than {MANY_NATS:g} nats"
+        return f"{self.test} (about {self.hours:g} h): expected {expected} between {first} and {', '.join(others)}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Leftover:
+    """What no effect explains, described.
+
+    Attributes
+    ----------
+    text : where it is and what it looks like, in words
+    looks_like : "stiffness", "mass", "damping", "resonance", "delay", "gain", "tilt", "noise" or "irregular"
+    load, motion : of the leading pair, by `geometry.inertia.LOADS` and `geometry.dynamic_mass.MOTIONS`; empty where
+        channels fit better than a pair
+    channels : that show it, the worst first
+    frequency : [Hz] of a resonance; None for none
+    share : of the leftover that the description covers, 0 to 1
+    size : coefficient of the description in SI with `unit`: kg, N/m, s, 1 ...; None where there is none
+    unit : of it
+    """
+
+    text: str
+    looks_like: str
+    load: str = ""
+    motion: str = ""
+    channels: tuple[str, ...] = ()
+    frequency: float | None = None
+    share: float = 0.0
+    size: float | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LevelDifference:
+    """One axis driven at two levels that do not give the same.
+
+    Attributes
+    ----------
+    data_set : campaign
+    runs : the two, the lower level first
+    axis : driven
+    channels : that answer differently, the worst first
+    frequency : [Hz] where most
+    sigma : how surprising, in standard deviations of noise
+    """
+
+    data_set: str
+    runs: tuple[str, str]
+    axis: str
+    channels: tuple[str, ...]
+    frequency: float
+    sigma: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReportedStep:
+    """One round of the search.
+
+    Attributes
+    ----------
+    added : id of what was accepted; empty where nothing was
+    ranking : what was tried, the best evidence first
+    misfit, price : before; of an effect that was asked once more, without it
+    text : why it was or was not accepted
+    """
+
+    added: str
+    ranking: tuple[Cause, ...]
+    misfit: float
+    price: float
+    text: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Diagnosis:
+    """The answer.
+
+    Attributes
+    ----------
+    verdict : of `VERDICTS`
+    text : what the sentence of the verdict (`validation.diagnose.diagnosis.headline`) does not say; empty where it says all
+    accepted : what is missing, in the order of acceptance
+    ranking : all that was tried against the model without the effect that was found last, the best first
+    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects
+        those of which each could be another; none where there is no doubt
+    advice : measurements that would tell them apart, or confirm, the best first
+    leftover : of an unknown effect
+    detectable : the smallest size at which each effect would have been named
+    levels : axes that answer differently at two levels
+    before, after : the four errors without and with what was accepted; the same where nothing was
+    steps : how it was found
+    hold_out : what was held out, in words
+    remarks : warnings, about data that were left out and the like
+    only : families and ids that alone were looked for; empty where everything was
+    settings : method, band, limits, lines, version, what was asked; see `validation.diagnose.diagnose`
+    """
+
+    verdict: str
+    text: str
+    accepted: tuple[Cause, ...] = ()
+    ranking: tuple[Cause, ...] = ()
+    equivalence_class: tuple[str, ...] = ()
+    advice: tuple[Advice, ...] = ()
+    leftover: Leftover | None = None
+    detectable: tuple[Detectable, ...] = ()
+    levels: tuple[LevelDifference, ...] = ()
+    before: Evaluation
+    after: Evaluation
+    steps: tuple[ReportedStep, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
+    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def next_measurement(self) -> str:
+        """The best advice in words; empty where there is none."""
+        return self.advice[0].test if self.advice else ""
+
+
+# `Bench`: data that stand ready for any model of effects, and `Hypothesis`, such a model fitted to them.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FittedData:
+    """Data, ready for any effects.
+
+    Attributes
+    ----------
+    model : whose laboratory and structure are held against the data, with the effects that it has
+    campaigns : as they were read
+    made : predictions of the campaigns by the model without effects
+    facts : by effects, what weights and periods say
+    hold_out : names of runs, data sets and facts that no fit sees, as the engine knows them
+    """
+
+    model: Model
+    campaigns: tuple[Campaign, ...]
+    made: tuple[SeriesPrediction, ...]
+    facts: Callable[[Sequence[Added]], tuple[Fact, ...]] = lambda effects: ()
+    hold_out: tuple[str, ...] = ()
+
+    def whole(self, effects: Sequence[Added] = ()) -> Problem:
+        """All data by the model with these `effects` on top of its own."""
+        every = (*self.model.effects, *effects)
+        return Problem(tuple(one.with_effects(every) for one in self.made), self.facts(every))
+
+    def problem(self, effects: Sequence[Added] = ()) -> Problem:
+        """What fits see of it: fewer lines, and nothing that is held out."""
+        thinned = self.whole(effects).thinned()
+        return without(thinned, named(thinned, self.hold_out)) if self.hold_out else thinned
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Candidate:
+    """Effects on top of those of the model, and the fit of all parameters with them.
+
+    Attributes
+    ----------
+    effects : at the sizes that the fit found, the one that was tried last last
+    fit : of `validation.estimation.problem.FITTED`; logarithmic sizes count from those of the effects that `problem` has
+    problem : that was fitted
+    """
+
+    effects: tuple[Added, ...]
+    fit: Fit
+    problem: Problem
+
+
+# What the catalogue knows to confirm a cause, as advice for which there is no figure.
+
+
+def confirming(effects: Iterable[Named]) -> tuple[Advice, ...]:
+    """One for each of `effects`, in their order; none of those that nothing confirms."""
+    known = [(one.id, FAMILIES[one.family].confirmed_by) for one in effects]
+    return tuple(Advice(test=f"to confirm {id}: {how}", gain=0.0) for id, how in known if how)
+
+
+# `Screened`: what a straight line says of one candidate.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screened:
+    """What a straight line says of a candidate.
+
+    Attributes
+    ----------
+    added : at the size that it says
+    evidence : [nats]
+    told : its parameter; of a resonator the mass at the best frequency
+    plausible : standard deviation of a plausible fault, in the offset of the parameter
+    parameter : that the straight line is along, which says what its offset means; None of resonators and of periods
+    usual : of a resonator what the data say of its mass at a frequency and damping at which they say neither much nor little
+    """
+
+    added: Added
+    evidence: float
+    told: ScoreTest
+    plausible: float
+    parameter: Parameter | None = None
+    usual: ScoreTest | None = None
+
+    @property
+    def id(self) -> str:
+        """Of the effect."""
+        return self.added.named.id
+
+
+# The verdict in one sentence, and causes with their sizes in words.
+
+
+NAMED = 4
+"""Effects that a sentence names; of more, their number is."""
+
+
+def headline(found: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    return HEADLINES[found.verdict](found)
+
+
+def cause(of: Cause) -> str:
+    """ "force-gain:fmd-z2, +7.93 % (+7.69 to +8.17)"."""
+    told = "; ".join(sized(of, size) for size in of.sizes)
+    return f"{of.id}, {told}" if told else of.id
+
+
+def sized(of: Cause, size: EffectEstimate) -> str:
+    """One size with its interval, and its key where it has one."""
+    value, low, high, unit = interval(of, size)
+    key = f"{size.key} " if size.key else ""
+    if size.low == size.high:
+        return key + practical_units.with_unit(value, unit)
+    return f"{key}{practical_units.with_unit(value, unit)} ({low} to {high})"
+
+
+def interval(of: Cause, size: EffectEstimate) -> tuple[str, str, str, str]:
+    """Value, both ends of the interval, and the unit in which they stand."""
+    (value, low, high), unit = practical_units.written(of.named.family, size.key, size.unit, (size.value, size.low, size.high))
+    return value, low, high, unit
+
+
+def mistaken(of: Cause) -> str:
+    """What it is mistaken for."""
+    return ", ".join(of.mistaken_for) or NONE
+
+
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """As a sentence lists them; of more than `NAMED` the number of the others."""
+    if len(names) > NAMED:
+        return f"{', '.join(names[:NAMED])} {last} {len(names) - NAMED} more"
+    return f" {last} ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
+
+
+def what(id: str) -> str:
+    """The family of an effect in a few words."""
+    return FAMILIES[id.partition(":")[0]].what
+
+
+def asked(found: Diagnosis) -> str:
+    """What alone was looked for, where not everything was."""
+    return f" of what was asked for ({listed(found.only)})" if found.only else ""
+
+
+def _nothing(found: Diagnosis) -> str:
+    known = f", beside {listed([one.id for one in found.accepted])}" if found.accepted else ""
+    return f"NOTHING IS MISSING{asked(found)} at the resolution of these data{known}."
+
+
+def _missing(found: Diagnosis) -> str:
+    return f"MISSING: {'; '.join(f'{cause(one)}: {one.named.what}' for one in found.accepted)}."
+
+
+def _ambiguous(found: Diagnosis) -> str:
+    sure = [cause(one) for one in found.accepted if one.id not in found.equivalence_class]
+    beside = f"{listed(sure)}, and then one" if sure else "one"
+    return f"MISSING IS {beside} of these, which these data cannot tell apart: {listed(found.equivalence_class, 'or')}."
+
+
+def _several(found: Diagnosis) -> str:
+    return f"SEVERAL ARE MISSING: {listed([cause(one) for one in found.accepted])}."
+
+
+def _unknown(found: Diagnosis) -> str:
+    known = f"; {listed([one.id for one in found.accepted])} alone leaves too much" if found.accepted else ""
+    what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
+    return f"UNKNOWN: something is missing, and {what} explains it{known}."
+
+
+def _nonlinear(found: Diagnosis) -> str:
+    axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))
+    where = f" along {axes}" if axes else ""
+    named = f": {listed([cause(one) for one in found.accepted])}" if found.accepted else ""
+    return f"NOT LINEAR: the article or the rig answers otherwise at another level{where}{named}."
+
+
+def _mistake(found: Diagnosis) -> str:
+    wrong = [one for one in found.accepted if FAMILIES[one.named.family].side == OF_MISTAKES]
+    rest = [cause(one) for one in found.accepted if one not in wrong]
+    beside = f"; and missing beside it: {listed(rest)}" if rest else ""
+    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in wrong)}{beside}."
+
+
+HEADLINES: Mapping[str, Callable[[Diagnosis], str]] = MappingProxyType(
+    {
+        NOTHING: _nothing,
+        MISSING: _missing,
+        AMBIGUOUS: _ambiguous,
+        SEVERAL: _several,
+        UNKNOWN: _unknown,
+        NONLINEAR: _nonlinear,
+        MISTAKE: _mistake,
+    }
+)
+"""By verdict."""

@@ -1,0 +1,515 @@
+"""`advised`: which test of the menu would tell explanations apart, with the evidence that it is expected to give.
+
+Every test of the menu is forecast by a straight line, which takes a tenth of a second; the best are then gone through as a fit
+would, until enough of them keep what they promise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.frames import Array
+from identification.self_calibration.elimination import Normal
+from identification.self_calibration.solve import inverse, minimise
+from validation.diagnose.candidates import candidates, is_resonator, opened
+from validation.diagnose.diagnosis import Advice, Candidate, FittedData
+from validation.diagnose.next_test_offers import TestOffer, menu
+from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effects_of, knowledge, lines_of, reading, template
+from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.effect import INDISTINGUISHABLE_NATS
+from validation.estimation import likelihood
+from validation.estimation.cost import cost_of, root
+from validation.estimation.fit import BREAKDOWNS, FLOOR
+from validation.estimation.problem import EFFECT, FITTED, Change, Conveyed, Fact, Lines, Parameter
+from validation.model.model import Added
+from validation.prediction.effects import name
+
+# How many nats a test is expected to give for the right one of two explanations, in closed form.
+#
+# By explanation a the test reads A_a u + n, the tolerances within what the present data left of them: whitened and with the
+# latent inputs taken out, a Gaussian with mean m_a and covariance S_a = 1 + J C_a J^T. If a is true, it gains on b
+#
+#     1/2 d^T S_b^-1 d ,        d = m_a - m_b ,
+#
+# the part of their difference that b cannot take up by what it does not know (Lindley, Annals of Mathematical Statistics 27,
+# 1956; the mean of the logarithm of a ratio of Gaussians). With C = L L^T and N = J^T J everything is of the size of the
+# parameters:
+#
+#     d^T S^-1 d = d^T d - |K^-1/2 L^T J^T d|² ,    K = 1 + L^T N L .
+#
+# What a itself does not know, 1/2 [tr S_b^-1 (S_a - S_b) + ln det S_b - ln det S_a], is left out. It is never negative, so that
+# the figure is a cautious one; and it would ask for J of both: at a narrow resonance no difference of J is small.
+
+
+def nats(difference: Normal, spread: Array) -> float:
+    """Expected evidence against an explanation that knows its parameters as `spread` (p, s) L says.
+
+    Parameters
+    ----------
+    difference : half |d|², J^T d (p,) and N (p, p) of how the right explanation differs from it
+    """
+    K = np.eye(spread.shape[1]) + spread.T @ difference.matrix @ spread
+    taken_up = np.linalg.solve(np.linalg.cholesky(K), spread.T @ difference.gradient)
+    return max(difference.cost - 0.5 * float(taken_up @ taken_up), 0.0)
+
+
+# Explanations set beside each other in one test: how many nats it gives for the right one, whichever that is.
+#
+# The first explanation lends the test its derivatives. Every other one predicts what it would read; what the first cannot follow
+# of that, latent inputs taken out, is their difference.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Differences:
+    """In the parameters (p,), how every other explanation differs from the first in a test."""
+
+    parameters: tuple[Parameter, ...]
+    others: tuple[Normal, ...]
+
+
+def told(offer: TestOffer, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
+    """Nats that `offer` is expected to tell of `first` against each of `others`, as far as a straight line goes.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError, ValueError, FloatingPointError : a model breaks down in this test.
+    """
+    here, there = offer.by(first), tuple(offer.by(one) for one in others)
+    found = _of_facts(offer, here, there) if offer.test is None else _of_lines(offer.test, here, there)
+    own = first.spread(found.parameters, offer.moved)
+    return tuple(
+        either(first.odds(one), nats(difference, one.spread(found.parameters, offer.moved)), nats(difference, own))
+        for difference, one in zip(found.others, others, strict=True)
+    )
+
+
+def either(probability: float, first: float, other: float) -> float:
+    """What is expected where the first is right with `probability`: the geometric mean, which follows the smaller of the two.
+
+    What would be plain in the one case is no reason to expect it in the other.
+    """
+    least = np.finfo(np.float64).tiny
+    return float(max(first, least) ** probability * max(other, least) ** (1 - probability))
+
+
+def _of_lines(test: PlannedTest, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
+    lines, worth = lines_of(test, reading(test, first, first.offsets))
+    mine = test.prediction.with_effects(first.effects)
+    predicted = mine.at(first.offsets, lines)
+    parameters = {one.name: one for one in mine.parameters if one.tolerance > 0}
+    changes = {name: change for name, change in predicted.changes.items() if name in parameters}
+    for other in others:
+        own, extra = _of_effects(test, other, lines)
+        changes = {**extra, **changes}
+        parameters = {**own, **parameters}
+    names = tuple(changes)
+    whole = replace(predicted, changes=changes)
+    found = []
+    for other in others:
+        seen = likelihood.observed(reading(test, other, other.offsets), lines)
+        found.append(likelihood.total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
+    return _Differences(
+        parameters=tuple(parameters[name] for name in names),
+        others=tuple(_scaled(one, worth) for one in found),
+    )
+
+
+def _of_effects(test: PlannedTest, of: Knowledge, lines: Lines) -> tuple[dict[str, Parameter], Mapping[str, Change | Conveyed]]:
+    """The sizes of the effects of `of`, and how the test answers to them."""
+    own = test.prediction.with_effects(of.effects)
+    parameters = {one.name: one for one in own.parameters if one.kind == EFFECT and one.tolerance > 0}
+    changes = own.at(of.offsets, lines, derivatives=frozenset(parameters)).changes if parameters else {}
+    return parameters, {name: change for name, change in changes.items() if name in parameters}
+
+
+def _scaled(one: Normal, factor: float) -> Normal:
+    return Normal(cost=factor * one.cost, gradient=factor * one.gradient, matrix=factor * one.matrix)
+
+
+def _of_facts(offer: TestOffer, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
+    """(predicted - measured) / deviation of every number, as each explanation has it."""
+    every = [offer.facts(one.effects) for one in (first, *others)]
+    known = {one.name: one for facts in every[::-1] for fact in facts for one in fact.parameters}
+    left, J = _said(every[0], first, tuple(known))
+    found = []
+    for facts, other in zip(every[1:], others, strict=True):
+        says, slopes = _said(facts, other, tuple(known))
+        J = np.where(np.any(J != 0, axis=0), J, slopes)
+        found.append(says - left)
+    differences = (Normal(cost=0.5 * float(away @ away), gradient=J.T @ away, matrix=J.T @ J) for away in found)
+    return _Differences(parameters=tuple(known.values()), others=tuple(differences))
+
+
+def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[Array, Array]:
+    """(q,) residuals and (q, p) slopes."""
+    said = [fact.residual(by.offsets) for fact in facts]
+    rows = np.array([[slopes.get(name, 0.0) for name in names] for _, slopes in said])
+    return np.array([left for left, _ in said]), rows.reshape(len(said), len(names))
+
+
+# How far the wrong explanation can follow what the right one says a test would read: it is fitted to that.
+#
+# The linear forecast of `expected` takes the derivatives where the fit of the present data ended. Where a resonance has moved by
+# more than its width they say nothing of what a fit would do. So the few tests that look best are gone through: by the same
+# descent as any fit, within the same bounds, with what the present data have told as knowledge beforehand, though only as far as
+# a forecast needs.
+
+
+MOST = 12
+"""Evaluations that it may take."""
+
+STIFF = 1e-12
+"""Relative variance of a direction below which it does not move."""
+
+ROUGHLY = 0.5
+"""Standard deviations that the last step may be: it leaves an eighth of a nat."""
+
+
+def following(test: PlannedTest, offer: TestOffer, right: Knowledge, wrong: Knowledge) -> float:
+    """Nats that are left of the difference between `right` and `wrong` when the latter was fitted to what the former reads.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError, ValueError, FloatingPointError : a model breaks down in this test.
+    """
+    here, there = offer.by(right), offer.by(wrong)
+    measured = reading(test, here, here.offsets)
+    lines, worth = lines_of(test, measured)
+    seen = likelihood.observed(measured, lines)
+    prediction = test.prediction.with_effects(there.effects)
+    moving = tuple(one for one in prediction.parameters if one.tolerance > 0)
+    spread = wrong.spread(moving, offer.moved)
+    free = np.flatnonzero(np.any(spread != 0, axis=1))
+    names, bounds = tuple(moving[k].name for k in free), np.array([moving[k].bounds(plain=False) for k in free])
+    whitening, begin = _whitening(spread[free]), np.array([there.offsets.get(name, 0.0) for name in names])
+
+    def data(x: Array) -> Normal:
+        offsets = {**there.offsets, **dict(zip(names, map(float, x), strict=True))}
+        predicted = prediction.at(offsets, lines, derivatives=frozenset(names))
+        found = likelihood.total(likelihood.normals(seen, predicted, names, FLOOR).values(), len(names))
+        return Normal(cost=worth * found.cost, gradient=worth * found.gradient, matrix=worth * found.matrix)
+
+    def knowledge(x: Array) -> tuple[Array, Array]:
+        return whitening @ (x - begin), whitening
+
+    low, high = bounds.T
+    found = minimise(data, begin, knowledge, close=ROUGHLY, most=MOST, bounds=(np.minimum(low, begin), np.maximum(high, begin)))
+    return found.normal.cost
+
+
+def _whitening(spread: Array) -> Array:
+    """(p, p) W with W spread spread^T W^T = 1, of parameters (p,) of any unit; a direction that does not move resists."""
+    covariance = spread @ spread.T
+    scale = np.sqrt(np.diag(covariance))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray((vectors / np.sqrt(np.maximum(values, STIFF * values[-1]))).T / scale)
+
+
+# What a single explanation could be mistaken for: that nothing is missing, or another effect, as far as a straight line goes.
+#
+# Nobody fitted these. From the Jacobian of the data at the fit that there is, the quadratic model of the cost says where the fit
+# without the effect would end, and where one with another effect in its place:
+#
+#     minimum over delta of  1/2 delta^T N delta + g^T delta + 1/2 (x + delta)^T P (x + delta) ,
+#
+# the sizes of the effect itself at nothing, and P what is known beforehand. That is good enough to ask what a test would read.
+
+
+NOTHING = "nothing"
+
+IMAGINED_MOST = 1
+"""Effects that are imagined in its place."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Alternative:
+    """An explanation that nobody fitted.
+
+    Attributes
+    ----------
+    id : of the effect in its place; "nothing" for none
+    known : what the data would say of the parameters by it
+    """
+
+    id: str
+    known: Knowledge
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Ground:
+    """The cost to second order in the parameters (p,), about the offsets x (p,) where the fit ended.
+
+    Attributes
+    ----------
+    parameters : those of the fit, and the sizes of what may stand in place of the effect
+    x, data, precision : offsets, cost of the data, and one over the square of what a laboratory admits of each; infinite for none
+    """
+
+    parameters: tuple[Parameter, ...]
+    x: Array
+    data: Normal
+    precision: Array
+
+
+def imagined(bench: FittedData, of: Candidate) -> tuple[Alternative, ...]:
+    """In place of the last effect of a hypothesis: nothing, and the effects that come nearest of those it is mistaken for."""
+    effect = of.effects[-1]
+    if effect.fixed:
+        return (_switched_off(of, effect),)
+    menu = lookalikes(bench, effect.named)
+    ground = _ground(bench, of, menu)
+    without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
+    found = [_instead(ground, of, effect, without, one) for one in (None, *menu)]
+    nothing, *others = (one for one in found if one is not None)
+    return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:IMAGINED_MOST])
+
+
+def _switched_off(of: Candidate, effect: Added) -> Alternative:
+    """Of an effect that is there or not: the same without it, which was not asked for because it is far worse."""
+    known = knowledge(of)
+    left = tuple(one for one in known.effects if one.named.id != effect.named.id)
+    return Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE))
+
+
+def lookalikes(bench: FittedData, named: Named) -> tuple[Added, ...]:
+    """The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one."""
+    wanted = FAMILIES[named.family].mistaken_for
+    found = (one for one in candidates(bench) if one.named.family in wanted or one.named.id in wanted)
+    return tuple(one for one in found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
+
+
+def _shares(one: Named, other: Named) -> bool:
+    """Whether two effects act on the same target, of the kinds that both have."""
+    first, second = (dict(zip(FAMILIES[each.family].targets, each.targets, strict=False)) for each in (one, other))
+    return all(first[kind] == second[kind] for kind in first.keys() & second.keys())
+
+
+def _ground(bench: FittedData, of: Candidate, menu: Sequence[Added]) -> _Ground:
+    admitted = {one.name: one.tolerance for one in bench.problem(of.effects[:-1]).free(FITTED)}
+    problem = opened(of.problem, menu)
+    own = {one.name for one in of.fit.parameters}
+    free = tuple(one for one in problem.free(FITTED) if one.name in own or one.kind == EFFECT)
+    cost = cost_of(problem, free, FLOOR)
+    x = cost.at(of.fit.by_name)
+    data, count = cost.data(x), len(problem.facts)
+    left, rows = (each[len(each) - count :] for each in cost.knowledge(x))
+    whole = Normal(
+        cost=data.cost + 0.5 * float(left @ left),
+        gradient=data.gradient + rows.T @ left,
+        matrix=data.matrix + rows.T @ rows,
+    )
+    precision = np.array([admitted.get(one.name, 0.0) for one in free])
+    with np.errstate(divide="ignore"):
+        return _Ground(parameters=free, x=x, data=whole, precision=precision**-2.0)
+
+
+def _instead(at: _Ground, of: Candidate, effect: Added, without: tuple[Added, ...], other: Added | None) -> Alternative | None:
+    """Where the fit with `other` in place of `effect` would end; None where that acts nowhere."""
+    names = [one.name for one in at.parameters]
+    sizes = {} if other is None else {name(other.named, size.key): size.plausible for size in other.named.sizes}
+    opened_here = [k for k, one in enumerate(names) if one in sizes]
+    if other is not None and not opened_here:
+        return None
+    precision = np.array(at.precision)
+    precision[opened_here] = [sizes[names[k]] ** -2.0 for k in opened_here]
+    goal = -at.x
+    for size in effect.named.sizes:
+        if name(effect.named, size.key) in names and size.logarithmic:
+            goal[names.index(name(effect.named, size.key))] = -1.0 if size == effect.named.sizes[0] else 0.0
+    free, held = np.flatnonzero(np.isfinite(precision)), np.flatnonzero(~np.isfinite(precision))
+    delta = np.where(np.isfinite(precision), 0.0, goal)
+    P, N = np.diag(precision[free]), at.data.matrix
+    pull = at.data.gradient[free] + N[np.ix_(free, held)] @ delta[held] + P @ at.x[free]
+    covariance = inverse(N[np.ix_(free, free)] + P)
+    delta[free] = -covariance @ pull
+    x = at.x + delta
+    cost = at.data.cost + float(at.data.gradient @ delta + 0.5 * delta @ N @ delta + 0.5 * x[free] @ P @ x[free])
+    kept = [names[k] for k in free]
+    offsets = {**of.problem.start, **of.fit.by_name, **dict(zip(kept, map(float, x[free]), strict=True))}
+    gone = {names[k] for k in held}
+    known = Knowledge(
+        effects=without if other is None else (*without, other),
+        offsets={one: size for one, size in offsets.items() if one not in gone},
+        names=tuple(kept),
+        root=root(covariance),
+        log_evidence=of.fit.log_evidence + of.fit.cost - cost,
+    )
+    return Alternative(id=NOTHING if other is None else other.named.id, known=known)
+
+
+DECIDED = 20.0
+"""Nats beyond which more decide no more: then the quicker test comes first."""
+
+AT_MOST = 3
+"""Tests that are named."""
+
+TRIED = 6
+"""Tests that are gone through at most."""
+
+CERTAIN = 0.95
+"""Probability of one of two explanations from which nobody asks what the test would read by the other."""
+
+LOOKING = 0.6
+"""Share of the work that the forecast of the whole menu is."""
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Forecast:
+    """What is expected of one test.
+
+    Attributes
+    ----------
+    offer : the test
+    gains : by other explanation, nats between it and the first
+    """
+
+    offer: TestOffer
+    gains: tuple[float, ...]
+
+    @property
+    def apart(self) -> tuple[int, ...]:
+        """Which of the others it tells from the first."""
+        return tuple(k for k, gain in enumerate(self.gains) if gain >= INDISTINGUISHABLE_NATS)
+
+    @property
+    def gain(self) -> float:
+        """Of those that it tells apart, the least; else the most of all."""
+        return min((self.gains[k] for k in self.apart), default=max(self.gains))
+
+    @property
+    def rank(self) -> tuple[float, float, float, float]:
+        """The smaller the better: how many it tells apart, how surely, how quickly."""
+        return -len(self.apart), -min(self.gain, DECIDED), self.offer.hours, -self.gain
+
+
+def advised(bench: FittedData, rivals: Sequence[Candidate], progress: Progress | None = None) -> tuple[Advice, ...]:
+    """Tests that would tell `rivals` apart, the best first.
+
+    Parameters
+    ----------
+    rivals : explanations of the data of `bench`, the best first; of a single one, tests that would confirm it are looked for
+
+    Returns
+    -------
+    those from which `ALIKE` nats or more are expected between the first and at least one other. First come those that
+    tell most of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain
+    0 says so.
+    """
+    tell = progress or (lambda share: None)
+    if len(rivals) == 1:
+        return _confirming(bench, rivals[0], tell)
+    first, *others = (knowledge(one) for one in rivals)
+    own = suspected(rivals)
+    return chosen(bench, first, others, [worded(one) for one in own], _all(own), tell)
+
+
+def _confirming(bench: FittedData, one: Candidate, progress: Progress) -> tuple[Advice, ...]:
+    """Tests that would tell a single explanation from nothing, and from what it could be mistaken for."""
+    if not one.effects:
+        return ()
+    others = imagined(bench, one)
+    effects = tuple(added for each in others for added in each.known.effects if added.named.id == each.id)
+    names = [one.effects[-1].named.id, *(each.id for each in others)]
+    return chosen(bench, knowledge(one), [each.known for each in others], names, (one.effects[-1], *effects), progress)
+
+
+def chosen(
+    bench: FittedData,
+    first: Knowledge,
+    others: Sequence[Knowledge],
+    names: Sequence[str],
+    effects: Sequence[Added],
+    progress: Progress,
+) -> tuple[Advice, ...]:
+    """The best tests between `first` and `others`, whose `names` stand in the advice; `effects` are those that are in doubt."""
+    offers = tuple(menu([template(one, first) for one in bench.made], effects, bench.facts(first.effects)))
+    looked = []
+    for k, offer in enumerate(offers):
+        looked.append(_looked(offer, first, others))
+        progress(LOOKING * (k + 1) / len(offers))
+    ranked = sorted((one for one in looked if one is not None), key=lambda one: one.rank)
+    useful = _kept(ranked, first, others, lambda share: progress(LOOKING + (1 - LOOKING) * share))
+    return tuple(_advice(one, names) for one in useful if one.apart) or (_none(useful, effects, names),)
+
+
+def _looked(offer: TestOffer, first: Knowledge, others: Sequence[Knowledge]) -> Forecast | None:
+    """What a straight line expects; None where a model breaks down in the test."""
+    try:
+        return Forecast(offer=offer, gains=told(offer, first, others))
+    except BREAKDOWNS:
+        return None
+
+
+def _kept(ranked: Sequence[Forecast], first: Knowledge, others: Sequence[Knowledge], progress: Progress) -> list[Forecast]:
+    """The best of each kind, gone through; in the end the best of all first, though it tell nothing apart."""
+    kept: dict[str, Forecast] = {}
+    tried = 0
+    for one in ranked:
+        enough = sum(bool(each.apart) for each in kept.values()) >= AT_MOST or tried >= TRIED
+        if enough or (kept and not one.apart):
+            break
+        if one.offer.kind not in kept:
+            found = _followed(one, first, others)
+            tried += 1
+            progress(tried / TRIED)
+            kept |= {} if found is None else {one.offer.kind: found}
+    return sorted(kept.values(), key=lambda one: one.rank)
+
+
+def _followed(one: Forecast, first: Knowledge, others: Sequence[Knowledge]) -> Forecast | None:
+    """The forecast as a fit would see it; of other measurements than campaigns it is that already."""
+    test = one.offer.test
+    if test is None:
+        return one
+    try:
+        return replace(one, gains=tuple(_between(test, one.offer, first, other) for other in others))
+    except BREAKDOWNS:
+        return None
+
+
+def _between(test: PlannedTest, offer: TestOffer, first: Knowledge, other: Knowledge) -> float:
+    probability = first.odds(other)
+    here = following(test, offer, first, other)
+    return here if probability > CERTAIN else either(probability, here, following(test, offer, other, first))
+
+
+def _advice(one: Forecast, names: Sequence[str]) -> Advice:
+    separates = (names[0], *(names[1 + k] for k in one.apart))
+    return Advice(test=one.offer.words, gain=one.gain, separates=separates, hours=one.offer.hours)
+
+
+def _none(tried: Sequence[Forecast], effects: Sequence[Added], names: Sequence[str]) -> Advice:
+    """That no test helps, which comes nearest, and what the catalogue knows of a laboratory."""
+    apart = f"no test of the menu is expected to tell {_listed(names)} apart"
+    nearest = f"; the nearest to it, with {tried[0].gain:.1f} nats: {_small(tried[0].offer.words)}" if tried else ""
+    ways = dict.fromkeys(FAMILIES[one.named.family].confirmed_by for one in effects)
+    said = "; ".join(way for way in ways if way)
+    return Advice(test=f"{apart}{nearest}{'. What would: ' + said if said else ''}", gain=0.0)
+
+
+def suspected(rivals: Sequence[Candidate]) -> list[tuple[Added, ...]]:
+    """Of every hypothesis the effects that not all of them have."""
+    common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
+    return [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
+
+
+def worded(effects: Sequence[Added]) -> str:
+    """Effects by their ids."""
+    return " with ".join(one.named.id for one in effects) or "nothing"
+
+
+def _all(own: Sequence[Sequence[Added]]) -> tuple[Added, ...]:
+    return tuple({one.named.id: one for effects in own for one in effects}.values())
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _small(words: str) -> str:
+    return words[:1].lower() + words[1:]

@@ -1,0 +1,762 @@
+"""The two-level test: do runs of one axis at two levels answer alike? It comes before any linear fit, and needs no model.
+
+What a weaker run holds beyond the stronger ones (`validation.diagnose.nonlinear`) is compared with noise, channel by channel and
+over all lines. An axis is named where some channel stands out both of noise and of what it reads, by more than what only leaks
+into this axis by the cross motion of a table that drives another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, rigid_transformation_6
+from identification.campaign import Recording
+from identification.quality import NORMAL_90
+from identification.self_calibration.elimination import eliminated, level_of_groups, smoothed_level
+from validation.diagnose.diagnosis import Cause, EffectEstimate, FittedData, LevelDifference
+from validation.effects.catalogue import FAMILIES, Named, acts
+from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS, Vocabulary
+from validation.effects.effect import SizeSpec as OfFamily
+from validation.effects.stages import ChannelResponse, MountedDynamicMass
+from validation.model.model import vocabulary
+from validation.prediction import dynamic_mass, effects
+from validation.prediction.series import SeriesPrediction, laboratory
+
+# `Driven`: the runs of one campaign by how strongly they were driven, and what the weaker ones hold beyond the stronger ones.
+#
+# What is linear reads y = A u in every run, whatever A is: the readings of six independent runs span all that a seventh can
+# read. So no model is asked: the stronger runs B of all axes explain a weaker run, line by line, up to noise,
+#
+#     r = (1 - Q Q^H) W y ,   W B = Q R ,   1 / W² = noise² + |c|² noise_B² + floor² ,   y ~ B c
+#
+# and what is left over is not linear. Where the stronger runs do not span the six motions, the rows of the model stand in for
+# those that are missing; its errors then count with the little that the runs differ by.
+
+
+MOTIONS_OF_A_PLATE = 6
+
+WEAKER = 0.9
+"""Share of the strongest level of an axis below which a run was driven at another level."""
+
+SAME_SHAPE = 0.99
+"""Cosine from which two runs drive the same axes."""
+
+FLOOR = 5e-4
+"""What of a channel's level no recorder repeats from one run to the next, beside its noise."""
+
+SPANNED = 20.0
+"""How far above noise the weakest of six motions must stand in the stronger runs, for these to span them."""
+
+WRONG = 0.1
+"""How far off a model's rows may be that stand in for runs, as a share."""
+
+Indices = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Driven:
+    """The runs of one campaign.
+
+    Attributes
+    ----------
+    name : of the data set
+    runs, axes : (r,) names, and what each drove in words
+    share : (r,) of the level of the strongest run that drove the same
+    partner : (r,) that strongest run; the run itself where it is the strongest
+    channels : (c,) names
+    judged : (c,) bool, forces
+    frequency : (n,) [Hz]
+    values, noise : (r, n, c) as `validation.estimation.problem.Measured`
+    level : (r, n, c) smoothed level, never silent
+    rows : (n, c, 6) of the model, which stand in where the runs do not span
+    """
+
+    name: str
+    runs: tuple[str, ...]
+    axes: tuple[str, ...]
+    share: Array
+    partner: Indices
+    channels: tuple[str, ...]
+    judged: npt.NDArray[np.bool_]
+    frequency: Array
+    values: ComplexArray
+    noise: Array
+    level: Array
+    rows: ComplexArray
+
+    @property
+    def weaker(self) -> tuple[int, ...]:
+        """Indices of the runs that have a stronger partner."""
+        return tuple(int(k) for k in np.flatnonzero(self.share < WEAKER))
+
+    @property
+    def stronger(self) -> tuple[int, ...]:
+        """Indices of the strongest runs of their axes."""
+        return tuple(int(k) for k in np.flatnonzero(self.share >= WEAKER))
+
+    def at(self, lines: Indices) -> Driven:
+        """The lines with these indices alone."""
+        of_runs = {name: getattr(self, name)[:, lines] for name in ("values", "noise", "level")}
+        return replace(self, frequency=self.frequency[lines], rows=self.rows[lines], **of_runs)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Beyond:
+    """What a weaker run holds beyond the stronger ones.
+
+    Attributes
+    ----------
+    run : its index
+    whitened : (n, c) complex, of unit variance for each that is free
+    free : (n, c) share of each channel's noise that is left over, diagonal of 1 - Q Q^H
+    explained : (n, c, k) orthonormal, Q
+    deviation : (n, c) standard deviation by which it was whitened
+    weights : (n, h) c, what it takes of each of the stronger runs
+    """
+
+    run: int
+    whitened: ComplexArray
+    free: Array
+    explained: ComplexArray
+    deviation: Array
+    weights: ComplexArray
+
+    def projected(self, values: ComplexArray) -> ComplexArray:
+        """(n, c) what of readings (n, c) the stronger runs do not explain, whitened."""
+        white = (values / self.deviation)[..., None]
+        return np.asarray((white - self.explained @ (self.explained.conj().transpose(0, 2, 1) @ white))[..., 0])
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares; one for every complex number that is free."""
+        return float(np.sum(np.abs(self.whitened) ** 2))
+
+    @property
+    def count(self) -> float:
+        """Complex numbers that are free."""
+        return float(np.sum(self.free))
+
+    @property
+    def by_channel(self) -> Array:
+        """(n, c) by how much the sum of squares would fall without a channel; 1 on average where nothing is wrong."""
+        return np.asarray(np.abs(self.whitened) ** 2 / np.maximum(self.free, FREE))
+
+
+FREE = 1e-3
+"""Share of a channel's noise below which the others do not say what it reads."""
+
+
+def driven_runs(one: SeriesPrediction) -> Driven:
+    """The runs of `one`; what its model knows of an amplitude is taken off their readings."""
+    measured = one.measured
+    share, partner = _levels(one)
+    linear = one.with_effects([effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE])
+    start = {parameter.name: parameter.start for parameter in one.parameters}
+    rows = linear.at(start, derivatives=False).rows
+    values = measured.values if len(linear.effects) == len(one.effects) else _linear(one, rows)
+    silent = level_of_groups(values, measured.judged)
+    return Driven(
+        name=measured.name,
+        runs=measured.runs,
+        axes=tuple(axis or "several axes" for axis in measured.axes),
+        share=share,
+        partner=partner,
+        channels=measured.channels,
+        judged=measured.judged,
+        frequency=measured.frequency,
+        values=values,
+        noise=measured.noise,
+        level=np.hypot(smoothed_level(measured.frequency, values), SILENT * silent),
+        rows=rows if rows.ndim == 3 else rows[0],
+    )
+
+
+SILENT = 0.01
+"""Share of what channels of its kind read at which a channel counts as silent."""
+
+
+def _levels(one: SeriesPrediction) -> tuple[Array, Indices]:
+    """(r,) shares of the strongest run that drove the same, and (r,) that run."""
+    drive = np.stack([of.amplitude for of in one.tested.drives])
+    size = np.linalg.norm(drive, axis=1)
+    if not np.all(size > 0):
+        drive, size = _as_read(one)
+    along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
+    same = along @ along.T > SAME_SHAPE
+    strongest = np.where(same, size[None], 0.0).max(axis=1)
+    share = size / strongest
+    partner = np.arange(len(size))
+    for k in np.flatnonzero(share < WEAKER):
+        rivals = np.flatnonzero(same[k] & (share >= WEAKER))
+        partner[k] = rivals[np.argmax([_coherence(one, int(k), int(other)) for other in rivals])]
+    return share, partner
+
+
+def _as_read(one: SeriesPrediction) -> tuple[Array, Array]:
+    """Drives of runs that state no amplitude: by the axis, in what their accelerometers read."""
+    measured = one.measured
+    moved = measured.values[..., ~measured.judged]
+    size = np.sqrt(np.mean(np.abs(moved) ** 2, axis=(1, 2)))
+    known = sorted(set(measured.axes))
+    drive = np.zeros((len(size), len(known)))
+    drive[np.arange(len(size)), [known.index(axis) for axis in measured.axes]] = size
+    return drive, size
+
+
+def _coherence(one: SeriesPrediction, k: int, other: int) -> float:
+    a, b = one.measured.values[k].ravel(), one.measured.values[other].ravel()
+    return float(np.abs(np.vdot(a, b)) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), np.finfo(np.float64).tiny))
+
+
+def _linear(one: SeriesPrediction, rows: ComplexArray) -> ComplexArray:
+    """(r, n, c) readings less what the amplitude-dependent effects of the model make of them."""
+    measured = one.measured
+    own = one.at({parameter.name: parameter.start for parameter in one.parameters}, derivatives=False).rows
+    found = np.array(measured.values)
+    for k, y in enumerate(measured.values):
+        A = own[k] if own.ndim == 4 else own
+        w = 1 / np.hypot(measured.noise[k], WRONG * np.abs(y).max(axis=0))
+        u = eliminated(A, y, w)[2]
+        found[k] += ((rows - A) @ u[..., None])[..., 0]
+    return found
+
+
+def beyond(of: Driven, runs: Sequence[int] | None = None) -> tuple[Beyond, ...]:
+    """What each of the weaker `runs` (all by default) holds beyond the stronger ones; none where channels are too few."""
+    basis = of.values[list(of.stronger)].transpose(1, 2, 0)
+    missing = not _spans(of, basis)
+    columns = basis.shape[2] + (MOTIONS_OF_A_PLATE if missing else 0)
+    if columns >= len(of.channels):
+        return ()
+    return tuple(_beyond(of, k, basis, missing=missing) for k in (of.weaker if runs is None else runs))
+
+
+def _spans(of: Driven, basis: ComplexArray) -> bool:
+    """Whether the stronger runs move in all six ways, well above their noise, at most lines."""
+    if basis.shape[2] < MOTIONS_OF_A_PLATE:
+        return False
+    noise = np.sqrt(np.mean(of.noise[list(of.stronger)] ** 2, axis=0))
+    noise = np.maximum(noise, FLOOR * of.level[list(of.stronger)].max(axis=0))
+    sizes = np.linalg.svd(basis / noise[..., None], compute_uv=False)
+    return bool(np.median(sizes[:, MOTIONS_OF_A_PLATE - 1]) > SPANNED)
+
+
+def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond:
+    y, strong = of.values[k], list(of.stronger)
+    own = np.hypot(of.noise[k], FLOOR * of.level[k])
+    motions, made_of = _motions(basis, own)
+    columns = np.concatenate([motions, of.rows], axis=2) if missing else motions
+    u = eliminated(columns, y, 1 / own)[2]
+    weights = (made_of @ u[:, : motions.shape[2], None])[..., 0]
+    variance = own**2 + np.einsum("nh,hnc->nc", np.abs(weights) ** 2, of.noise[strong] ** 2)
+    if missing:
+        moved = (of.rows @ u[:, motions.shape[2] :, None])[..., 0]
+        variance = variance + (WRONG * np.abs(moved)) ** 2
+    deviation = np.sqrt(variance)
+    whitened, Q, _ = eliminated(columns, y, 1 / deviation)
+    free = 1 - np.sum(np.abs(Q) ** 2, axis=2)
+    return Beyond(run=k, whitened=whitened, free=free, explained=Q, deviation=deviation, weights=weights)
+
+
+def _motions(basis: ComplexArray, deviation: Array) -> tuple[ComplexArray, ComplexArray]:
+    """(n, c, m) what the runs of `basis` (n, c, h) move, in at most six ways, and (n, h, m) of which runs each is made."""
+    h = basis.shape[2]
+    if h <= MOTIONS_OF_A_PLATE:
+        return basis, np.broadcast_to(np.eye(h, dtype=np.complex128), (len(basis), h, h))
+    U, S, Vh = np.linalg.svd(basis / deviation[..., None], full_matrices=False)
+    kept = slice(MOTIONS_OF_A_PLATE)
+    made_of = Vh[:, kept].conj().transpose(0, 2, 1) / S[:, None, kept]
+    return np.asarray(U[..., kept] * deviation[..., None]), np.asarray(made_of)
+
+
+SURE = 12.0
+"""Standard deviations of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32
+series with nothing planted the worst reached 7.0: noise is estimated, and its estimate scatters, too."""
+
+VISIBLE = 2e-3
+"""Share of what a channel reads that must differ."""
+
+LEAKING = 3.0
+"""How many times more must differ than what leaks from axes that are driven across."""
+
+SMOOTHED = 9
+"""Lines over which the worst frequency is looked for."""
+
+
+def drive_levels(bench: FittedData) -> tuple[LevelDifference, ...]:
+    """Axes that answer differently at two levels, the most surprising first; none where all were driven at one, or answer alike.
+
+    What amplitude-dependent effects of the bench's model explain is taken off first.
+    """
+    found = [level for one in bench.made for level in of_campaign(driven_runs(one.with_effects(bench.model.effects)))]
+    return tuple(sorted(found, key=lambda level: -level.sigma))
+
+
+def of_campaign(of: Driven) -> tuple[LevelDifference, ...]:
+    """Of one campaign; the weakest of several levels of an axis, or whichever shows most."""
+    left = beyond(of)
+    apart = [differing(of, one) for one in left]
+    known: dict[str, LevelDifference] = {}
+    for k, one in enumerate(left):
+        if not len(apart[k]) or _leaks(of, left, k):
+            continue
+        level = _level(of, one, apart[k])
+        if level.axis not in known or known[level.axis].sigma < level.sigma:
+            known[level.axis] = level
+    return tuple(known.values())
+
+
+def surprise(one: Beyond) -> Array:
+    """(c,) by how many standard deviations the sum over lines of each channel is too large."""
+    n = len(one.whitened)
+    return np.asarray((np.sum(one.by_channel, axis=0) - n) / np.sqrt(n))
+
+
+def share(of: Driven, one: Beyond) -> Array:
+    """(c,) rms of what each channel holds beyond noise, when the others are believed, as a share of what it reads."""
+    alone = (one.by_channel - 1) / np.maximum(one.free, FREE) * one.deviation**2
+    return np.asarray(np.sqrt(np.maximum(alone.mean(axis=0), 0.0) / np.mean(of.level[one.run] ** 2, axis=0)))
+
+
+def differing(of: Driven, one: Beyond) -> tuple[int, ...]:
+    """Indices of the channels that answer differently, the worst first."""
+    z = surprise(one)
+    apart = np.flatnonzero((z > SURE) & (share(of, one) > VISIBLE))
+    return tuple(int(k) for k in apart[np.argsort(-z[apart])])
+
+
+def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
+    """Whether what run `k` holds is what other axes' differences bring along by cross motion."""
+    one = left[k]
+    own = float(np.sqrt(np.sum(np.abs(one.whitened * one.deviation) ** 2)))
+    brought = 0.0
+    for other in left:
+        column = of.stronger.index(int(of.partner[other.run]))
+        if other.run == one.run or of.partner[other.run] == of.partner[one.run]:
+            continue
+        taken = np.abs(one.weights[:, column]) / of.share[other.run]
+        brought += float(np.sum(taken[:, None] ** 2 * np.abs(other.whitened * other.deviation) ** 2))
+    return bool(own < LEAKING * np.sqrt(brought))
+
+
+def _level(of: Driven, one: Beyond, apart: Sequence[int]) -> LevelDifference:
+    by_line = np.sum(one.by_channel[:, list(apart)], axis=1)
+    width = min(SMOOTHED, len(by_line))
+    worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
+    return LevelDifference(
+        data_set=of.name,
+        runs=(of.runs[one.run], of.runs[int(of.partner[one.run])]),
+        axis=of.axes[one.run],
+        channels=tuple(of.channels[k] for k in apart),
+        frequency=float(of.frequency[worst]),
+        sigma=float(surprise(one).max()),
+    )
+
+
+def require_levels(bench: FittedData, what: str = "friction, a gap or saturation") -> None:
+    """Refuse a bench that was driven at one level where two are needed.
+
+    Parameters
+    ----------
+    what : is asked for, for the message
+
+    Raises
+    ------
+    BadInput : no axis of any campaign was driven at two levels.
+    """
+    if any(driven_runs(one).weaker for one in bench.made):
+        return
+    sources = ", ".join(one.source for one in bench.campaigns)
+    raise BadInput(
+        source=sources,
+        field="run.excitation.level",
+        problem=f"every axis was driven at one level, and one level cannot see {what}: it looks like mass and damping there",
+        remedy="Drive the same axes once more at half the level (`massline simulate --levels 1,0.5`), and name those runs, too",
+    )
+
+
+# `Bent`: what an amplitude-dependent effect makes of the readings of runs at several levels, by the catalogue's equations.
+#
+# The equations say what a channel reads of a sine of given amplitude, or what a body weighs that is shaken so hard. They are
+# applied to the readings themselves, whose amplitude in time follows from the level that a run states and from what its
+# accelerometers read,
+#
+#     a_c(f) = |y_c(f)| level / |u(f)|
+#
+# and undone by iteration: readings z that the effect would turn into those found. So no resonance need be where the model has
+# it.
+
+
+ROUNDS = 12
+"""Iterations by which an equation is undone; each leaves at most half of what was left."""
+
+TINY = float(np.finfo(np.float64).tiny)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Bent:
+    """Runs of a campaign, ready to be held against effects.
+
+    Attributes
+    ----------
+    one : the prediction that knows how they were driven and what they drove
+    of : the runs at some lines
+    lines : indices of these lines
+    peak : (r, c) largest reading in time of every channel in the run at the strongest level of the same axis
+    """
+
+    one: SeriesPrediction
+    of: Driven
+    lines: Indices
+    peak: Array
+
+    def bent(self, named: Named, run: int) -> ComplexArray:
+        """(n, c) what `named` has added to the readings of the run with index `run`."""
+        if FAMILIES[named.family].stage == BODY_STAGE:
+            return self._of_body(named, run)
+        return self._of_channels(named, run)
+
+    def _of_channels(self, named: Named, run: int) -> ComplexArray:
+        partner = int(self.of.partner[run])
+        straight = self._straight(named, partner, self.peak[partner], rising=True)[1]
+        return np.asarray(self.of.values[run] - self._straight(named, run, straight, rising=False)[0])
+
+    def _straight(self, named: Named, run: int, peak: Array, *, rising: bool) -> tuple[ComplexArray, Array]:
+        """Readings (n, c) of a run that `named` would turn into those found, and the peak (c,) that goes with them.
+
+        Where the peak is that of this run (`rising`), it was bent as well: what a cubic takes of a peak is 4/3 of what it takes
+        of the fundamental.
+        """
+        change, y = FAMILIES[named.family].change, self.of.values[run]
+        loudest = np.argmax(np.abs(y), axis=0), np.arange(y.shape[1])
+        z, found = y, peak
+        for _ in range(ROUNDS if change is not None else 0):
+            amplitude = self._per_unit[run][:, None] * np.abs(z)
+            reading = ChannelResponse(
+                frequency=self.of.frequency, channels=self.of.channels, rows=z[..., None], amplitude=amplitude, peak=found
+            )
+            z = z + y - change(reading, named.targets, named.values).rows[..., 0]  # type: ignore[misc]
+            if rising:
+                found = peak * (np.abs(z[loudest]) / np.maximum(np.abs(y[loudest]), TINY)) ** (4 / 3)
+        return np.asarray(z), np.asarray(found)
+
+    def _of_body(self, named: Named, run: int) -> ComplexArray:
+        change = FAMILIES[named.family].change
+        stage = self._mounted(run)
+        if change is None:
+            return np.zeros_like(self.of.values[run])
+        added = change(stage, named.targets, named.values).matrix - stage.matrix
+        T = rigid_transformation_6(stage.seat)
+        return np.asarray((self._felt @ (T.T @ added @ T) @ self._motion[run][..., None])[..., 0])
+
+    @cached_property
+    def _motion(self) -> ComplexArray:
+        """(r, n, 6) of the base."""
+        return _motion(self.of)
+
+    @cached_property
+    def _per_unit(self) -> Array:
+        """(r, n) amplitude in time for a unit of a line."""
+        return _per_unit(self.one, self._motion)
+
+    @cached_property
+    def _felt(self) -> ComplexArray:
+        """(n, c, 6) what the channels read of loads about F that the cells carry."""
+        one, frequency = self.one, self.of.frequency
+        chain = laboratory(one.tested.model, one.tested.campaign, one.effects)
+        start = {parameter.name: parameter.start for parameter in one.parameters}
+        rows = chain.rows(np.array([start.get(parameter.name, 0.0) for parameter in chain.parameters]), frequency)[1]
+        linear = [effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE]
+        reading = ChannelResponse(frequency=frequency, channels=self.of.channels, rows=np.asarray(rows, dtype=np.complex128))
+        return effects.channels(reading, {}, linear, derivatives=False)[0].rows
+
+    def _mounted(self, run: int) -> MountedDynamicMass:
+        """The article on its place, as the equations of a body want it."""
+        carried, drive = self.one.tested.carried, self.one.tested.drives[run]
+        pose, matrices = carried.standing.pose, carried.standing.matrices
+        return MountedDynamicMass(
+            frequency=self.of.frequency,
+            matrix=self._article,
+            seat=pose.position,
+            cog=np.zeros(3) if matrices is None else pose.rotation @ matrices.cog,
+            amplitude=drive.amplitude,
+            sweep_rate=drive.sweep_rate,
+            block=drive.block,
+        )
+
+    @cached_property
+    def _article(self) -> ComplexArray:
+        """(n, 6, 6) dynamic mass of the article about its origin."""
+        start = {parameter.name: parameter.start for parameter in self.one.parameters}
+        own = dynamic_mass.at(self.one.tested.carried.moving, start).mass_matrix
+        G = np.linalg.inv(rigid_transformation_6(self.one.tested.carried.standing.pose.position))
+        return np.asarray(G.T @ (self.one.dynamic_mass(start, self.lines) - own) @ G)
+
+
+def nonlinear_distortion(one: SeriesPrediction, of: Driven, lines: Indices, recordings: Mapping[str, Recording]) -> Bent:
+    """The runs `of` the prediction `one` at `lines`; peaks by its `recordings`, or by its spectra where these are not in time."""
+    amplitude = _per_unit(one, _motion(of))[..., None] * np.abs(of.values)
+    peak = np.stack([_peak(recordings.get(run), of.channels, amplitude[k]) for k, run in enumerate(of.runs)])
+    return Bent(one=one, of=of.at(lines), lines=lines, peak=peak[of.partner])
+
+
+def _peak(recorded: Recording | None, channels: Sequence[str], amplitude: Array) -> Array:
+    """(c,) largest reading of one run."""
+    if recorded is None or recorded.is_spectrum or len(recorded) == 0:
+        return np.asarray(amplitude.max(axis=0))
+    values = recorded.values[:, [recorded.names.index(name) for name in channels]]
+    return np.asarray(np.abs(values - values.mean(axis=0)).max(axis=0))
+
+
+def _motion(of: Driven) -> ComplexArray:
+    """(r, n, 6) of the base, by the accelerometers: at a resonance these need no structure."""
+    moved = ~of.judged
+    return np.asarray((np.linalg.pinv(of.rows[:, moved]) @ of.values[..., moved, None])[..., 0])
+
+
+def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
+    """(r, n) amplitude in time for a unit of a line."""
+    found = np.zeros(motion.shape[:2])
+    for k, drive in enumerate(one.tested.drives):
+        driven = drive.amplitude > 0
+        share = np.abs(motion[k][:, driven]) / drive.amplitude[driven]
+        found[k] = np.sqrt(driven.sum()) / np.maximum(np.linalg.norm(share, axis=1), TINY)
+    return found
+
+
+def could_act(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Sequence[str]) -> tuple[Named, ...]:
+    """Every amplitude-dependent effect of the catalogue that acts on some campaign; of those on one channel, on `channels` alone.
+
+    Sizes stand at the bounds of what is fitted, by the family's `high`.
+    """
+    there = [replace(one.tested.carried.standing.there, channels=one.measured.channels) for one in made]
+    narrowed = replace(words, accelerometers=_in(words.accelerometers, channels), forces=_in(words.forces, channels))
+    found = []
+    for family in FAMILIES.values():
+        if family.side != AMPLITUDE or family.change is None:
+            continue
+        for targets in product(*(narrowed.legal(kind) or () for kind in family.targets)):
+            values = {size.key: size.high if size.default is None else size.default for size in family.sizes_at(targets)}
+            named = Named(family=family.name, targets=targets, values=values)
+            if any(acts(named, one) for one in there):
+                found.append(named)
+    return tuple(found)
+
+
+def _in(names: Sequence[str] | None, chosen: Sequence[str]) -> tuple[str, ...]:
+    return tuple(name for name in chosen if names is None or name in names)
+
+
+# Which kind of nonlinearity lets two levels differ: friction, a gap, saturation, or what else the catalogue has.
+#
+# Every candidate is taken off the readings of all runs (`validation.diagnose.nonlinear`), at sizes from a grid and then at the
+# best; the right one leaves weaker runs that the stronger ones explain (`validation.diagnose.nonlinear`). First to first order,
+# in what the stronger runs cannot explain as they are; the best then as they would be without it. No model of the structure is
+# fitted, so none can swallow what does not belong to it.
+#
+# Evidence is the fall of the sum of squares at the lines that are looked at, divided by what is left per degree of freedom by
+# the best of all: equations for the fundamental alone are good to some per cent and not to noise.
+
+
+LINES = 60
+"""Of a campaign, that are looked at."""
+
+WORST = 3
+"""Weaker runs of a campaign that are looked at, those that differ most."""
+
+SUSPECTED = 4
+"""Channels that are suspected of saturation, those that differ most."""
+
+PER_DECADE = 3
+"""Sizes of the first grid."""
+
+AGAIN = 4
+"""Candidates, the best by first order, whose size is found once more."""
+
+EXPLAINED = 0.8
+"""Share of the surplus that a kind must explain to be the right one."""
+
+EQUATIONS = 0.04
+"""Standard deviation by which the equations themselves are off in the size, as a share."""
+
+BY_CHANCE = 4.0
+"""Standard deviations of a sum of squares within which what is left over is noise."""
+
+
+def nonlinear(
+    bench: FittedData, levels: Sequence[LevelDifference], progress: Callable[[float], None] | None = None
+) -> tuple[Cause, ...]:
+    """What could let the axes of `levels` differ, the likeliest first; none where runs do not state their level.
+
+    `misfit` of a cause is what it leaves per degree of freedom, and `null` says whether it explains the difference.
+    """
+    seen = tuple(_seen(bench, levels))
+    if not seen:
+        return ()
+    found: list[_Found] = []
+    every = could_act([one.bent.one for one in seen], vocabulary(bench.model, bench.campaigns), _suspected(levels))
+    for k, named in enumerate(every):
+        found += _sized(named, seen, first_order=True)
+        if progress is not None:
+            progress((k + 1) / (len(every) + 1))
+    found.sort(key=lambda one: one.chi2)
+    again = [better for one in found[:AGAIN] for better in _sized(one.named, seen, first_order=False)]
+    if progress is not None:
+        progress(1.0)
+    return tuple(_causes(sorted(again, key=lambda one: one.chi2), seen))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Seen:
+    """One campaign: its runs, and which of the weaker ones are looked at."""
+
+    bent: Bent
+    runs: tuple[int, ...]
+
+    @cached_property
+    def left(self) -> tuple[Beyond, ...]:
+        """What these runs hold beyond the stronger ones, as they are."""
+        return beyond(self.bent.of, self.runs)
+
+    @property
+    def used(self) -> tuple[int, ...]:
+        """The runs that are taken into account: those, and the stronger ones."""
+        return (*self.runs, *self.bent.of.stronger)
+
+    def first_order(self, named: Named) -> float:
+        """Sum of squares without `named`, the stronger runs explaining what they do as they are."""
+        by_run = {run: self.bent.bent(named, run) for run in self.used}
+        found = 0.0
+        for one in self.left:
+            taken = sum(one.weights[:, [h]] * by_run[run] for h, run in enumerate(self.bent.of.stronger))
+            found += float(np.sum(np.abs(one.whitened - one.projected(by_run[one.run] - taken)) ** 2))
+        return found
+
+    def exact(self, named: Named) -> float:
+        """Sum of squares without `named`."""
+        of = self.bent.of
+        values = np.array(of.values)
+        for run in self.used:
+            values[run] -= self.bent.bent(named, run)
+        return sum(one.chi2 for one in beyond(replace(of, values=values), self.runs))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Found:
+    """A candidate at its best size, what it leaves, and the second derivative of that by the size (its logarithm)."""
+
+    named: Named
+    chi2: float
+    curvature: float
+
+
+def _seen(bench: FittedData, levels: Sequence[LevelDifference]) -> Iterator[_Seen]:
+    for one in bench.made:
+        told = sorted((level for level in levels if level.data_set == one.measured.name), key=lambda level: -level.sigma)
+        model = one.with_effects(bench.model.effects)
+        if not told or not all(np.any(drive.amplitude) for drive in model.tested.drives):
+            continue
+        of = driven_runs(model)
+        lines = np.unique(np.linspace(0, len(of.frequency) - 1, LINES).round().astype(np.int64))
+        runs = tuple(of.runs.index(level.runs[0]) for level in told[:WORST])
+        recordings = next((raw.recordings for raw, made in zip(bench.campaigns, bench.made, strict=False) if made is one), {})
+        yield _Seen(bent=nonlinear_distortion(model, of, lines, recordings), runs=runs)
+
+
+def _suspected(levels: Sequence[LevelDifference]) -> tuple[str, ...]:
+    worst = sorted(levels, key=lambda level: -level.sigma)
+    every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
+    return tuple(every)[:SUSPECTED]
+
+
+def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_Found]:
+    """`named` at its best size; none where the data have not what it acts on, or no size helps."""
+    from scipy.optimize import minimize_scalar
+
+    size = named.fitted_sizes[0]
+    begin = named.values[size.key]
+
+    def at(x: float) -> Named:
+        return replace(named, values={**named.values, size.key: float(np.exp(x)) if size.logarithmic else x})
+
+    def chi2(x: float) -> float:
+        return sum(one.first_order(at(x)) if first_order else one.exact(at(x)) for one in seen)
+
+    try:
+        low, high = _bracket(size, chi2) if first_order else _around(size, begin)
+    except BadInput:
+        return []
+    best = minimize_scalar(chi2, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)})
+    step = 0.02 * (high - low)
+    curvature = (chi2(best.x - step) - 2 * best.fun + chi2(best.x + step)) / step**2
+    return [_Found(named=at(float(best.x)), chi2=float(best.fun), curvature=float(curvature))]
+
+
+def _bracket(size: OfFamily, chi2: Callable[[float], float]) -> tuple[float, float]:
+    """Where the best size lies, as a logarithm where it is fitted so: the neighbours of the best of a grid."""
+    if not size.logarithmic:
+        return size.low, size.high
+    low, high = np.log(size.low), np.log(size.high)
+    grid = np.linspace(low, high, round(PER_DECADE * (high - low) / np.log(10)) + 1)
+    best = int(np.argmin([chi2(float(x)) for x in grid]))
+    return float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
+
+
+def _around(size: OfFamily, value: float) -> tuple[float, float]:
+    if size.logarithmic:
+        return float(np.log(value)) - 0.7, float(np.log(value)) + 0.7
+    half = 0.3 * abs(value) + 0.02 * (size.high - size.low)
+    return max(size.low, value - half), min(size.high, value + half)
+
+
+def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:
+    """In nats of what the best leaves; only of those that help at all."""
+    before = sum(left.chi2 for one in seen for left in one.left)
+    count = sum(left.count for one in seen for left in one.left)
+    scale = max(1.0, found[0].chi2 / count) if found else 1.0
+    best = (before - found[0].chi2) / scale if found else 0.0
+    for k, one in enumerate(found):
+        evidence = (before - one.chi2) / scale
+        if evidence <= 0:
+            continue
+        rivals = [
+            other.named.id
+            for j, other in enumerate(found)
+            if j != k and abs(other.chi2 - one.chi2) / scale < INDISTINGUISHABLE_NATS
+        ]
+        share = min((before - one.chi2) / max(before - count, TINY), 1.0)
+        enough = share > EXPLAINED or one.chi2 < count + BY_CHANCE * np.sqrt(count)
+        yield Cause(
+            named=one.named,
+            sizes=(_size(one, scale),),
+            evidence=evidence,
+            misfit=one.chi2 / count,
+            null=bool(enough),
+            note=_in_words(share, rivals if best - evidence < INDISTINGUISHABLE_NATS else [], enough=bool(enough)),
+        )
+
+
+def _size(one: _Found, scale: float) -> EffectEstimate:
+    """With the 90 % interval of the curvature: -log L is the sum of squares over `scale`."""
+    of = one.named.fitted_sizes[0]
+    value = one.named.values[of.key]
+    of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
+    half = NORMAL_90 * float(np.hypot(np.sqrt(scale / one.curvature), of_equations)) if one.curvature > 0 else np.inf
+    low, high = (value * np.exp(-half), value * np.exp(half)) if of.logarithmic else (value - half, value + half)
+    return EffectEstimate(key=of.key, value=value, unit=of.unit, low=max(float(low), of.low), high=min(float(high), of.high))
+
+
+def _in_words(share: float, rivals: Sequence[str], *, enough: bool) -> str:
+    """What is to be said beside the size."""
+    explains = f"it explains {100 * share:.0f} % of what differs between the levels beyond noise"
+    if not enough:
+        explains += ", so another kind, or more than one, is at work"
+    return f"{explains}; these levels cannot tell it from {' and '.join(rivals)}" if rivals else explains

@@ -1,0 +1,269 @@
+"""A test that is not done yet, as a prediction: what stands there, base motions, noise and lines as the present data have them.
+
+No time is simulated. The table would move as it did, so the base motions of a campaign that is there, as its own fit tells them,
+drive the test; a line says as much as one of these data says, its noise and the model's own error included. Lines that nothing
+drove yet are driven like the nearest that was: constant acceleration, so that the spectrum of a sweep falls with 1 / sqrt(f).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
+from geometry.sensors import ChannelTable
+from identification.campaign import Campaign
+from identification.self_calibration.elimination import eliminated
+from validation.diagnose.diagnosis import Candidate
+from validation.estimation import likelihood
+from validation.estimation.cost import root
+from validation.estimation.fit import FLOOR
+from validation.estimation.problem import AT_MOST, EFFECT, Lines, Measured, Parameter, chosen
+from validation.model.model import Added
+from validation.prediction.series import SeriesPrediction, TestedCampaign, laboratory, supported_dynamic_mass
+from validation.prediction.structure import mounted_article
+
+# What the present data say of the parameters by one explanation, carried over to a test that is not done yet.
+#
+# A test shares tolerances with the data that are there: sensors, the FMD, parts. What the fit has learnt of them holds; what is
+# new, such as the modes of an article that never stood there, is known as beforehand. A test may also move a parameter - two
+# pick-ups exchanged take their gains along - or draw it anew.
+
+
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """Where a parameter of a test comes from.
+
+    Attributes
+    ----------
+    name : of the parameter of the present data whose offset it takes; empty for one that is drawn anew
+    factor : by which the offset is multiplied
+    """
+
+    name: str = ""
+    factor: float = 1.0
+
+
+SURE = 100.0
+"""Nats beyond which one of two is right."""
+
+Moved = Mapping[str, Origin]
+"""By name of a parameter in the test; one that is not in it stays what it was."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Knowledge:
+    """A hypothesis as a distribution of its parameters.
+
+    Attributes
+    ----------
+    effects : all of its model, as its problem has them
+    offsets : where its fit ended, of all parameters
+    names : (p,) of the free parameters
+    root : (p, p), covariance of their offsets = root @ root.T
+    log_evidence : [nats] of the present data
+    """
+
+    effects: tuple[Added, ...]
+    offsets: Mapping[str, float]
+    names: tuple[str, ...]
+    root: Array
+    log_evidence: float
+
+    def odds(self, other: Knowledge) -> float:
+        """Probability of this one, if it or `other` is right."""
+        return float(1 / (1 + np.exp(np.clip(other.log_evidence - self.log_evidence, -SURE, SURE))))
+
+    def at(self, moved: Moved) -> dict[str, float]:
+        """Offsets of the test."""
+        taken = {new: origin.factor * self.offsets.get(origin.name, 0.0) for new, origin in moved.items()}
+        return {**self.offsets, **taken}
+
+    def spread(self, parameters: Sequence[Parameter], moved: Moved) -> Array:
+        """(q, s): covariance of the offsets of `parameters` in the test = spread @ spread.T.
+
+        Effects that this hypothesis has not are known not to be there.
+        """
+        row = {name: k for k, name in enumerate(self.names)}
+        known = np.zeros((len(parameters), len(self.names)))
+        new = np.zeros(len(parameters))
+        for k, one in enumerate(parameters):
+            origin = moved.get(one.name, Origin(name=one.name))
+            if origin.name in row:
+                known[k] = origin.factor * self.root[row[origin.name]]
+            elif origin.name not in self.offsets and one.kind != EFFECT and np.isfinite(one.tolerance):
+                new[k] = one.tolerance
+        return np.hstack([known, np.diag(new)[:, new > 0]])
+
+
+def knowledge(of: Candidate) -> Knowledge:
+    """What the fit of a hypothesis knows."""
+    return Knowledge(
+        effects=effects_of(of),
+        offsets={**of.problem.start, **of.fit.by_name},
+        names=tuple(one.name for one in of.fit.parameters),
+        root=root(of.fit.covariance),
+        log_evidence=of.fit.log_evidence,
+    )
+
+
+def effects_of(of: Candidate) -> tuple[Added, ...]:
+    """The effects from which the offsets of its fit count: those of its model and its own."""
+    own = [getattr(one, "effects", ()) for one in of.problem.predictions]
+    return max(own, key=len, default=()) or of.effects
+
+
+SPACING = 0.2
+"""[Hz] between the lines at which a test is predicted at all: the width over which levels are smoothed."""
+
+LINES = 20
+"""At which it is compared; they stand for the lines that a fit would use."""
+
+RUNS = 6
+"""At most that a test is taken to have."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Template:
+    """A campaign that is there, as far as a test is like it.
+
+    Attributes
+    ----------
+    prediction : of some of its runs
+    frequency : (n,) [Hz], `SPACING` apart
+    inputs : (r, n, 6) base motions
+    noise : by channel (r, n)
+    spacing : [Hz] between the lines that were measured
+    """
+
+    prediction: SeriesPrediction
+    frequency: Array
+    inputs: ComplexArray
+    noise: Mapping[str, Array]
+    spacing: float
+
+    @property
+    def tested(self) -> TestedCampaign:
+        """The campaign."""
+        return self.prediction.tested
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlannedTest:
+    """A test.
+
+    Attributes
+    ----------
+    prediction : of its campaign, which has no readings yet
+    inputs : (r, n, 6) base motions
+    lines : that a fit of it would use
+    """
+
+    prediction: SeriesPrediction
+    inputs: ComplexArray
+    lines: int
+
+    @property
+    def measured(self) -> Measured:
+        """Its lines, runs and channels."""
+        return self.prediction.measured
+
+
+def template(of: SeriesPrediction, by: Knowledge) -> Template:
+    """The campaign of `of`, its base motions as the hypothesis `by` tells them."""
+    some = of.on(of.measured.runs[:RUNS]).with_effects(by.effects)
+    spacing = _spacing(some.measured.frequency)
+    lines = np.arange(0, len(some.measured.frequency), max(1, round(SPACING / spacing)), dtype=np.int64)
+    predicted, seen = some.at(by.offsets, lines, derivatives=False), likelihood.observed(some.measured, lines)
+    weight = seen.weight(FLOOR, predicted.noise)
+    rows = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
+    inputs = [eliminated(A, y, w)[2] for A, y, w in zip(rows, seen.values, weight, strict=True)]
+    return Template(
+        prediction=some,
+        frequency=some.measured.frequency[lines],
+        inputs=np.stack(inputs),
+        noise={name: seen.noise[..., k] for k, name in enumerate(some.measured.channels)},
+        spacing=spacing,
+    )
+
+
+def _spacing(frequency: Array) -> float:
+    return float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
+
+
+def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None, level: float = 1.0) -> PlannedTest:
+    """The test `campaign`, which is driven as `of` was.
+
+    Parameters
+    ----------
+    frequency : (n,) [Hz] of its lines; those of `of` by default
+    level : factor on all drives
+
+    Raises
+    ------
+    BadInput : as `validation.prediction.structure.mounted_article`.
+    """
+    was, lines = of.tested, of.frequency if frequency is None else frequency
+    near = np.argmin(np.abs(lines[:, None] - of.frequency), axis=1)
+    drives = tuple(replace(one, amplitude=level * one.amplitude) for one in was.drives)
+    tested = replace(
+        was,
+        campaign=replace(campaign, recordings={}),
+        measured=_unread(of, campaign, was, lines, near),
+        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign)),
+        drives=drives,
+    )
+    inputs = level * of.inputs[:, near] * np.sqrt(of.frequency[near] / lines)[:, None]
+    measured = 1 + round(float(lines[-1] - lines[0]) / of.spacing)
+    return PlannedTest(prediction=SeriesPrediction(tested=tested), inputs=inputs, lines=min(AT_MOST, measured))
+
+
+def _unread(of: Template, campaign: Campaign, was: TestedCampaign, lines: Array, near: Lines) -> Measured:
+    """The campaign without readings."""
+    chain = laboratory(was.model, campaign, ())
+    noise = np.stack([_noise(of, campaign.table, name)[:, near] for name in chain.names], axis=-1)
+    return Measured(
+        name="test",
+        configuration=campaign.article,
+        hardware=campaign.hardware,
+        runs=was.measured.runs,
+        axes=was.measured.axes,
+        channels=chain.names,
+        judged=np.isin(np.arange(len(chain.names)), chain.forces.columns),
+        frequency=lines,
+        values=np.zeros(noise.shape, dtype=np.complex128),
+        noise=noise,
+    )
+
+
+def _noise(of: Template, table: ChannelTable, name: str) -> Array:
+    """(r, n) of a channel; of a new one the median of its kind."""
+    if name in of.noise:
+        return of.noise[name]
+    kind = _kind(table, name)
+    alike = [noise for other, noise in of.noise.items() if _kind(table, other) == kind]
+    return np.asarray(np.median(alike, axis=0))
+
+
+def _kind(table: ChannelTable, name: str) -> tuple[str, str]:
+    one = table.channels[table.names.index(name)]
+    return one.group, one.quantity
+
+
+def reading(test: PlannedTest, by: Knowledge, offsets: Mapping[str, float]) -> Measured:
+    """What the test would read by a hypothesis, with `offsets` of its parameters."""
+    rows = test.prediction.with_effects(by.effects).at(offsets, derivatives=False).rows
+    return replace(test.measured, values=np.einsum("...nck,rnk->rnc", rows, test.inputs) if rows.ndim == 3 else _each(rows, test))
+
+
+def _each(rows: ComplexArray, test: PlannedTest) -> ComplexArray:
+    return np.asarray((rows @ test.inputs[..., None])[..., 0])
+
+
+def lines_of(test: PlannedTest, measured: Measured) -> tuple[Lines, float]:
+    """Indices of the lines at which `test` is compared by what was `measured` in it, and for how many of a fit each stands."""
+    lines = chosen(measured, at_most=LINES)
+    return lines, test.lines / len(lines)

@@ -1,0 +1,467 @@
+"""Every explanation that can be put in words, with what it would explain of a leftover, the best first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from geometry.dynamic_mass import MOTIONS
+from geometry.frames import Array
+from geometry.inertia import LOADS
+from geometry.sensors import GROUPS
+from validation.diagnose.diagnosis import Candidate, Leftover
+from validation.diagnose.unexplained_fit import (
+    DAMPING,
+    IRREGULAR,
+    MASS,
+    NOISE,
+    RESONANCE,
+    STIFFNESS,
+    Answers,
+    FrequencyLaw,
+    Gains,
+    Swallowing,
+    Whitened,
+    following,
+    gains,
+    resonance,
+    swallowing,
+    whitened,
+)
+from validation.diagnose.unexplained_places import (
+    AXIS,
+    CHANNEL,
+    GROUP,
+    HEARD,
+    JOINT,
+    KINDS,
+    LOCATION,
+    PAIR,
+    PART,
+    SPAN,
+    Loaded,
+    PlaceFamily,
+    Spanned,
+    SuspectedPlace,
+    families,
+    heard,
+    loaded,
+    spanned,
+    spans,
+)
+from validation.estimation.problem import Offsets
+from validation.estimation.screening import Products
+from validation.prediction.series import SeriesPrediction
+
+NEAR, STEPS, TIMES = 0.04, 17, (0.35, 0.6, 1.0, 1.7, 3.0)
+"""Share of its frequency to either side, steps, and factors of its damping ratio, in which a resonance is looked for again."""
+
+BEST = 4
+"""Explanations of one kind of place and one scope that are kept."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Explanation:
+    """One place that goes with frequency in one way.
+
+    Attributes
+    ----------
+    place, course : where, and how it goes with frequency
+    data_set : where it acts alone; empty where it acts in all
+    gain : [nats]
+    size : coefficient of the course
+    sources : families that it is of, and where it stands in each
+    """
+
+    place: SuspectedPlace
+    course: FrequencyLaw
+    data_set: str
+    gain: float
+    size: float
+    sources: tuple[tuple[PlaceFamily, int], ...] = field(default=(), repr=False)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlaceScores:
+    """What one data set answers to places of one kind.
+
+    Attributes
+    ----------
+    key : of the same places and courses in other data sets
+    data_set : its name
+    courses, places : (k,) and (q,)
+    answers : (k, q)
+    family : that answers; None where there is none for every course
+    """
+
+    key: str
+    data_set: str
+    courses: tuple[FrequencyLaw, ...]
+    places: tuple[SuspectedPlace, ...]
+    answers: Answers
+    family: PlaceFamily | None = None
+
+
+def ranked(hypothesis: Candidate, data: Sequence[Swallowing]) -> list[Explanation]:
+    """All explanations of what `hypothesis` leaves in its `data`, the best first."""
+    offsets = {**hypothesis.problem.start, **hypothesis.fit.by_name}
+    told: dict[str, list[PlaceScores]] = {}
+    matrices: list[Spanned] = []
+    for one in data:
+        loads = loaded(one, offsets)
+        matrices += [] if loads is None else [spanned(loads)]
+        for each in _told(one, offsets, loads):
+            told.setdefault(each.key, []).append(each)
+    slope = data[0].slope
+    found = [one for alike in told.values() for one in _explanations(alike, slope)]
+    return sorted([*found, *_spanning(matrices, slope)], key=lambda one: -one.gain)
+
+
+def _told(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator[PlaceScores]:
+    name = of.of.name
+    for family in families(of, offsets, loads):
+        key = f"{family.places[0].kind} {family.places[0].to}"
+        yield PlaceScores(
+            key=key, data_set=name, family=family, courses=family.courses, places=family.places, answers=family.answers()
+        )
+    for k, (places, course, answers) in enumerate(heard(of, offsets)):
+        yield PlaceScores(key=f"{HEARD} {k}", data_set=name, courses=(course,), places=places, answers=answers)
+
+
+def _spanning(matrices: Sequence[Spanned], slope: Array) -> Iterator[Explanation]:
+    """Of all data sets together, and of each alone."""
+    for alike in (matrices, *([one] for one in matrices if len(matrices) > 1)):
+        for one in spans(alike, slope):
+            alone = alike[0].data_set if len(alike) < len(matrices) else ""
+            yield Explanation(place=one.place, course=one.course, data_set=alone, gain=one.gain, size=one.size)
+
+
+def _explanations(alike: Sequence[PlaceScores], slope: Array) -> Iterator[Explanation]:
+    """The best of one kind of place, in each data set alone and in all together."""
+    for one in alike:
+        yield from _best([one], one.places, gains([one.answers], slope), one.data_set if len(alike) > 1 else "")
+    if len(alike) > 1:
+        places = tuple(dict.fromkeys(place for one in alike for place in one.places))
+        yield from _best(alike, places, gains([_spread(one, places) for one in alike], slope), "")
+
+
+def _spread(told: PlaceScores, places: tuple[SuspectedPlace, ...]) -> Answers:
+    """Its answers to all of `places`, none to those that are not there."""
+    if told.places == places:
+        return told.answers
+    at, of = [places.index(place) for place in told.places], told.answers
+    score, own = (np.zeros((len(of.score), len(places))) for _ in range(2))
+    swallowed = np.zeros((*score.shape, of.swallowed.shape[-1]))
+    score[:, at], own[:, at], swallowed[:, at] = of.score, of.own, of.swallowed
+    return Answers(score=score, own=own, swallowed=swallowed)
+
+
+def _best(alike: Sequence[PlaceScores], places: Sequence[SuspectedPlace], found: Gains, data_set: str) -> Iterator[Explanation]:
+    courses = alike[0].courses
+    for at in np.argsort(-found.gain, axis=None)[:BEST]:
+        k, q = (int(one) for one in np.unravel_index(int(at), found.gain.shape))
+        yield Explanation(
+            place=places[q],
+            course=courses[k],
+            data_set=data_set,
+            gain=float(found.gain[k, q]),
+            size=float(found.size[k, q]),
+            sources=tuple((one.family, one.places.index(places[q])) for one in alike if one.family and places[q] in one.places),
+        )
+
+
+def refined(one: Explanation) -> Explanation:
+    """A resonance at its own frequency and damping, not at that of the grid; anything else as it is."""
+    f, zeta = one.course.frequency, one.course.ratio
+    if f is None or zeta is None or not one.sources:
+        return one
+    tried = [resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES]
+    found = gains([_following(family, q, tried) for family, q in one.sources], one.sources[0][0].slope)
+    best = int(np.argmax(found.gain[:, 0]))
+    return replace(one, course=tried[best], gain=float(found.gain[best, 0]), size=float(found.size[best, 0]))
+
+
+def _following(family: PlaceFamily, q: int, courses: Sequence[FrequencyLaw]) -> Answers:
+    of, omega = family.products, 2 * np.pi * family.products.frequency
+    alone = Products(
+        frequency=of.frequency,
+        names=of.names[q : q + 1],
+        residual=of.residual[:, q : q + 1],
+        others=of.others[:, q : q + 1],
+        square=of.square[:, q : q + 1],
+    )
+    return following(alone, np.stack([course.of(omega) for course in courses]), family.root)
+
+
+# What a leftover looks like, in words: for somebody who knows axes and channels and nothing of this program.
+
+
+UNITS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
+    {
+        "kg": ("kg", "kg m", "kg m^2"),
+        "N/m": ("N/m", "N", "N m"),
+        "N s/m": ("N s/m", "N s", "N s m"),
+        "m/N": ("m/N", "1/N", "1/(N m)"),
+    }
+)
+"""Of an entry of the dynamic mass between two translations, one and a rotation, two rotations."""
+
+OF_PARTS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "modulus": (STIFFNESS, "the stiffness of {}"),
+        "loss": (DAMPING, "the loss of {}"),
+        "damping-law": (DAMPING, "how far losses follow the velocity"),
+        "cell-stiffness": (STIFFNESS, "the stiffness of load cell {}"),
+        "fmd-compliance": (STIFFNESS, "how far the FMD gives, {}"),
+        "frequency": (RESONANCE, "the resonance at {}"),
+        "damping": (DAMPING, "the damping of the resonance at {}"),
+    }
+)
+"""By family of parameter: what it looks like, and what it is."""
+
+
+def leftover(found: Explanation, share: float, resonance: float | None) -> Leftover:
+    """`found`, which covers `share`, as what the leftover looks like; `resonance` [Hz] of the mode that it names."""
+    size, unit = _size(found)
+    return Leftover(
+        text=f"{sentence(found, resonance)}. That is {min(share, 1):.0%} of what is left.",
+        looks_like=found.course.looks_like or OF_PARTS[found.place.part.partition(":")[0]][0],
+        load="" if found.place.kind == HEARD else found.place.load,
+        motion="" if found.place.kind == HEARD else found.place.motion,
+        channels=found.place.channels,
+        frequency=found.course.frequency or resonance,
+        share=share,
+        size=size,
+        unit=unit,
+    )
+
+
+def sentence(found: Explanation, resonance: float | None = None) -> str:
+    """Where, and what it looks like, without a full stop."""
+    where = f" ({found.data_set} alone)" if found.data_set else ""
+    return f"{_where(found.place, resonance)}{where}, {_how(found)}"
+
+
+def _where(place: SuspectedPlace, resonance: float | None) -> str:
+    if place.kind == CHANNEL:
+        return f"{place.channels[0]} alone"
+    if place.kind == GROUP:
+        return "all accelerometers" if not place.part else f"all channels of the {GROUPS[place.part].partition(',')[0]}"
+    if place.kind == LOCATION:
+        return f"{place.part}, along {place.along}"
+    if place.kind == JOINT:
+        return f"between cover plate and article, along {' and '.join((place.motion, *(one for _, one in place.others)))}"
+    if place.kind == HEARD:
+        return f"{place.channels[0]} hears {place.channels[1] if len(place.channels) > 1 else _axis(place)}"
+    if place.kind == AXIS:
+        return f"{_axis(place)} as the channels tell it"
+    if place.kind in (PAIR, SPAN):
+        return _pair(place)
+    family, _, part = place.part.partition(":")
+    return OF_PARTS[family][1].format(f"{resonance:.3g} Hz" if resonance else part)
+
+
+def _axis(place: SuspectedPlace) -> str:
+    return f"load {place.load}" if place.load else f"motion {place.motion}"
+
+
+def _pair(place: SuspectedPlace) -> str:
+    if place.kind == SPAN:
+        others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
+        with_others = f", with {others}" if others else ""
+        return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}{with_others}"
+    if not place.sign:
+        return f"load {place.load} for motion {place.motion}"
+    opposite = " with opposite signs" if place.sign < 0 else ""
+    return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}, both ways{opposite}"
+
+
+def _how(found: Explanation) -> str:
+    course, place = found.course, found.place
+    if place.kind == PART:
+        return f"different {course.text}"
+    of_size = _of_size(*_size(found))
+    if course.looks_like == RESONANCE:
+        return f"as {course.text}{of_size}"
+    if place.kind in (PAIR, SPAN):
+        return f"like a {course.looks_like}{of_size}: it {course.text}"
+    if place.kind == HEARD:
+        return f"{course.text}{of_size}"
+    if place.kind == LOCATION:
+        tied = "" if course.looks_like == MASS else f" to {place.to}"
+        return f"like {course.text}{tied}{of_size}"
+    return f"as {course.text}{of_size}"
+
+
+def _of_size(size: float | None, unit: str) -> str:
+    if size is None:
+        return ""
+    if unit == "1":
+        return f" of {100 * size:.3g} %"
+    return f" of {1e3 * size:.3g} ms" if unit == "s" else f" of {size:.3g} {unit}"
+
+
+def _size(found: Explanation) -> tuple[float | None, str]:
+    place, course = found.place, found.course
+    if not course.stated:
+        return None, ""
+    if place.kind in (PAIR, SPAN, JOINT):
+        return found.size, UNITS[course.unit][_rotations(place)]
+    if place.kind == LOCATION:
+        return found.size, course.unit
+    if place.kind == PART:
+        return None, ""
+    if place.kind == HEARD:
+        return (found.size, place.unit) if place.unit else (None, "")
+    return found.size, "1" if course.unit == "kg" else course.unit
+
+
+def _rotations(place: SuspectedPlace) -> int:
+    return (LOADS.index(place.load) >= 3) + (MOTIONS.index(place.motion) >= 3)
+
+
+# A leftover that goes with frequency in no plain way: the channel that holds it, or where it is worst.
+
+
+HELD = 0.5
+"""Share of a leftover that a channel must hold to be named."""
+
+SMOOTH = 0.4
+"""Correlation of neighbouring lines above which a leftover is no noise."""
+
+ALONE = 1e-6
+"""Share of a channel that inputs must leave for anything to be known of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held:
+    """What one channel holds of a leftover in all data sets.
+
+    Attributes
+    ----------
+    channel : its name
+    chi2 : by which all would be better off without it
+    smooth : correlation of neighbouring lines, -1 to 1
+    """
+
+    channel: str
+    chi2: float
+    smooth: float
+
+
+def irregular(data: Sequence[Whitened], excess: float, best: Explanation, share: float) -> Leftover:
+    """What is left, where `best` explains but `share` of it.
+
+    Parameters
+    ----------
+    excess : chi² and price above those of a model that misses nothing
+    """
+    nearest = f"What comes closest is {sentence(best)}, with {share:.0%} of it"
+    worst = max((one for one in held(data)), key=lambda one: one.chi2)
+    part = max(worst.chi2, 0.0) / max(excess, worst.chi2, 1.0)
+    if part < HELD:
+        text = f"Spread over channels and frequencies, worst in {worst.channel} with {part:.0%}. {nearest}."
+        return Leftover(text=text, looks_like=IRREGULAR, channels=(worst.channel,), share=part)
+    looks_like = IRREGULAR if worst.smooth > SMOOTH else NOISE
+    kind = "smooth over frequency but like nothing plain" if looks_like == IRREGULAR else "jagged over frequency, as of noise"
+    text = f"{worst.channel} alone, {kind}: {part:.0%} of what is left. {nearest}."
+    return Leftover(text=text, looks_like=looks_like, channels=(worst.channel,), share=part)
+
+
+def held(data: Sequence[Whitened]) -> list[Held]:
+    """What every channel holds: the sum of |r_c|² / (1 - h_c), whitened residuals of which inputs leave 1 - h_c free."""
+    found: dict[str, tuple[float, complex, float]] = {}
+    for one in data:
+        free = np.maximum(one.free / 2, ALONE)
+        e = one.values / np.sqrt(free)
+        beside = np.sum(e[:, 1:] * e[:, :-1].conj(), axis=(0, 1))
+        for k, channel in enumerate(one.prediction.measured.channels):
+            chi2, together, power = found.get(channel, (0.0, 0j, 0.0))
+            own = float(np.sum(np.abs(e[..., k]) ** 2))
+            found[channel] = (chi2 + own - 2 * e[..., k].size, together + beside[k], power + own)
+    return [
+        Held(channel=channel, chi2=chi2, smooth=float((together / power).real))
+        for channel, (chi2, together, power) in found.items()
+    ]
+
+
+# What no effect explains, described: where it is and what it looks like.
+#
+# Every place - a pair of axes, an axis, a channel, a channel that hears something, a part - is tried with every course over
+# frequency; the one that explains most is named where it covers half of the leftover. Else a channel or a pair that holds half
+# of it, whatever it does there, is named as irregular or as noise; else only where it is worst.
+
+
+NULL = 0.89
+"""Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a bound."""
+
+SURE = 0.4
+"""Share of a leftover that an explanation must cover to be what the leftover looks like."""
+
+NEARLY = 0.95
+"""Share of the best gain at which a plainer explanation is as good."""
+
+MANY, VAGUE, LEFTOVER_ALONE = 0.95, 0.75, 0.8
+"""What the gain counts of a whole matrix, which has many numbers; of a whole axis, which can be many things; and of what acts in
+one of several data sets alone, where tolerances that all of them share give back what they took elsewhere."""
+
+WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MANY, AXIS: VAGUE})
+
+HARDLY = 0.02
+"""Share of the degrees of freedom that a leftover must at least be: below, models that miss nothing differ by as much."""
+
+
+def described(hypothesis: Candidate) -> Leftover:
+    """What `hypothesis` does not explain, and what its tolerances swallowed of it."""
+    data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
+    best = refined(plainest(ranked(hypothesis, data)))
+    excess = _excess(hypothesis, data[0].slope)
+    share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * hypothesis.fit.degrees_of_freedom)
+    if share >= SURE:
+        return leftover(best, share, _resonance(best, hypothesis))
+    return irregular([one.of for one in data], excess, best, share)
+
+
+def unexplained(hypothesis: Candidate) -> Explanation:
+    """The one thing, of all that can be put in words, that would explain most of what `hypothesis` leaves, and its gain [nats].
+
+    Where nothing is missing, none of the thousands that are tried gains more than some ten or twenty.
+    """
+    data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
+    return ranked(hypothesis, data)[0]
+
+
+def _excess(hypothesis: Candidate, slope: Array) -> float:
+    """Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted."""
+    return 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
+
+
+def plainest(found: Sequence[Explanation]) -> Explanation:
+    """Of `found` the plainest of those that are nearly as good as the best, as far as each is plausible."""
+    best = max(map(_plausibly, found))
+    return min((one for one in found if _plausibly(one) >= NEARLY * best), key=_plainness)
+
+
+def _plausibly(one: Explanation) -> float:
+    return one.gain * WEIGHED.get(one.place.kind, 1.0) * (LEFTOVER_ALONE if one.data_set else 1.0)
+
+
+def _plainness(one: Explanation) -> tuple[bool, int, float]:
+    return one.course.looks_like == RESONANCE, KINDS.index(one.place.kind), -_plausibly(one)
+
+
+def _resonance(one: Explanation, hypothesis: Candidate) -> float | None:
+    """[Hz] of the mode that a parameter is of."""
+    family, _, rest = one.place.part.partition(":")
+    if family not in ("frequency", "damping"):
+        return None
+    configuration, _, mode = rest.rpartition(":")
+    for prediction in hypothesis.problem.predictions:
+        if isinstance(prediction, SeriesPrediction) and prediction.tested.carried.nuisances is not None:
+            nuisances = prediction.tested.carried.nuisances
+            if nuisances.configuration == configuration:
+                return float(nuisances.frequency[int(mode) - 1])
+    return None

@@ -1,0 +1,508 @@
+"""`Place` and `Family`: where a leftover may sit, and what places of one kind do to the readings of a data set."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.frames import Array, rigid_transformation_6
+from geometry.inertia import LOADS
+from geometry.sensors import Channel
+from validation.diagnose.unexplained_fit import (
+    HEARD_FALLING,
+    HEARD_PLAINLY,
+    LEAST,
+    OF_JOINTS,
+    OF_PAIRS,
+    OF_PARTS,
+    OF_PLACES,
+    OF_SHARES,
+    TILTING,
+    Answers,
+    FrequencyLaw,
+    Swallowing,
+    following,
+    products,
+    resonances,
+)
+from validation.estimation.problem import Lines, Offsets, Prediction
+from validation.estimation.screening import Products
+from validation.prediction import dynamic_mass
+from validation.prediction.series import SeriesPrediction
+
+CHANNEL, GROUP, PAIR, LOCATION, JOINT, PART, HEARD, SPAN, AXIS = KINDS = (
+    *("channel", "group", "pair", "location", "joint", "part", "heard", "span", "axis"),
+)
+"""A channel; a group of channels; a pair of axes; a place of the article; the joint under it; a part or a mode; a channel and
+what it hears; several pairs of axes at once; the load or the motion of one axis as channels tell it. The plainest first."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SuspectedPlace:
+    """Where.
+
+    Attributes
+    ----------
+    kind : of `KINDS`
+    load, motion : of a pair, of the leading one of several, of what is heard; one of them of an axis
+    sign : +1 of a pair that is symmetric, -1 of one that is antisymmetric, 0 of one entry alone
+    others : further pairs that take part, by load and motion
+    channels : that show it; the first one hears the second
+    part : name of a parameter, of a group, or of a place of the article
+    along : direction at a place of the article
+    to : what a place of the article is tied to
+    unit : of a reading per unit of what is heard; empty where it is not stated
+    """
+
+    kind: str
+    load: str = ""
+    motion: str = ""
+    sign: int = 0
+    others: tuple[tuple[str, str], ...] = ()
+    channels: tuple[str, ...] = ()
+    part: str = ""
+    along: str = ""
+    to: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlaceFamily:
+    """Places of one kind in one data set, and the courses that they may take.
+
+    Attributes
+    ----------
+    places : (q,)
+    courses : (k,)
+    products : of the places, line by line
+    root, slope : as `Swallowing` has them
+    """
+
+    places: tuple[SuspectedPlace, ...]
+    courses: tuple[FrequencyLaw, ...]
+    products: Products
+    root: Array
+    slope: Array
+
+    def answers(self) -> Answers:
+        """(k, q) of all courses."""
+        omega = 2 * np.pi * self.products.frequency
+        return following(self.products, np.stack([course.of(omega) for course in self.courses]), self.root)
+
+
+# Leftovers in axes: an entry of the dynamic mass, two that mirror each other, an axis whose load or motion is told wrongly.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Loaded:
+    """A base-excitation test, as far as changes of its dynamic mass go.
+
+    Attributes
+    ----------
+    of : the data set
+    by_load : (m, c, 6) what the channels read for a unit of every load
+    H : (m, 6, 6) dynamic mass about F
+    """
+
+    of: Swallowing
+    by_load: ComplexArray
+    H: ComplexArray
+
+    @property
+    def u(self) -> ComplexArray:
+        """(r, m, 6) motions."""
+        return self.of.of.inputs
+
+    @cached_property
+    def channels(self) -> npt.NDArray[np.int64]:
+        """(c',) those that read any load."""
+        return np.asarray(np.flatnonzero(np.any(self.by_load != 0, axis=(0, 2))), dtype=np.int64)
+
+    def readings(self, left: ComplexArray, right: ComplexArray) -> ComplexArray:
+        """(r, m, c', q) of the changes ``left_q right_q^T`` of the dynamic mass, (m, 6, q) both."""
+        answered = np.asarray(np.swapaxes(right, 1, 2) @ self.u[..., None])[..., 0]
+        return np.asarray((self.by_load[:, self.channels] @ left) * answered[:, :, None, :])
+
+    def family(
+        self, places: tuple[SuspectedPlace, ...], courses: tuple[FrequencyLaw, ...], readings: ComplexArray
+    ) -> PlaceFamily:
+        """Of `readings` (r, m, c', q)."""
+        return PlaceFamily(
+            places=places,
+            courses=courses,
+            products=products(self.of, readings, self.channels),
+            root=self.of.root,
+            slope=self.of.slope,
+        )
+
+
+def pairs(of: Loaded, courses: tuple[FrequencyLaw, ...]) -> PlaceFamily:
+    """Entries of the dynamic mass one by one, and two of them alike or opposite."""
+    places, mixed = _mixed()
+    return of.family(places, courses, entries(of) @ mixed)
+
+
+def entries(of: Loaded) -> ComplexArray:
+    """(r, m, c', 36) what the channels read for a unit of every entry of the dynamic mass."""
+    u, A1 = of.u, of.by_load[:, of.channels]
+    return np.asarray(np.einsum("mci,rmj->rmcij", A1, u, optimize=True)).reshape(*u.shape[:2], A1.shape[1], 36)
+
+
+def entry(i: int, j: int) -> Array:
+    """(36,) a unit of the entry (i, j)."""
+    found = np.zeros(36)
+    found[6 * i + j] = 1.0
+    return found
+
+
+def _mixed() -> tuple[tuple[SuspectedPlace, ...], Array]:
+    """Places, and (36, q) of which entries each is the sum."""
+    places, columns = [], []
+    for i, load in enumerate(LOADS):
+        for j, motion in enumerate(MOTIONS):
+            places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion))
+            columns.append(entry(i, j))
+            if j > i:
+                for sign in (1, -1):
+                    places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion, sign=sign))
+                    columns.append(entry(i, j) + sign * entry(j, i))
+    return tuple(places), np.stack(columns, axis=1)
+
+
+def axes(of: Loaded) -> PlaceFamily:
+    """Axes whose load, or whose motion, is told wrongly."""
+    load = (of.H @ of.u[..., None])[..., 0]
+    by_load = of.by_load[:, of.channels] * load[:, :, None, :]
+    by_motion = -(of.by_load[:, of.channels] @ of.H) * of.u[:, :, None, :]
+    places = (
+        *(SuspectedPlace(kind=AXIS, load=one) for one in LOADS),
+        *(SuspectedPlace(kind=AXIS, motion=one) for one in MOTIONS),
+    )
+    return of.family(places, OF_SHARES, np.concatenate([by_load, by_motion], axis=-1))
+
+
+# Leftovers in the structure: at a place of the article, in the joint under it, in a part of which the fit has a parameter.
+
+
+DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "x and y": (1, 1, 0), "x, y and z": (1, 1, 1)}
+
+GROUND, TABLE = "the ground", "the table"
+
+JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
+"""Axes that give alike."""
+
+GIVES = 0.02
+"""Share of its motion that a place must move beyond a rigid article for anything to pull at that."""
+
+PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
+"""Families of parameters that stand for a part or a mode."""
+
+
+def locations(
+    of: Loaded, prediction: SeriesPrediction, offsets: Offsets, lines: Lines, shakes: Sequence[FrequencyLaw]
+) -> Iterator[PlaceFamily]:
+    """What is attached to a place of the article: ``dH = a c(omega) sum_d p_d p_d^T``, p its accelerations for those of F."""
+    moved = prediction.moved(offsets, lines)
+    mixed = np.array(list(DIRECTIONS.values()), dtype=np.float64).T
+    if not moved:
+        return
+    giving = {name: both for name, both in moved.items() if np.abs(both[1]).max() > GIVES * np.abs(both[0]).max()}
+    for to, k, there, courses in ((GROUND, 0, moved, (*OF_PLACES, *shakes)), (TABLE, 1, giving, OF_PLACES[1:])):
+        if not there:
+            continue
+        places = tuple(SuspectedPlace(kind=LOCATION, part=name, along=along, to=to) for name in there for along in DIRECTIONS)
+        rows = [np.swapaxes(both[k], 1, 2) for both in there.values()]
+        yield of.family(places, courses, np.concatenate([of.readings(one, one) @ mixed for one in rows], axis=-1))
+
+
+def joint(of: Loaded, prediction: SeriesPrediction, offsets: Offsets) -> Iterator[PlaceFamily]:
+    """What gives between cover plate and article: ``dH = a c(omega) sum_d H e_d e_d^T H``, H of the article about its origin."""
+    carried = prediction.tested.carried
+    if carried.nuisances is None:
+        return
+    T = rigid_transformation_6(carried.standing.pose.position)
+    back = np.linalg.inv(T)
+    H = of.H - dynamic_mass.at(carried.moving, offsets).mass_matrix
+    loads: ComplexArray = H @ back
+    readings = of.readings(loads, np.swapaxes(back.T @ H, 1, 2))
+    places, mixed = [], np.zeros((len(MOTIONS), len(JOINTS)))
+    for k, axes in enumerate(JOINTS):
+        (first, *others) = ((LOADS[axis], MOTIONS[axis]) for axis in axes)
+        places.append(SuspectedPlace(kind=JOINT, load=first[0], motion=first[1], others=tuple(others)))
+        mixed[list(axes), k] = 1.0
+    yield of.family(tuple(places), OF_JOINTS, readings @ mixed)
+
+
+def parts(of: Swallowing) -> Iterator[PlaceFamily]:
+    at = [k for k, name in enumerate(of.names) if name.partition(":")[0] in PARTS and name in of.of.predicted.changes]
+    if at:
+        places = tuple(SuspectedPlace(kind=PART, part=of.names[k]) for k in at)
+        yield PlaceFamily(places=places, courses=OF_PARTS, products=_of_parameters(of, at), root=of.root, slope=of.slope)
+
+
+def _of_parameters(of: Swallowing, at: list[int]) -> Products:
+    m, r, c, p = of.moved.shape
+    V = of.moved.reshape(m, r * c, p)
+    e = V[:, :, at].conj().swapaxes(1, 2)
+    return Products(
+        frequency=of.of.frequency,
+        names=tuple(of.names[k] for k in at),
+        residual=(e @ of.left.reshape(m, r * c, 1))[..., 0],
+        others=np.asarray(e @ V),
+        square=np.sum(np.abs(V[:, :, at]) ** 2, axis=1),
+    )
+
+
+# Leftovers in channels: one, or all of a group, that tells a wrong share of what it reads; one that hears what it should not.
+
+
+DIMENSIONS: Mapping[str, tuple[int, int]] = MappingProxyType({"acceleration": (0, 1), "force": (1, 1), "moment": (1, 2)})
+"""kg and m of a quantity, all of them per second squared."""
+
+
+def channels(of: Swallowing, courses: tuple[FrequencyLaw, ...]) -> PlaceFamily:
+    """Channels by themselves and by groups, in shares of what they read."""
+    names, table = of.of.prediction.measured.channels, _table(of.of.prediction)
+    groups = tuple(dict.fromkeys(one.group for one in table))
+    members = [np.array([one.group == group for one in table], dtype=np.float64) for group in groups]
+    mixed = np.concatenate([np.eye(len(names)), np.stack(members, axis=1)], axis=1) if members else np.eye(len(names))
+    read = predicted(of)
+    places = [SuspectedPlace(kind=CHANNEL, channels=(name,)) for name in names]
+    for group in groups:
+        places.append(SuspectedPlace(kind=GROUP, part=group, channels=tuple(one.name for one in table if one.group == group)))
+    made = products(of, read[..., None] * mixed, np.arange(len(names)))
+    return PlaceFamily(places=tuple(places), courses=courses, products=made, root=of.root, slope=of.slope)
+
+
+def tilting(of: Swallowing) -> Iterator[PlaceFamily]:
+    """All accelerometers, and those of a group, that read gravity where they tilt: along x by beta, along y by minus alpha."""
+    table, u = _table(of.of.prediction), of.of.inputs
+    sensing = [one.quantity == "acceleration" for one in table]
+    if not any(sensing) or u.shape[-1] != len(MOTIONS):
+        return
+    along = np.array([one.places[0].direction for one in table])
+    read = u[..., 4, None] * along[:, 0] - u[..., 3, None] * along[:, 1]
+    groups = dict.fromkeys(one.group for one, senses in zip(table, sensing, strict=True) if senses)
+    chosen = {"": sensing} | {group: [one.group == group for one in table] for group in groups}
+    mixed = np.array(list(chosen.values()), dtype=np.float64).T
+    places = tuple(
+        SuspectedPlace(
+            kind=GROUP, part=group, channels=tuple(one.name for one, is_in in zip(table, members, strict=True) if is_in)
+        )
+        for group, members in chosen.items()
+    )
+    made = products(of, read[..., None] * mixed, np.arange(len(table)))
+    yield PlaceFamily(places=places, courses=(TILTING,), products=made, root=of.root, slope=of.slope)
+
+
+def predicted(of: Swallowing) -> ComplexArray:
+    """(r, m, c) what the channels should read."""
+    at = of.of
+    return np.asarray((at.predicted.rows @ at.inputs[..., None])[..., 0])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Readings:
+    """What a channel may hear, with one course.
+
+    Attributes
+    ----------
+    course : over frequency
+    places : (q,) what is heard, without the channel that hears it
+    dimensions : (q,) kg and m of it, seconds left out
+    values : (r, m, q) complex
+    """
+
+    course: FrequencyLaw
+    places: tuple[SuspectedPlace, ...]
+    dimensions: tuple[tuple[int, int], ...]
+    values: ComplexArray
+
+
+def heard(of: Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], FrequencyLaw, Answers]]:
+    """Every channel that hears a motion, a load, or another channel."""
+    at = of.of
+    own = tuple(DIMENSIONS[one.quantity] for one in _table(at.prediction)) or ((0, 0),) * at.values.shape[-1]
+    for one in _readings(of, offsets, own):
+        for c, name in enumerate(at.prediction.measured.channels):
+            kept = [k for k, place in enumerate(one.places) if name not in place.channels]
+            white = one.values[..., kept] * at.weight[:, :, c, None]
+            places = tuple(
+                replace(
+                    one.places[k], channels=(name, *one.places[k].channels), unit=_unit(own[c], one.dimensions[k], one.course)
+                )
+                for k in kept
+            )
+            yield places, one.course, _of_channel(of, white, c)
+
+
+def _of_channel(of: Swallowing, white: ComplexArray, channel: int) -> Answers:
+    at = of.of
+    b = white.swapaxes(0, 1).reshape(-1, white.shape[-1]).conj().T  # (q, m r)
+    V = of.moved[:, :, channel].reshape(b.shape[1], -1)
+    free = 0.5 * at.free[:, :, channel, None]
+    return Answers(
+        score=(b @ at.values[:, :, channel].T.ravel()).real[None],
+        own=np.sum(free * np.abs(white) ** 2, axis=(0, 1))[None],
+        swallowed=((b @ V).real @ of.root)[None],
+    )
+
+
+def _readings(of: Swallowing, offsets: Offsets, own: Sequence[tuple[int, int]]) -> Iterator[Readings]:
+    at, prediction = of.of, of.of.prediction
+    channels = tuple(SuspectedPlace(kind=HEARD, channels=(name,)) for name in prediction.measured.channels)
+    yield Readings(course=HEARD_PLAINLY, places=channels, dimensions=tuple(own), values=predicted(of))
+    if not isinstance(prediction, SeriesPrediction):
+        return
+    u = at.inputs
+    H = prediction.dynamic_mass(offsets, np.searchsorted(prediction.measured.frequency, at.frequency))
+    motions, loads = (
+        tuple(SuspectedPlace(kind=HEARD, motion=one) for one in MOTIONS),
+        tuple(SuspectedPlace(kind=HEARD, load=one) for one in LOADS),
+    )
+    moved, loaded = ((0, 1),) * 3 + ((0, 0),) * 3, ((1, 1),) * 3 + ((1, 2),) * 3
+    both = np.concatenate([u, (H @ u[..., None])[..., 0]], axis=-1)
+    yield Readings(course=HEARD_PLAINLY, places=(*motions, *loads), dimensions=(*moved, *loaded), values=both)
+    falling = u * HEARD_FALLING.of(2 * np.pi * at.frequency)[:, None]
+    yield Readings(course=HEARD_FALLING, places=motions, dimensions=moved, values=falling)
+
+
+def _table(prediction: Prediction) -> tuple[Channel, ...]:
+    """(c,) what the channels are; nothing is known of those of an accelerance test."""
+    if not isinstance(prediction, SeriesPrediction):
+        return ()
+    by_name = {one.name: one for one in prediction.tested.campaign.table.channels}
+    return tuple(by_name[name] for name in prediction.measured.channels)
+
+
+def _unit(own: tuple[int, int], other: tuple[int, int], course: FrequencyLaw) -> str:
+    """Of a reading per unit of what is heard."""
+    kg, m = own[0] - other[0], own[1] - other[1]
+    powers = (("kg", kg), ("m", m), ("s", -2 if course is HEARD_FALLING else 0))
+    above = " ".join(f"{name}^{power}" if power > 1 else name for name, power in powers if power > 0) or "1"
+    below = " ".join(f"{name}^{-power}" if power < -1 else name for name, power in powers if power < 0)
+    return above if not below else f"{above}/({below})" if " " in below else f"{above}/{below}"
+
+
+# Every place in which a leftover of one data set may sit, with the courses that it may take there.
+
+
+def loaded(of: Swallowing, offsets: Offsets) -> Loaded | None:
+    """The dynamic mass of a data set; None of one that is no base-excitation test."""
+    prediction = of.of.prediction
+    if not isinstance(prediction, SeriesPrediction):
+        return None
+    lines = of.of.lines
+    return Loaded(of=of, by_load=prediction.by_load(offsets, lines), H=prediction.dynamic_mass(offsets, lines))
+
+
+def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator[PlaceFamily]:
+    """All of one data set whose course is sought."""
+    shakes, prediction = resonances(2 * np.pi * of.of.frequency), of.of.prediction
+    if loads is not None and isinstance(prediction, SeriesPrediction):
+        yield pairs(loads, (*OF_PAIRS, *shakes))
+        yield axes(loads)
+        yield from tilting(of)
+        yield from locations(loads, prediction, offsets, of.of.lines, shakes)
+        yield from joint(loads, prediction, offsets)
+    yield channels(of, (*OF_SHARES, *shakes))
+    yield from parts(of)
+
+
+# A leftover in several pairs of axes at once, such as a spring off the reference point: a symmetric matrix of one course.
+
+
+PLACES = tuple((i, j) for i in range(6) for j in range(i, 6))
+"""Entries of a symmetric matrix."""
+
+PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
+"""What symmetric matrices are of: mass, stiffness, damping."""
+
+NAMED = 0.25
+"""Share of the leading pair, at the nominal level of the motions, from which another one is named with it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Spanned:
+    """All entries of a symmetric matrix in one data set.
+
+    Attributes
+    ----------
+    data_set : its name
+    products : (q,) of the entries, line by line
+    gram : (m, q, q) complex, of the entries with each other, inputs eliminated
+    root : of the covariance of the fit
+    """
+
+    data_set: str
+    products: Products
+    gram: ComplexArray
+    root: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Span:
+    """What a symmetric matrix of one course explains.
+
+    Attributes
+    ----------
+    place : the leading pair, and those that take part
+    course : of all entries
+    gain : [nats]
+    size : of the leading pair
+    """
+
+    place: SuspectedPlace
+    course: FrequencyLaw
+    gain: float
+    size: float
+
+
+def spanned(of: Loaded) -> Spanned:
+    """Of one data set."""
+    mixed = np.stack([entry(i, j) + (entry(j, i) if j > i else 0) for i, j in PLACES], axis=1)
+    readings, at = entries(of) @ mixed, of.of.of
+    kept = at.kept(readings * at.weight[:, :, of.channels, None], of.channels)
+    flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, len(PLACES))
+    gram = np.asarray(flat.conj().swapaxes(1, 2) @ flat)
+    return Spanned(data_set=at.name, products=products(of.of, readings, of.channels), gram=gram, root=of.of.root)
+
+
+def spans(alike: Sequence[Spanned], slope: Array) -> Iterator[Span]:
+    """Of the courses of matrices, with one matrix for the data sets `alike`; `slope` as `Swallowing` has it."""
+    for course in PHYSICAL:
+        score, told = np.zeros(len(PLACES)), np.zeros((len(PLACES), len(PLACES)))
+        swallowed = 0.0
+        for one in alike:
+            c = course.of(2 * np.pi * one.products.frequency)
+            answers = following(one.products, c[None], one.root)
+            score += answers.score[0]
+            told += np.tensordot(np.abs(c) ** 2, one.gram.real, axes=1)
+            swallowed = swallowed + answers.swallowed[0]
+        yield _span(course, score + swallowed @ slope, told, np.asarray(swallowed))
+
+
+def _span(course: FrequencyLaw, score: Array, own: Array, swallowed: Array) -> Span:
+    scale = 1 / np.sqrt(np.maximum(np.diag(own), np.finfo(np.float64).tiny))
+    told = scale[:, None] * (own - swallowed @ swallowed.T) * scale
+    size = scale * (np.linalg.pinv(told, rcond=LEAST, hermitian=True) @ (scale * score))
+    return Span(place=_place(size), course=course, gain=0.5 * float(size @ score), size=float(size[_leading(size)[0]]))
+
+
+def _leading(size: Array) -> list[int]:
+    """The entries that take part, the greatest first, at the nominal level of the motions."""
+    level = np.array([LEVELS[MOTIONS[i]] * LEVELS[MOTIONS[j]] for i, j in PLACES])
+    weight = np.abs(size) * level
+    order = np.argsort(-weight)
+    return [int(k) for k in order if weight[k] >= NAMED * weight[order[0]]]
+
+
+def _place(size: Array) -> SuspectedPlace:
+    (first, *others) = ((LOADS[PLACES[k][0]], MOTIONS[PLACES[k][1]]) for k in _leading(size))
+    return SuspectedPlace(kind=SPAN, load=first[0], motion=first[1], others=tuple(others))

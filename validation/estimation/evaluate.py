@@ -1,0 +1,598 @@
+"""The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from types import MappingProxyType
+
+import numpy as np
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array
+from geometry.toml_file import nearest
+from identification.self_calibration.elimination import Normal, smoothed_level
+from identification.self_calibration.solve import excess
+from validation.estimation import likelihood
+from validation.estimation.cost import Cost, Left, cost_of, left_of_run
+from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, Progress, at_bounds, direct, fit, nearby
+from validation.estimation.fit import FLOOR as FIT_FLOOR
+from validation.estimation.likelihood import observed
+from validation.estimation.problem import FITTED, PLAIN, Lines, Measured, Offsets, Predicted, Prediction, Problem
+from validation.estimation.result import Evaluation, Fit, Share
+
+# Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.cost`).
+#
+# Of one line of one run the error is |f - f_predicted| / |f| over the judged channels; of many it is the root of the mean
+# square. That of one channel is its share, |f_c - f_c predicted| / |f|: squares of the channels add to the square of the whole.
+# Noise that is known is no error of a model: what it makes of the squares on average is taken off, so that a run that is weakly
+# driven counts no more than one that is not. Where noise alone explains all, the error is 0.
+
+
+FLOOR = 0.005
+"""Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
+measurement, of some 0.3 % to 1.5 %, are not fitted here."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Squares:
+    """Squares of the relative errors of one run.
+
+    Attributes
+    ----------
+    data_set, run : whose they are
+    channels : (j,) names of the judged ones
+    values : (m, j) of every line, less what noise makes of them on average; below zero where it made less
+    fold : what was held out when they were predicted; empty for data that were fitted
+    """
+
+    data_set: str
+    run: str
+    channels: tuple[str, ...]
+    values: Array
+    fold: str = ""
+
+
+def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None, *, fold: str = "") -> list[Squares]:
+    """Of every run of `prediction` at `offsets` and `lines` (indices), all by default.
+
+    Raises
+    ------
+    CheckFailed : without some channel the others do not tell the inputs; the model breaks down.
+    """
+    measured = prediction.measured
+    chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
+    predicted = _predicted(prediction, offsets, chosen)
+    seen, judged = observed(measured, chosen), measured.judged
+    weight, noise, found = seen.weight(FLOOR, predicted.noise), _noise(measured, predicted, chosen), []
+    for k, run in enumerate(measured.runs):
+        rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[k]
+        left = left_of_run(seen, rows, weight[k], k)
+        level = np.sum(np.abs(seen.values[k][:, judged]) ** 2, axis=1, keepdims=True)
+        beyond = np.abs(left.values) ** 2 - _of_noise(left, noise[k])
+        values = beyond[:, judged] / np.maximum(level, np.finfo(np.float64).tiny)
+        names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
+        found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
+    return found
+
+
+def _noise(measured: Measured, predicted: Predicted, lines: Lines) -> Array:
+    """(r, m, c) variance."""
+    return np.asarray(np.square(measured.noise[:, lines] if predicted.noise is None else predicted.noise))
+
+
+def _of_noise(left: Left, variance: Array) -> Array:
+    """(m, c) mean square of what `variance` (m, c) leaves in every channel."""
+    return variance if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
+
+
+def _predicted(prediction: Prediction, offsets: Offsets, lines: Lines) -> Predicted:
+    try:
+        return prediction.at(offsets, lines, derivatives=False)
+    except BREAKDOWNS as error:
+        raise CheckFailed(f"the model of {prediction.measured.name} breaks down: {error}") from error
+
+
+def share(found: Sequence[Squares]) -> Share:
+    """Squares of several runs as one error."""
+    return Share(
+        percent=_percent([one.values for one in found]),
+        by_channel=_by_channel(found),
+        by_run=_grouped((f"{one.data_set}/{one.run}", one.values) for one in found),
+        by_data_set=_grouped((one.data_set, one.values) for one in found),
+        by_fold=_grouped((one.fold, one.values) for one in found if one.fold),
+    )
+
+
+def _percent(values: Sequence[Array]) -> float:
+    """Of squares (m, j) of several runs: channels add, lines and runs are averaged."""
+    if not values:
+        return 0.0
+    return 100 * float(np.sqrt(max(np.mean(np.concatenate([one.sum(axis=1) for one in values])), 0.0)))
+
+
+def _by_channel(found: Sequence[Squares]) -> dict[str, float]:
+    """Over the runs in which each channel is."""
+    named = ((name, one.values[:, [k]]) for one in found for k, name in enumerate(one.channels))
+    return _grouped(named)
+
+
+def _grouped(named: Iterable[tuple[str, Array]]) -> dict[str, float]:
+    groups: dict[str, list[Array]] = {}
+    for name, values in named:
+        groups.setdefault(name, []).append(values)
+    return {name: _percent(values) for name, values in groups.items()}
+
+
+# What is held out: each run of each data set in turn and, in a series, each configuration; or what is named.
+#
+# A fit that never saw a run, a configuration or a block of frequencies must predict it. Lines alone are never held out one by
+# one: a model's error is strongly correlated from line to line, and their scores are useless ("What bit" of the catalogue).
+
+
+Runs = Mapping[str, tuple[str, ...]]
+"""Runs by data set."""
+
+NOBODY: Runs = MappingProxyType({})
+
+SHORTEST = 1.0
+"""[Hz] that a block of frequencies is at least."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fold:
+    """What is held out together.
+
+    Attributes
+    ----------
+    name : in words
+    runs : by data set, those that are held out with all their lines
+    blocks : by data set the indices of the lines that are held out of all runs
+    facts : names of those that are held out
+    configuration : whether it is all of one configuration of a series
+    """
+
+    name: str
+    runs: Runs = field(default_factory=lambda: NOBODY)
+    blocks: Mapping[str, Lines] = field(default_factory=lambda: MappingProxyType({}))
+    facts: tuple[str, ...] = ()
+    configuration: bool = False
+
+
+def folds(problem: Problem) -> tuple[Fold, ...]:
+    """Each run of each data set of several, and each configuration of several, in turn."""
+    found = []
+    for one in problem.predictions:
+        if len(one.measured.runs) > 1:
+            found += [_of_run(one.measured.name, run) for run in one.measured.runs]
+    configurations = dict.fromkeys(one.measured.configuration for one in problem.predictions)
+    if len(configurations) > 1:
+        found += [_of_configuration(problem, configuration) for configuration in configurations]
+    return tuple(found)
+
+
+def every_block(problem: Problem, count: int) -> tuple[Fold, ...]:
+    """`count` blocks of frequency, of equal width on a logarithmic axis, each held out of all data sets in turn.
+
+    Raises
+    ------
+    BadInput : fewer than two, or blocks narrower than `SHORTEST`.
+    """
+    low = min(float(one.measured.frequency[0]) for one in problem.predictions)
+    high = max(float(one.measured.frequency[-1]) for one in problem.predictions)
+    edges = np.geomspace(max(low, 1e-3 * high), high * (1 + 1e-12), max(count, 1) + 1)
+    if count < 2 or edges[1] - edges[0] < SHORTEST:
+        problem_ = f"cannot be cut into {count} blocks of at least {SHORTEST:g} Hz, found {low:g} to {high:g} Hz"
+        raise BadInput(source="hold-out", field="blocks", problem=problem_, remedy="Ask for 2 or a few more")
+    made = (_of_block(problem, lo, hi) for lo, hi in pairwise(edges))
+    return tuple(one for one in made if one.blocks)
+
+
+def named(problem: Problem, names: Sequence[str]) -> Fold:
+    """All that `names` name, together: runs as ``data set/run`` or by a name that only one has, data sets, configurations, facts.
+
+    Raises
+    ------
+    BadInput : an unknown name, with the nearest; a run that several data sets have; nothing is left to fit.
+    """
+    runs: dict[str, tuple[str, ...]] = {}
+    facts: list[str] = []
+    for name in names:
+        pieces, fact = _meant(problem, name)
+        for data_set, some in pieces:
+            runs[data_set] = tuple(dict.fromkeys((*runs.get(data_set, ()), *some)))
+        facts += fact
+    fold = Fold(name=", ".join(names), runs=runs, facts=tuple(facts))
+    if not without(problem, fold).predictions:
+        raise BadInput(source="--hold-out", field=fold.name, problem="nothing is left to fit", remedy="Hold out less")
+    return fold
+
+
+def without(problem: Problem, fold: Fold) -> Problem:
+    """What is left to fit."""
+    kept = [_rest(one, fold.runs.get(one.measured.name, ())) for one in problem.predictions]
+    lines = {
+        one.measured.name: np.setdiff1d(problem.lines_of(one), fold.blocks.get(one.measured.name, np.zeros(0, dtype=np.int64)))
+        for one in problem.predictions
+    }
+    left = tuple(one for one in kept if one is not None and len(lines[one.measured.name]))
+    facts = tuple(fact for fact in problem.facts if fact.name not in fold.facts)
+    return replace(problem, predictions=left, facts=facts, lines=lines)
+
+
+def held(problem: Problem, fold: Fold) -> list[tuple[Prediction, Lines | None]]:
+    """What is predicted: predictions of the runs that are held out, and lines of them, None for all."""
+    found: list[tuple[Prediction, Lines | None]] = []
+    for one in problem.predictions:
+        name = one.measured.name
+        if fold.runs.get(name):
+            found.append((one.on(fold.runs[name]), None))
+        elif name in fold.blocks:
+            found.append((one, fold.blocks[name]))
+    return found
+
+
+def _rest(one: Prediction, runs: Sequence[str]) -> Prediction | None:
+    left = [run for run in one.measured.runs if run not in runs]
+    if not left:
+        return None
+    return one.on(left) if len(left) < len(one.measured.runs) else one
+
+
+def _of_run(data_set: str, run: str) -> Fold:
+    return Fold(name=f"run {run} of {data_set}", runs={data_set: (run,)})
+
+
+def _of_configuration(problem: Problem, configuration: str) -> Fold:
+    whole = {one.measured.name: one.measured.runs for one in problem.predictions if one.measured.configuration == configuration}
+    return Fold(name=f"configuration {configuration}", runs=whole, configuration=True)
+
+
+def _of_block(problem: Problem, low: float, high: float) -> Fold:
+    inside = {
+        one.measured.name: np.flatnonzero((one.measured.frequency >= low) & (one.measured.frequency < high))
+        for one in problem.predictions
+    }
+    return Fold(name=f"{low:.3g} to {high:.3g} Hz", blocks={name: lines for name, lines in inside.items() if len(lines)})
+
+
+def _meant(problem: Problem, name: str) -> tuple[list[tuple[str, tuple[str, ...]]], list[str]]:
+    """Runs by data set, and facts, that `name` names."""
+    measured = [one.measured for one in problem.predictions]
+    whole = [(one.name, one.runs) for one in measured if name in (one.name, one.configuration)]
+    if whole:
+        return whole, []
+    facts = [fact.name for fact in problem.facts if fact.name == name]
+    if facts:
+        return [], facts
+    runs = [(one.name, (run,)) for one in measured for run in one.runs if name in (run, f"{one.name}/{run}")]
+    if len(runs) == 1:
+        return [(runs[0][0], runs[0][1])], []
+    raise _unknown(problem, name, [f"{data_set}/{run[0]}" for data_set, run in runs])
+
+
+def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
+    if several:
+        told = f"is a run of {len(several)} data sets"
+        return BadInput(source="--hold-out", field=name, problem=told, remedy=f"Write one of {', '.join(several)}")
+    measured = [one.measured for one in problem.predictions]
+    known = [
+        *(one.name for one in measured),
+        *dict.fromkeys(one.configuration for one in measured if one.configuration != one.name),
+        *(f"{one.name}/{run}" for one in measured for run in one.runs),
+        *(fact.name for fact in problem.facts),
+    ]
+    short = [run for one in measured for run in one.runs]
+    near = nearest(name, [*known, *short])
+    problem_ = f"no run, data set, configuration or fact is called {name!r}"
+    return BadInput(source="--hold-out", field=name, problem=problem_, remedy=f"{near}Known are {', '.join(known)}")
+
+
+# The plain fit without what a fold holds out: a short way from the solution with all data.
+#
+# Normal equations of runs add, so that those without a run are known at once, and their quadratic model has its minimum in
+# closed form. Where that lies too far away for a quadratic model, the fit goes on from there with the data that are left.
+
+
+NEAR = 3.0
+"""Standard deviations, as far as the data fit, to which the quadratic model is taken at its word."""
+
+FEW = 8
+"""Evaluations that a fold may take beyond that."""
+
+SHORTER = 8
+"""Times that a step is halved at which the model breaks down."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Solved:
+    """A plain fit with what its folds need.
+
+    Attributes
+    ----------
+    cost : of all data in the parameters that stand at no bound
+    x : (p,) of these
+    by_run : normal equations by data set and run there
+    """
+
+    cost: Cost
+    x: Array
+    by_run: dict[tuple[str, str], Normal]
+
+
+def solved(problem: Problem, plain: Fit, floor: float) -> Solved:
+    """`plain`, the plain fit of `problem` at `floor`, ready for folds."""
+    cost = at_bounds(cost_of(problem, plain.parameters, floor, plain=True), plain.by_name)
+    x = cost.at(plain.by_name)
+    return Solved(cost=cost, x=x, by_run=cost.by_run(x))
+
+
+def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]:
+    """Offsets of all parameters that fit best without what `fold` holds out, declared ones within their bounds.
+
+    Where it must be `quick` the quadratic model is taken at its word wherever it leads.
+    """
+    rest = replace(at.cost, problem=without(at.cost.problem, fold), observed=())
+    left = _left(at, rest, fold)
+    away, rows = rest.knowledge(at.x)
+    gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
+    step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
+    offsets = rest.offsets(at.x + step)
+    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
+        return offsets
+    return _further(rest, offsets)
+
+
+def _left(at: Solved, rest: Cost, fold: Fold) -> Normal:
+    if fold.blocks:
+        return rest.data(at.x)
+    kept = [one for (data_set, run), one in at.by_run.items() if run not in fold.runs.get(data_set, ())]
+    return likelihood.total(kept, len(at.x))
+
+
+def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array:
+    """(p,) to the minimum of the quadratic model; what would leave its bounds stops at them, and the others make up for it."""
+    low, high = cost.bounds
+    step, moving = np.zeros(len(x)), np.ones(len(x), dtype=bool)
+    for _ in range(len(x) + 1):
+        force = gradient[moving] + matrix[np.ix_(moving, ~moving)] @ step[~moving]
+        step[moving] = -_solve(matrix[np.ix_(moving, moving)], force)
+        there = np.clip(x + step, low, high)
+        beyond = moving & (there != x + step)
+        if not beyond.any():
+            break
+        step[beyond] = there[beyond] - x[beyond]
+        moving &= ~beyond
+    return step
+
+
+def _standing(cost: Cost, x: Array, step: Array) -> Array:
+    """`step`, or its longest half from which the model does not break down: no body has every ten parameters.
+
+    That is no matter of frequency: one line of every data set tells it.
+    """
+    for _ in range(SHORTER):
+        try:
+            cost.size(x + step)
+        except BREAKDOWNS:
+            step = step / 2
+        else:
+            return step
+    return np.zeros_like(step)
+
+
+def _solve(matrix: Array, force: Array) -> Array:
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
+    return np.asarray(scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * force))
+
+
+def _further(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
+    """From `offsets` with the data that are left; these themselves where the model breaks down there."""
+
+    def nobody(share: float) -> None:
+        """Folds tell their number, not their share."""
+
+    try:
+        return direct(rest.holding({}), offsets, nobody, most=FEW, again=0).offsets
+    except CheckFailed:
+        return offsets
+
+
+EVEN = 3
+"""Quick errors are told at every so many lines."""
+
+
+def evaluate(
+    problem: Problem,
+    *,
+    hold_out: Sequence[str] = (),
+    blocks: int = 0,
+    parent: Evaluation | Fit | None = None,
+    fitted: Fit | None = None,
+    quick: bool = False,
+    progress: Progress | None = None,
+) -> Evaluation:
+    """The errors of a model.
+
+    Without names each run of each data set is held out in turn, and of a series each configuration: all data are fitted, and
+    every fold is predicted by a plain fit without it. What is named is held out of every fit.
+
+    Parameters
+    ----------
+    hold_out : runs, data sets, configurations and facts that are predicted and never fitted
+    blocks : so many blocks of frequency are held out in turn instead; 0 for none
+    parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
+        that of all parameters
+    fitted : the fit of all parameters, where it is known already; the plain one then begins there
+    quick : whether every third line is enough, no configuration is held out, and folds are a single step away
+    progress : told the share of the work that is done, 0 to 1
+
+    Raises
+    ------
+    BadInput : an unknown name in `hold_out`; too many `blocks`.
+    CheckFailed : a fit without a parent does not converge; without some channel the others do not tell latent inputs.
+    """
+    tell = progress or (lambda share: None)
+    apart = named(problem, hold_out) if hold_out else None
+    thinned = problem.thinned()
+    known = thinned if apart is None else without(thinned, apart)
+    if fitted is not None:
+        plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share))
+    else:
+        plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
+        fitted = fit(known, FITTED, start=_fitted(parent) or plain.by_name, progress=lambda share: tell(0.25 + 0.5 * share))
+    offsets = {**problem.start, **plain.by_name}
+    parts: list[tuple[Fold, Offsets]]
+    if apart is not None:
+        parts = [(apart, offsets)]
+    else:
+        turns = every_block(problem, blocks) if blocks else folds(problem)
+        turns = tuple(one for one in turns if not (quick and one.configuration))
+        parts = _turns(thinned, plain, turns, quick, lambda share: tell(0.8 + 0.2 * share))
+    runs = [part for part in parts if not part[0].configuration]
+    whole = [part for part in parts if part[0].configuration]
+    return Evaluation(
+        nominal=share(_squares(known, problem.start, quick)),
+        plain=share(_squares(known, offsets, quick)),
+        held_out=_held_out(problem, runs, quick),
+        held_out_nominal=_held_out(problem, _at(runs, problem.start), quick),
+        plain_fit=plain,
+        fitted=fitted,
+        held_out_names=tuple(fold.name for fold, _ in parts),
+        held_out_configurations=_held_out(problem, whole, quick),
+        held_out_configurations_nominal=_held_out(problem, _at(whole, problem.start), quick),
+    )
+
+
+def _plain(parent: Evaluation | Fit | None) -> Fit | None:
+    return parent.plain_fit if isinstance(parent, Evaluation) else None
+
+
+def _fitted(parent: Evaluation | Fit | None) -> Fit | None:
+    return parent.fitted if isinstance(parent, Evaluation) else parent
+
+
+def _squares(problem: Problem, offsets: Offsets, quick: bool) -> list[Squares]:
+    """Of all lines of all data sets of `problem`, fitted to or not."""
+    return [one for prediction in problem.predictions for one in squares(prediction, offsets, _even(prediction, quick))]
+
+
+def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], quick: bool, tell: Progress) -> list[tuple[Fold, Offsets]]:
+    """Every fold with the offsets of the plain fit without it."""
+    if not turns:
+        return []
+    whole = solved(problem, plain, PLAIN_FLOOR)
+    found: list[tuple[Fold, Offsets]] = []
+    for done, fold in enumerate(turns):
+        found.append((fold, {**problem.start, **refitted(whole, fold, quick=quick)}))
+        tell((done + 1) / len(turns))
+    return found
+
+
+def _at(parts: Sequence[tuple[Fold, Offsets]], offsets: Offsets) -> list[tuple[Fold, Offsets]]:
+    return [(fold, offsets) for fold, _ in parts]
+
+
+def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool) -> Share | None:
+    """The error on what every fold holds out, at its offsets."""
+    found = [
+        one
+        for fold, offsets in parts
+        for prediction, lines in held(problem, fold)
+        for one in squares(prediction, offsets, _even(prediction, quick) if lines is None else lines, fold=fold.name)
+    ]
+    return share(found) if found else None
+
+
+def _even(prediction: Prediction, quick: bool) -> Lines | None:
+    """Lines at which errors are told: all, or where it must be `quick` every so many, whatever happens there."""
+    return np.arange(0, len(prediction.measured.frequency), EVEN, dtype=np.int64) if quick else None
+
+
+# Residuals line by line, beside the deviation that is to be expected of them.
+#
+# Where inputs are not known, every channel is held against what all the others say of it, as for the plain error, so that an
+# error stays in the channel that has it. What is left, e = G y (`validation.estimation.cost`), is expected to scatter by noise, by
+# the model-error floor, and by the tolerances that were not fitted:
+#
+#     sigma² = |G|² (noise² + floor²) + sum_k |G (dA/dk) u|² tolerance_k²
+#
+# the diagonal of J Sigma J^T. A fault shows beyond that; what any careful laboratory has does not.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Residuals:
+    """Of one data set, at the lines that were asked for.
+
+    Attributes
+    ----------
+    data_set : its name
+    frequency : (n,) [Hz]
+    values : (r, n, c) complex, measured less predicted, SI
+    sigma : (r, n, c) standard deviation to be expected of `values`, E|value|² = sigma²
+    level : (r, n, c) smoothed level of the channels
+    inputs : (r, n, k) as known or estimated
+    """
+
+    data_set: str
+    frequency: Array
+    values: ComplexArray
+    sigma: Array
+    level: Array
+    inputs: ComplexArray
+
+
+def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, every_line: bool = True) -> tuple[Residuals, ...]:
+    """Of every data set at a fit, or at `offsets` with nothing fitted.
+
+    Parameters
+    ----------
+    floor : model-error floor relative to the level of a channel
+    every_line : of all lines; else of those that fits of `problem` use
+
+    Raises
+    ------
+    CheckFailed : without some channel the others do not tell latent inputs.
+    """
+    known = at.by_name if isinstance(at, Fit) else dict(at)
+    fitted = set(known) if isinstance(at, Fit) else set()
+    loose = {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
+    offsets = {**problem.start, **known}
+    return tuple(
+        _of_one(one, offsets, loose, np.arange(len(one.measured.frequency)) if every_line else problem.lines_of(one), floor)
+        for one in problem.predictions
+    )
+
+
+def _of_one(one: Prediction, offsets: Offsets, loose: dict[str, float], lines: Lines, floor: float) -> Residuals:
+    measured = one.measured
+    predicted, seen = one.at(offsets, lines), observed(measured, lines)
+    weight = seen.weight(floor, predicted.noise)
+    rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
+    left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
+    return Residuals(
+        data_set=measured.name,
+        frequency=measured.frequency[lines],
+        values=np.stack([run.values for run in left]),
+        sigma=np.stack([_sigma(run, predicted, weight[k], loose, k) for k, run in enumerate(left)]),
+        level=smoothed_level(measured.frequency, measured.values)[:, lines],
+        inputs=np.stack([run.inputs for run in left]),
+    )
+
+
+def _sigma(left: Left, predicted: Predicted, weight: Array, loose: dict[str, float], run: int) -> Array:
+    """(m, c) of one run."""
+    variance = 2 / np.square(weight)  # of both parts of a complex number
+    found = variance if left.gain is None else (np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
+    for name, change in predicted.changes.items():
+        if name in loose:
+            rows = change.rows if change.rows.ndim == 3 else change.rows[run]
+            moved = rows @ left.inputs[..., None]
+            channels = list(change.channels)
+            if left.gain is None:
+                found[:, channels] += loose[name] ** 2 * np.abs(moved[..., 0]) ** 2
+            else:
+                found = found + loose[name] ** 2 * np.abs((left.gain[:, :, channels] @ moved)[..., 0]) ** 2
+    return np.asarray(np.sqrt(found))

@@ -1,0 +1,504 @@
+"""The fits: from far away to the minimum of misfit and of what is known beforehand, and the guard that makes children comparable.
+
+The model-error floor is annealed: at 20 % the likelihood is so coarse that its minimum is found from afar, at 0.15 % it is sharp.
+Tolerances of the measurement, hundreds of them and stiff, are released when the few that matter are near. Every stage is
+Levenberg-Marquardt with the priors as part of it (`identification.self_calibration.solve`).
+
+A fit that begins nowhere converges or is refused: an unconverged baseline makes any further parameter look decisive. A fit that
+begins at a parent's solution keeps that where it finds nothing better, and so never costs more. "What bit" of the catalogue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import product
+from math import inf
+
+import numpy as np
+import numpy.typing as npt
+from numpy.typing import NDArray
+
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array
+from geometry.toml_file import nearest
+from identification.self_calibration.elimination import Normal
+from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise
+from validation.estimation.cost import Cost, cost_of, log_evidence
+from validation.estimation.problem import PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Offsets, Parameter, Problem
+from validation.estimation.result import Fit
+
+# The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended.
+
+
+COARSE = (0.2, 0.06)
+"""Floors of the stages before tolerances of the measurement are released."""
+
+FINE = (0.02, 0.006, 0.003)
+"""Floors of the stages after that, before the last."""
+
+ROUGHLY = 1.0
+"""Standard deviations that the last step of a stage may be which is not the last."""
+
+STEPS = 6
+"""Evaluations that such a stage may take."""
+
+SPARSE = 3
+"""Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
+
+AGAIN, WORTH = 6, 1.0
+"""How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
+
+ROUNDING = 1e-9
+"""Standard deviations from a bound that are none."""
+
+BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
+"""What a prediction raises where its model breaks down."""
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class End:
+    """Where a way ended.
+
+    Attributes
+    ----------
+    cost : that was made small, with what is held at a bound
+    x : (p,) of its free parameters
+    whole, data : normal equations there, with knowledge beforehand and without
+    chi2 : of data and facts
+    converged : whether the iteration ended by itself
+    """
+
+    cost: Cost
+    x: Array
+    whole: Normal
+    data: Normal
+    chi2: float
+    converged: bool
+
+    @property
+    def offsets(self) -> dict[str, float]:
+        """Of all parameters of the problem."""
+        return self.cost.offsets(self.x)
+
+
+def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
+    """The point `offsets` as an end; `data` are the normal equations there, where they are known."""
+    x = cost.at(offsets)
+    whole, data, chi2 = cost.total(x, data)
+    return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
+
+
+def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+    """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
+
+    At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`.
+
+    Raises
+    ------
+    CheckFailed : the model breaks down where it begins.
+    """
+    found, sparse = dict(offsets), cost.problem.sparser(SPARSE)
+    stages = [(floor, False) for floor in COARSE if floor > cost.floor] + [(floor, True) for floor in FINE if floor > cost.floor]
+    for done, (floor, everything) in enumerate(stages):
+        moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
+        stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
+        found |= stage.offsets(_solved(stage, found, close=ROUGHLY, most=STEPS).seen)
+        progress((done + 1) / (len(stages) + 2))
+    return direct(cost, found, progress, most=most, again=again)
+
+
+def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+    """From `offsets` straight down, and once more from where that ended while it does not end by itself but still gains.
+
+    A whole beginning that gains next to nothing ends it, too. How far the quadratic model would still like to go is not asked:
+    where the data do not fit, its second derivatives lack what the misfit adds, it points along a valley for ever, or past a
+    bound of what a model declares.
+
+    Parameters
+    ----------
+    most : evaluations before it begins again
+    again : times that it may
+
+    Raises
+    ------
+    CheckFailed : the model breaks down where it begins.
+    """
+    solution = _solved(cost, offsets, close=CLOSE, most=most)
+    converged = solution.converged
+    for _ in range(again):
+        if converged:
+            break
+        before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
+        gained = before.normal.cost - solution.normal.cost
+        idle = gained < WORTH
+        converged = solution.converged or (idle and solution.evaluations >= most)
+        if idle:
+            break
+    progress(0.95)
+    seen = standing(cost, cost.offsets(solution.seen), converged=converged, data=solution.data)
+    if np.array_equal(solution.x, solution.seen):
+        return seen
+    try:
+        last = standing(cost, cost.offsets(solution.x), converged=converged)
+    except BREAKDOWNS:  # the last step was taken unseen
+        return seen
+    return min(last, seen, key=lambda end: end.whole.cost)  # nor need it go down where the valley bends
+
+
+def standing(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
+    """The point `offsets` as an end, what stands at a bound there held.
+
+    Parameters
+    ----------
+    data : normal equations of the data there in all free parameters of `cost`, where they are known
+    """
+    left = at_bounds(cost, offsets)
+    free = np.array([one.name in left.names for one in cost.free], dtype=bool)
+    return ended(left, offsets, converged=converged, data=None if data is None else _of(data, free))
+
+
+def at_bounds(cost: Cost, offsets: Offsets) -> Cost:
+    """`cost` with what stands at a bound at `offsets` held there."""
+    low, high = cost.bounds
+    x = cost.at(offsets)
+    near = ROUNDING * np.array([one.tolerance if np.isfinite(one.tolerance) else 1.0 for one in cost.free])
+    at = np.where(x <= low + near, low, np.where(x >= high - near, high, np.nan))
+    held = {name: float(bound) for name, bound in zip(cost.names, at, strict=True) if np.isfinite(bound)}
+    return cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held})
+
+
+def _of(data: Normal, free: NDArray[np.bool_]) -> Normal:
+    """`data` in the parameters that are `free` (p,), the others held."""
+    return Normal(cost=data.cost, gradient=data.gradient[free], matrix=data.matrix[np.ix_(free, free)])
+
+
+def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
+    start = np.clip(cost.at(offsets), *cost.bounds)
+    if not len(start):
+        return _nothing_to_do(cost, start)
+    try:
+        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start), bounds=cost.bounds)
+    except BREAKDOWNS as error:
+        raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
+
+
+def _nothing_to_do(cost: Cost, x: Array) -> Solution:
+    whole, data, _ = cost.total(x)
+    return Solution(x=x, seen=x, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
+
+
+FLOOR = 0.0015
+"""Model-error floor relative to the level of a channel at which fits are compared."""
+
+TRIAL = 20
+"""Evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not there."""
+
+FEW = 3
+"""Times that a way of a child begins again: it has others, one of which ends lower where this one creeps along a valley."""
+
+PLAIN_FLOOR = 0.01
+"""The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
+
+
+def fit(
+    problem: Problem,
+    kinds: Sequence[str],
+    *,
+    start: Fit | Offsets | None = None,
+    floor: float | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """The parameters of `kinds` that fit best, knowledge beforehand counted; others stand where the model has them.
+
+    Where the tolerances of the measurement are not among `kinds`, declared parameters stay `within` their bounds. Effects always
+    stay within what their family allows.
+
+    Parameters
+    ----------
+    start : offsets at which to begin; or the fit of a parent, in whose place this one never costs more: what the parent does not
+        have begins at the size at which there is no effect (offset 0) and, once more, at its own start
+    floor : model-error floor; `FLOOR`, and `PLAIN_FLOOR` where tolerances of the measurement are not fitted
+    progress : told the share of the work that is done, 0 to 1
+
+    Raises
+    ------
+    CheckFailed : without a parent, when the iteration does not end by itself or the model breaks down where it begins; says why.
+    """
+    tell = progress or (lambda share: None)
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
+    end = _child(cost, start, tell) if isinstance(start, Fit) else _baseline(cost, start or {}, tell)
+    tell(1.0)
+    return fitted(end)
+
+
+def child(
+    problem: Problem, kinds: Sequence[str], parent: Fit, start: Offsets, *, from_afar: bool = False, floor: float | None = None
+) -> Fit:
+    """The fit of `problem`, which has more parameters than that of its `parent`, by a single way; it never costs more.
+
+    Parameters
+    ----------
+    start : offsets at which the way begins; what is not named begins where the parent ended, or where it has no effect
+    from_afar : whether the floor is annealed on the way, instead of straight down
+    """
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
+    null = parents_point(cost.free, parent)
+    try:
+        end = _trial(cost, {**null, **start}, from_afar=from_afar)
+    except CheckFailed:
+        return fitted(ended(cost, null, converged=False))
+    return fitted(end if end.whole.cost <= parent.cost else min(end, ended(cost, null, converged=False), key=_whole))
+
+
+def _trial(cost: Cost, begin: Offsets, *, from_afar: bool) -> End:
+    if from_afar:
+        return annealed(cost, begin, lambda share: None, most=TRIAL)
+    return direct(cost, begin, lambda share: None, most=TRIAL, again=1)
+
+
+def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None) -> Fit:
+    """The fit to which the way leads straight down from `start`, as far as it ends.
+
+    Raises
+    ------
+    CheckFailed : the model breaks down where it begins.
+    """
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds)
+    return fitted(direct(cost, start, progress or (lambda share: None)))
+
+
+def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
+    """The parameters of `kinds` as they stand at `offsets`, with what the data say there; nothing was fitted, nor converged."""
+    return fitted(
+        ended(cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds), offsets, converged=False)
+    )
+
+
+def _whole(end: End) -> float:
+    return end.whole.cost
+
+
+def floor_of(kinds: Sequence[str]) -> float:
+    """The model-error floor of a fit of parameters of `kinds`."""
+    return FLOOR if SENSOR in kinds else PLAIN_FLOOR
+
+
+def _baseline(cost: Cost, start: Offsets, tell: Progress) -> End:
+    end = _cheaper(annealed(cost, start, tell), start, tell)
+    if not end.converged:
+        raise _refused(end)
+    return end
+
+
+def _child(cost: Cost, parent: Fit, tell: Progress) -> End:
+    """The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start.
+
+    Where none of them ends by itself, also of the way annealed from the model as it was given.
+    """
+    null = parents_point(cost.free, parent)
+    ends = [ended(cost, null, converged=False)]
+    begins = {one.name: parent.by_name.get(one.name, one.start) for one in cost.free}
+    for way, begin in ((direct, null), (annealed, begins)):
+        try:
+            ends.append(_cheaper(way(cost, begin, tell, again=FEW), begin, tell))
+        except CheckFailed:
+            continue
+    if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
+        with suppress(CheckFailed):
+            ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
+    return _best(ends)
+
+
+def _best(ends: Sequence[End]) -> End:
+    """The cheapest; it is as good as any other that ended by itself and costs as much."""
+    best = min(ends, key=lambda end: end.whole.cost)
+    return replace(best, converged=any(one.converged and one.whole.cost < best.whole.cost + WORTH for one in ends))
+
+
+def _cheaper(end: End, start: Offsets, tell: Progress) -> End:
+    """`end`, or where it stands at bounds what is cheaper: the way from `start` without them, brought back within them."""
+    if not (end.cost.plain and any(one.within < inf for one in end.cost.held)):
+        return end
+    cost = end.cost.holding({})
+    try:
+        free = annealed(replace(cost, free=tuple(map(_unbounded, cost.free))), start, tell)
+        other = direct(cost, free.offsets, tell)
+    except CheckFailed:
+        return end
+    return min(end, other, key=lambda one: one.whole.cost)
+
+
+def _unbounded(one: Parameter) -> Parameter:
+    return replace(one, within=inf)
+
+
+def parents_point(free: Sequence[Parameter], parent: Fit) -> dict[str, float]:
+    """Offsets of `free` at which a child is its parent: what is new stands where it has no effect."""
+    known = parent.by_name
+    return {one.name: known.get(one.name, one.start if one.logarithmic else 0.0) for one in free}
+
+
+def _refused(end: End) -> CheckFailed:
+    step = -inverse(end.whole.matrix) @ end.whole.gradient
+    sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
+    worst = sorted(zip(end.cost.names, step / sd, strict=True), key=lambda one: -abs(one[1]))[:3]
+    named = ", ".join(f"{name} ({away:+.1f})" for name, away in worst)
+    return CheckFailed(
+        f"the fit of {len(end.x)} parameters did not converge: its next step is still many standard deviations in {named}; "
+        "start from a nearer model, or declare more of it as unknown",
+        steps=dict(worst),
+        chi2=end.chi2,
+        degrees_of_freedom=_degrees(end),
+    )
+
+
+def fitted(end: End) -> Fit:
+    """An end as a result."""
+    everything = (*end.cost.free, *end.cost.held)
+    order = [one for one in end.cost.problem.parameters if one.name in {each.name for each in everything}]
+    offsets = end.offsets
+    tolerances = [one for one in everything if one.kind in TOLERANCES and np.isfinite(one.tolerance)]
+    covariance = np.zeros((len(order), len(order)))
+    place = {one.name: k for k, one in enumerate(order)}
+    at = np.array([place[name] for name in end.cost.names], dtype=np.int64)
+    covariance[np.ix_(at, at)] = inverse(end.whole.matrix) if len(at) else 0.0
+    return Fit(
+        parameters=tuple(order),
+        offsets=np.array([offsets[one.name] for one in order]),
+        covariance=covariance,
+        cost=end.whole.cost,
+        chi2=end.chi2,
+        degrees_of_freedom=_degrees(end),
+        tolerance_z2=sum((offsets[one.name] / one.tolerance) ** 2 for one in tolerances),
+        tolerances=len(tolerances),
+        log_evidence=log_evidence(end.cost, end.x, end.whole),
+        converged=end.converged,
+    )
+
+
+def _degrees(end: End) -> int:
+    return end.cost.size(end.x) - sum(not np.isfinite(one.tolerance) for one in end.cost.free)
+
+
+# Where a fit begins that would not find its way: the best place of a grid over the sizes that it cannot find from afar.
+#
+# A resonator's frequency has no slope where the resonator weighs nothing, and the slope of a modulus far beside its resonance
+# points anywhere. So the sizes that are named take every value of a grid, a dictionary; at each place the other free parameters
+# take the best step of the quadratic model there, and its gain says how promising the place is. Of the most promising the true
+# cost decides, and the point from which it began stays where none is better.
+#
+# What a resonator does grows with its mass. Such an amplitude is not on the grid: at every place it begins at next to nothing,
+# the quadratic model says how many times as much the data want, and what is known of its logarithm does not count, because that
+# is no step of a logarithm.
+
+
+STARTING_FINE, STARTING_COARSE = 41, 9
+"""Places along a single size, and along each of several."""
+
+REACH = 2.0
+"""Prior standard deviations to either side that a grid covers."""
+
+NEXT_TO_NOTHING = -7.0
+"""Offset of a small amplitude from where it stands: a thousandth."""
+
+PROMISING = 5
+"""Places whose true cost is looked at."""
+
+
+def start(
+    problem: Problem,
+    names: Sequence[str],
+    *,
+    kinds: Sequence[str] = PLAIN,
+    base: Offsets | None = None,
+    places: Mapping[str, npt.ArrayLike] | None = None,
+    amplitude: str = "",
+    floor: float = PLAIN_FLOOR,
+    progress: Progress | None = None,
+) -> dict[str, float]:
+    """Offsets of the parameters of `kinds` from which a fit finds its way.
+
+    Parameters
+    ----------
+    names : of the parameters on the grid
+    base : offsets from which to begin, such as a parent's solution; those of the model where nothing is said
+    places : by name the offsets of the grid; evenly over `REACH` prior deviations about the base where nothing is said
+    amplitude : name of a logarithmic parameter in whose value the data are linear while it is small; none by default
+    progress : told the share of the work that is done, 0 to 1
+
+    Raises
+    ------
+    BadInput : a name of no free parameter, or one of which nothing is known beforehand without its `places`.
+    """
+    tell = progress or (lambda share: None)
+    cost = cost_of(problem, problem.free(kinds), floor, plain=SENSOR not in kinds)
+    here = {name: x for name, x in {**problem.start, **(base or {})}.items() if name in cost.names}
+    _require_known(cost, names, places or {})
+    grid = list(_grid(cost, names, here, places or {}))
+    found: list[tuple[float, dict[str, float]]] = []
+    small = {amplitude: here[amplitude] + NEXT_TO_NOTHING} if amplitude else {}
+    for done, place in enumerate(grid):
+        found += _promise(_unpriced(cost, amplitude), {**here, **place, **small}, names, amplitude)
+        tell((done + 1) / (len(grid) + PROMISING))
+    best = sorted(found, key=lambda one: one[0])[:PROMISING]
+    ends = [here, *(offsets for _, offsets in best)]
+    return min(ends, key=lambda offsets: _cost(cost, offsets))
+
+
+def _grid(cost: Cost, names: Sequence[str], here: Offsets, places: Mapping[str, npt.ArrayLike]) -> Iterator[dict[str, float]]:
+    known = {one.name: one.tolerance for one in cost.free}
+    count = STARTING_FINE if len(names) == 1 else STARTING_COARSE
+    along = [
+        np.asarray(places[name], dtype=np.float64).ravel()
+        if name in places
+        else here[name] + known[name] * np.linspace(-REACH, REACH, count)
+        for name in names
+    ]
+    for values in product(*along):
+        yield dict(zip(names, map(float, values), strict=True))
+
+
+def _unpriced(cost: Cost, amplitude: str) -> Cost:
+    """`cost` without what is known beforehand of the `amplitude`."""
+    return replace(cost, free=tuple(replace(one, tolerance=np.inf) if one.name == amplitude else one for one in cost.free))
+
+
+def _promise(cost: Cost, place: Offsets, names: Sequence[str], amplitude: str) -> list[tuple[float, dict[str, float]]]:
+    """The cost that the quadratic model at `place` promises, and where it is; nothing where the model breaks down."""
+    x = cost.at(place)
+    try:
+        whole, _, _ = cost.total(x)
+    except BREAKDOWNS:
+        return []
+    moving = np.array([name not in names for name in cost.names])
+    step = np.zeros(len(x))
+    step[moving] = -np.linalg.lstsq(whole.matrix[np.ix_(moving, moving)], whole.gradient[moving], rcond=None)[0]
+    promised = whole.cost + float(whole.gradient @ step) + 0.5 * float(step @ whole.matrix @ step)
+    if amplitude:
+        k = cost.names.index(amplitude)
+        if step[k] <= 0:
+            return []
+        step[k] = np.log1p(step[k])
+    there = np.clip(x + step, *cost.bounds)
+    return [(promised, dict(zip(cost.names, map(float, there), strict=True)))]
+
+
+def _cost(cost: Cost, offsets: Offsets) -> float:
+    try:
+        return cost.total(cost.at(offsets))[0].cost
+    except BREAKDOWNS:
+        return np.inf
+
+
+def _require_known(cost: Cost, names: Sequence[str], places: Mapping[str, npt.ArrayLike]) -> None:
+    known: dict[str, float] = {one.name: one.tolerance for one in cost.free}
+    for name in names:
+        if name not in known:
+            remedy = nearest(name, known) or "Free it"
+            raise BadInput(source="start", field=name, problem="is no free parameter of this problem", remedy=remedy)
+        if name not in places and not np.isfinite(known[name]):
+            raise BadInput(source="start", field=name, problem="nothing is known of it beforehand", remedy="Give its `places`")

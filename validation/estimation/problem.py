@@ -1,0 +1,374 @@
+"""`Parameter`: one number of a prediction that a fit may move, and what is known of it beforehand."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import exp, inf, log
+from types import MappingProxyType
+from typing import Protocol, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array, frozen
+from identification.self_calibration.elimination import smoothed_level
+
+IDENTIFIED, DECLARED, STRUCTURAL, SENSOR, EFFECT = KINDS = ("identified", "declared", "structural", "sensor", "effect")
+"""What a laboratory legitimately has to identify (the FMD's inertia), what the model declares to know within a tolerance
+(frequencies, damping, moduli), what else it leaves open of its modes (participation, coupling), tolerances of the measurement,
+and effects that were added."""
+
+NOMINAL: tuple[str, ...] = ()
+PLAIN = (IDENTIFIED, DECLARED, EFFECT)
+FITTED = KINDS
+"""Which kinds of parameters are free in the three fits behind the nominal, the plain and the fitted error."""
+
+IDENTIFYING = (*PLAIN, STRUCTURAL)
+"""Those that are free where an article's inertia is identified: whatever its modes do, its mass does not follow from them."""
+
+TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
+"""Those whose offsets have a price."""
+
+
+WITHIN = 2.5
+"""Tolerances by which a plain fit may move what is declared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One parameter. Fits move its offset; `value` says what an offset means.
+
+    Attributes
+    ----------
+    name : unique in a problem; the id of an effect where it is one, with ``[key]`` behind it for one of several sizes
+    unit : of the value, SI
+    tolerance : standard deviation of the offset beforehand
+    kind : of `KINDS`
+    nominal : value at offset 0
+    logarithmic : whether the offset is that of the logarithm: value = nominal * exp(offset) + above
+    above : what a logarithmic value has on top, -1 for a relative change of something that stays positive
+    start : offset at which a fit begins
+    within : greatest offset either way that a plain fit allows a declared one
+    low, high : least and greatest offset of all fits; beyond is no physics, or nothing that anybody would build
+    """
+
+    name: str
+    unit: str
+    tolerance: float
+    kind: str = SENSOR
+    nominal: float = 0.0
+    logarithmic: bool = False
+    above: float = 0.0
+    start: float = 0.0
+    within: float = inf
+    low: float = -inf
+    high: float = inf
+
+    def bounds(self, *, plain: bool) -> tuple[float, float]:
+        """Least and greatest offset, in a plain fit or in any other."""
+        within = self.within if plain and self.kind == DECLARED else inf
+        return max(self.low, -within), min(self.high, within)
+
+    def value(self, offset: float) -> float:
+        """Value in `unit` at `offset`."""
+        return self.nominal * exp(offset) + self.above if self.logarithmic else self.nominal + offset
+
+    def offset(self, value: float) -> float:
+        """Offset at which the parameter has `value`."""
+        return log((value - self.above) / self.nominal) if self.logarithmic else value - self.nominal
+
+    def slope(self, offset: float) -> float:
+        """d value / d offset: how a standard deviation of the offset reads in `unit`."""
+        return self.nominal * exp(offset) if self.logarithmic else 1.0
+
+
+# `Measured`: complex lines of one data set, as the engine sees them: runs, lines, channels, and nothing of what they are.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Measured:
+    """What one data set read, and how far it can be trusted.
+
+    Attributes
+    ----------
+    name : of the data set, unique in a problem
+    configuration : what was tested; effects on parts of it act wherever it has them
+    hardware : id of the measuring equipment; data sets with the same id share its errors
+    runs : (r,) names
+    axes : (r,) what each run drove, as it is called in words; may be empty
+    channels : (c,) names
+    judged : (c,) bool, the channels in which the plain error is told: forces, or the responses of an accelerance test
+    frequency : (n,) [Hz], ascending
+    values : (r, n, c) complex, SI or SI per Hz
+    noise : (r, n, c) standard deviation of the complex noise, E|noise|² = sd²
+    noise_scatter, noise_spread : relative standard deviation of the noise's power, at one line and of all channels and lines
+    inputs : (r, n, k) complex, known inputs such as a drive force of 1 N; None for inputs that nobody knows (base motions),
+        which are eliminated line by line
+    """
+
+    name: str
+    configuration: str
+    hardware: str = ""
+    runs: tuple[str, ...]
+    axes: tuple[str, ...] = ()
+    channels: tuple[str, ...]
+    judged: npt.NDArray[np.bool_]
+    frequency: Array
+    values: ComplexArray
+    noise: Array
+    noise_scatter: float = 0.0
+    noise_spread: float = 0.0
+    inputs: ComplexArray | None = None
+
+    def __post_init__(self) -> None:
+        r, n, c = shape = (len(self.runs), len(self.frequency), len(self.channels))
+        object.__setattr__(self, "axes", self.axes or ("",) * r)
+        object.__setattr__(self, "frequency", frozen(self.frequency, (n,), "frequency"))
+        object.__setattr__(self, "noise", frozen(self.noise, shape, "noise"))
+        object.__setattr__(self, "judged", np.array(self.judged, dtype=bool).reshape(c))
+
+    def on(self, runs: Sequence[str]) -> Measured:
+        """The runs named alone, in the order in which they stand here."""
+        kept = [k for k, run in enumerate(self.runs) if run in runs]
+        return replace(
+            self,
+            runs=tuple(self.runs[k] for k in kept),
+            axes=tuple(self.axes[k] for k in kept),
+            values=self.values[kept],
+            noise=self.noise[kept],
+            inputs=None if self.inputs is None else self.inputs[kept],
+        )
+
+
+# `Prediction` and `Fact`: the two protocols through which the engine sees a model.
+#
+# At one line of one run the channels read ``y = A u + noise``: A (c, k) is predicted, the inputs u (k,) are known or latent. A
+# fact is a single number that another measurement says: a weight, a centre of gravity, a period.
+
+
+Lines = npt.NDArray[np.int64]
+
+Wanted = bool | Collection[str]
+"""Whether derivatives are wanted, or of which parameters; others may be left out."""
+
+Offsets = Mapping[str, float]
+"""Offsets of parameters by name; one that is not in it stands at 0."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Change:
+    """How a prediction answers to one parameter.
+
+    Attributes
+    ----------
+    channels : indices of the channels that change; no other does
+    rows : (n, len(channels), k) complex, or (r, n, len(channels), k) where runs differ: d rows / d offset
+    """
+
+    channels: tuple[int, ...]
+    rows: ComplexArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Conveyed:
+    """The same of a parameter that all channels see through the same few quantities, such as the loads of what is carried.
+
+    Attributes
+    ----------
+    channels : indices of the channels that change; no other does
+    through : (n, len(channels), j) what the channels read of these quantities; the same array of all parameters that go this way
+    quantities : (n, j, k) d quantities / d offset
+    """
+
+    channels: tuple[int, ...]
+    through: ComplexArray
+    quantities: ComplexArray
+
+    @property
+    def rows(self) -> ComplexArray:
+        """(n, len(channels), k) d rows / d offset."""
+        return np.asarray(self.through @ self.quantities)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Predicted:
+    """What the channels read for a unit of every input, and how that changes.
+
+    Attributes
+    ----------
+    rows : (n, c, k) complex, or (r, n, c, k) where runs differ
+    changes : by name of the parameters that act here; empty where derivatives were not asked for
+    noise : (r, n, c) in place of that of the data where an effect on noise acts; None for the data's own
+    """
+
+    rows: ComplexArray
+    changes: Mapping[str, Change | Conveyed] = field(default_factory=lambda: MappingProxyType({}))
+    noise: Array | None = None
+
+
+class Prediction(Protocol):
+    """A model of one data set."""
+
+    @property
+    def measured(self) -> Measured:
+        """The data."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All that may move here. Predictions of a series share parameters by name, and then agree about them."""
+
+    def on(self, runs: Sequence[str]) -> Self:
+        """The same model of the runs named alone."""
+
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
+        """The prediction at `offsets` and the lines with these indices; all lines by default.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there; a fit then steps back.
+        """
+
+
+class Fact(Protocol):
+    """One number of another measurement."""
+
+    @property
+    def name(self) -> str:
+        """Where it comes from and what it is, for messages and tables."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All that may move it."""
+
+    def residual(self, offsets: Offsets) -> tuple[float, Mapping[str, float]]:
+        """(predicted - measured) / standard deviation, and its derivatives by offset of the parameters that act."""
+
+
+# `Problem`: predictions of several data sets that share parameters by name, and facts of other measurements.
+
+
+ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
+
+FEWEST = 20
+"""Lines of a data set below which none is left out."""
+
+AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
+"""What two predictions must say alike of a parameter that they share."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is compared: ``Problem(predictions, facts)``.
+
+    Attributes
+    ----------
+    predictions : one a data set
+    facts : single numbers of other measurements
+    lines : by data set the indices of the lines that fits use; all where nothing is said
+    """
+
+    predictions: tuple[Prediction, ...]
+    facts: tuple[Fact, ...] = ()
+    lines: Mapping[str, Lines] = field(default_factory=lambda: ALL_LINES, kw_only=True)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "predictions", tuple(self.predictions))
+        object.__setattr__(self, "facts", tuple(self.facts))
+        names = [one.measured.name for one in self.predictions]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"`predictions` must be of different data sets, found {name!r} twice: name them apart")
+        _ = self.parameters
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The union of all, by name.
+
+        Raises
+        ------
+        ValueError : two data sets or facts say different things of the same parameter; names both.
+        """
+        found: dict[str, tuple[Parameter, str]] = {}
+        sources = [(one.measured.name, one.parameters) for one in self.predictions]
+        for source, parameters in (*sources, *((one.name, one.parameters) for one in self.facts)):
+            for parameter in parameters:
+                first, said_by = found.setdefault(parameter.name, (parameter, source))
+                _require_agreement(first, said_by, parameter, source)
+        return tuple(parameter for parameter, _ in found.values())
+
+    @cached_property
+    def by_name(self) -> dict[str, Parameter]:
+        """The parameters by name."""
+        return {one.name: one for one in self.parameters}
+
+    @cached_property
+    def start(self) -> dict[str, float]:
+        """Offsets at which the model stands as it was given."""
+        return {one.name: one.start for one in self.parameters}
+
+    def free(self, kinds: Sequence[str]) -> tuple[Parameter, ...]:
+        """The parameters of `kinds` that may move at all."""
+        return tuple(one for one in self.parameters if one.kind in kinds and one.tolerance > 0)
+
+    def lines_of(self, prediction: Prediction) -> Lines:
+        """(m,) indices of the lines of a data set that fits use."""
+        chosen = self.lines.get(prediction.measured.name)
+        return np.arange(len(prediction.measured.frequency), dtype=np.int64) if chosen is None else chosen
+
+    def thinned(self) -> Problem:
+        """The same with fewer lines for its fits where there are many, see `validation.estimation.problem`."""
+
+        return replace(self, lines={one.measured.name: chosen(one.measured) for one in self.predictions})
+
+    def sparser(self, step: int) -> Problem:
+        """The same with every so many lines of its fits, where that leaves `FEWEST`."""
+        lines = {one.measured.name: self.lines_of(one) for one in self.predictions}
+        return replace(self, lines={name: of[::step] if len(of) >= step * FEWEST else of for name, of in lines.items()})
+
+
+def _require_agreement(first: Parameter, said_by: str, second: Parameter, source: str) -> None:
+    for what in AGREED:
+        if getattr(first, what) != getattr(second, what):
+            raise ValueError(
+                f"parameter {first.name!r} must be the same in all data sets: its {what} is {getattr(first, what)!r} in "
+                f"{said_by} and {getattr(second, what)!r} in {source}; give them one value or two names"
+            )
+
+
+# Which lines a fit uses: few where nothing happens, more where the level of the channels turns quickly with frequency.
+#
+# Beside resonances the model's own error is strongly correlated from line to line, so that neighbours add time and false
+# certainty (identification/self_calibration/likelihood.py). Lines are therefore spread evenly over a measure of what happens: half of
+# it is the frequency itself, half the turning of the levels, each line counted no more than `STEEPEST`. Phases turn with the
+# sweep.
+
+
+AT_MOST = 100
+"""Lines of one data set that a fit uses."""
+
+STEEPEST = 0.3
+"""Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines."""
+
+
+def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
+    """(m,) indices of at most `at_most` lines that fits use, the same whatever the model: parent and child stay comparable."""
+    count = len(measured.frequency)
+    if count <= at_most:
+        return np.arange(count, dtype=np.int64)
+    turned = _turning(smoothed_level(measured.frequency, measured.values).transpose(1, 0, 2))
+    even = np.diff(measured.frequency) / (measured.frequency[-1] - measured.frequency[0])
+    share = 0.5 * even + 0.5 * (turned / turned.sum() if turned.sum() > 0 else even)
+    along = np.concatenate([[0.0], np.cumsum(share)])
+    wanted = np.linspace(0.0, along[-1], at_most)
+    return np.unique(np.round(np.interp(wanted, along, np.arange(count))).astype(np.int64))
+
+
+def _turning(level: Array) -> Array:
+    """(n - 1,) relative change of `level` (n, r, c) from line to line, rms over runs and channels."""
+    flat = level.reshape(len(level), -1)
+    highest = np.maximum(np.maximum(flat[1:], flat[:-1]), np.finfo(np.float64).tiny)
+    relative = np.abs(np.diff(flat, axis=0)) / highest
+    return np.asarray(np.minimum(np.sqrt(np.mean(relative**2, axis=1)), STEEPEST))

@@ -1,0 +1,259 @@
+"""What the data say of parameters that are not in a fit yet, each by itself and in closed form.
+
+At a fit with the whitened derivatives J of its free parameters, and knowledge beforehand on top, N = J^T J + diag(tolerance^-2),
+one more parameter with the column e is told by
+
+    q = e^T e - e^T J N^-1 J^T e ,        c = e^T (r - J s) / q
+
+(r is the residual, s the step that the others would take by themselves: at a minimum none, unless a bound held one of them),
+its information when all others make up for it, and its size. Its evidence, were its plausible size a normal deviate of standard
+deviation s, is
+
+    ln(Z_s / Z_0) = 1/2 c^2 / (1/q) - 1/2 c^2 / (s^2 + 1/q) - 1/2 ln(1 + q s^2)
+
+and that of a parameter which is in the fit with a tolerance t, and leaves it, the difference of two of these (the Savage-Dickey
+ratio of its posterior; J. M. Dickey, Ann. Math. Stat. 42 (1971), 204). The likelihood is taken for normal: a fault that bends it
+is found, its size is not.
+
+A column that is a function of frequency times another, such as a resonator of any frequency, needs no derivative of its own:
+products of the other with the residual and with J are kept by line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import log, sqrt
+
+import numpy as np
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
+from identification.self_calibration.solve import inverse
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import ObservedLines, normals, total, whitened
+from validation.estimation.problem import EFFECT, Fact, Offsets, Parameter, Predicted, Problem
+from validation.estimation.result import Fit
+
+KNOWN = 1e-12
+"""Share of its own square that must be left of a column beside the others for the data to tell it at all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScoreTest:
+    """What the data say of one parameter, all others making up for it.
+
+    Attributes
+    ----------
+    name : of the parameter
+    estimate : its offset
+    information : one over the square of its standard deviation; 0 where the data say nothing
+    tolerance : that it has in the fit; 0 for one that is not in it
+    share : of the square of its column that the others cannot imitate
+    """
+
+    name: str
+    estimate: float
+    information: float
+    tolerance: float = 0.0
+    share: float = 1.0
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the estimate; infinite where the data say nothing."""
+        return 1 / sqrt(self.information) if self.information > 0 else np.inf
+
+    def evidence(self, plausible: float) -> float:
+        """[nats] for a fault whose size is plausibly +- `plausible`, against what the tolerance alone allows."""
+        return self._against_nothing(plausible) - self._against_nothing(self.tolerance)
+
+    def detectable(self, plausible: float, evidence: float) -> float:
+        """The offset whose expected evidence comes to `evidence` [nats]; infinite where no size does."""
+        if self.information <= 0 or plausible <= self.tolerance:
+            return np.inf
+        narrow, wide = self.tolerance**2 + 1 / self.information, plausible**2 + 1 / self.information
+        return sqrt(2 * (evidence + 0.5 * log(wide / narrow)) / (1 / narrow - 1 / wide))
+
+    def _against_nothing(self, spread: float) -> float:
+        q, c = self.information, self.estimate
+        return 0.5 * c**2 * q * (q * spread**2) / (1 + q * spread**2) - 0.5 * log(1 + q * spread**2) if q > 0 else 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Products:
+    """Of one data set, summed over runs and channels, by line.
+
+    Attributes
+    ----------
+    frequency : (m,) [Hz]; (1,) where lines are summed, and then no frequency
+    names : (e,) of the columns
+    residual : (m, e) complex, column times residual
+    others : (m, e, p) complex, column times the derivatives of the fit
+    square : (m, e)
+    """
+
+    frequency: Array
+    names: tuple[str, ...]
+    residual: ComplexArray
+    others: ComplexArray
+    square: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Screen:
+    """The products of a fit with columns that are not in it.
+
+    Attributes
+    ----------
+    free : (p,) parameters of the fit that may move
+    covariance : (p, p)
+    step : (p,) that they would take by themselves: none but where a bound kept one
+    products : by data set
+    facts : of weights, periods and the like; they know no frequency
+    """
+
+    free: tuple[Parameter, ...]
+    covariance: Array
+    step: Array
+    products: tuple[Products, ...]
+    facts: Products
+
+    def told(self) -> dict[str, ScoreTest]:
+        """What the data say of every column as it is."""
+        names = dict.fromkeys(name for one in (*self.products, self.facts) for name in one.names)
+        return {name: self.shaped(name) for name in names}
+
+    def shaped(self, name: str, shape: Mapping[int, ComplexArray] | None = None) -> ScoreTest:
+        """What they say of the column `name` times a function of frequency, by data set its values (m,); 1 by default."""
+        (told,) = self.shapes(name, None if shape is None else {k: one[None] for k, one in shape.items()})
+        return told
+
+    def shapes(self, name: str, shape: Mapping[int, ComplexArray] | None) -> list[ScoreTest]:
+        """The same of several functions of frequency (n, m)."""
+        count = 1 if shape is None else len(next(iter(shape.values())))
+        gradient, cross, square = np.zeros(count), np.zeros((count, len(self.free))), np.zeros(count)
+        for k, one in enumerate((*self.products, self.facts)):
+            if name not in one.names:
+                continue
+            at = one.names.index(name)
+            as_it_is = np.ones((count, len(one.frequency)), dtype=np.complex128)
+            s = as_it_is if shape is None or one is self.facts else shape[k]
+            gradient += (s.conj() @ one.residual[:, at]).real
+            cross += (s.conj() @ one.others[:, at]).real
+            square += np.abs(s) ** 2 @ one.square[:, at]
+        gradient -= cross @ self.step
+        left = square - np.einsum("np,pq,nq->n", cross, self.covariance, cross, optimize=True)
+        information = np.where(left > KNOWN * square, left, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            estimate = np.where(information > 0, gradient / information, 0.0)
+        share = left / np.maximum(square, np.finfo(np.float64).tiny)
+        each = zip(estimate, information, share, strict=True)
+        return [ScoreTest(name=name, estimate=float(c), information=float(q), share=float(s)) for c, q, s in each]
+
+
+def in_the_fit(fit: Fit) -> dict[str, ScoreTest]:
+    """What the data say of every parameter of `fit` that has a tolerance."""
+    found = {}
+    for one, x, variance in zip(fit.parameters, fit.offsets, np.diag(fit.covariance), strict=True):
+        if 0 < one.tolerance < np.inf and variance > 0:
+            information = max(1 / variance - one.tolerance**-2, 0.0)
+            known = information * variance > KNOWN
+            estimate = float(x) / (variance * information) if known else 0.0
+            told = ScoreTest(name=one.name, estimate=estimate, information=information if known else 0.0, tolerance=one.tolerance)
+            found[one.name] = told
+    return found
+
+
+def screened(problem: Problem, fit: Fit, names: Sequence[str], *, by_line: bool = True, floor: float = FLOOR) -> Screen:
+    """The columns `names`, parameters of `problem`, beside a `fit` of others of its parameters.
+
+    Parameters
+    ----------
+    problem : in which what is screened stands where it has no effect, or next to none
+    fit : of the same data without them
+    by_line : whether the columns will be taken times functions of frequency; their sums over lines are had sooner
+    """
+    new = tuple(problem.by_name[name] for name in names)
+    stand = {**{one.name: 0.0 for one in new if not one.logarithmic}, **fit.by_name}
+    free, covariance, step = _beside(problem, fit, stand, floor)
+    cost = cost_of(problem, (*free, *new), floor, fit.by_name)
+    offsets = cost.offsets(cost.at(stand))
+    wanted = frozenset(cost.names)
+    products = []
+    for prediction, lines, seen in cost.observed:
+        predicted = prediction.at(offsets, lines, derivatives=wanted)
+        here = tuple(one.name for one in new if one.name in predicted.changes)
+        if by_line:
+            frequency = prediction.measured.frequency[lines]
+            products.append(_products(seen, predicted, frequency, [one.name for one in free], here, floor))
+        else:
+            products.append(_summed(seen, predicted, [one.name for one in free], here, floor))
+    facts = _of_facts(problem.facts, offsets, [one.name for one in free], [one.name for one in new])
+    return Screen(free=free, covariance=covariance, step=step, products=tuple(products), facts=facts)
+
+
+def _beside(problem: Problem, fit: Fit, stand: Offsets, floor: float) -> tuple[tuple[Parameter, ...], Array, Array]:
+    """The parameters of `fit` that may move (p,), their covariance (p, p), and the step that they would take (p,).
+
+    An effect at a bound stays, since beyond is no physics. What a laboratory identifies does not: beside it, a fault that drove
+    it there would look as if only its rest were left to be explained. What is promised then counts from where the step would end,
+    and is short of what a fit gains by what the step would gain.
+    """
+    bound = {one.name for one, v in zip(fit.parameters, np.diag(fit.covariance), strict=True) if v <= 0}
+    still = {one.name for one in fit.parameters if one.name in bound and one.kind == EFFECT}
+    keep = [k for k, one in enumerate(fit.parameters) if one.name not in still]
+    free = tuple(fit.parameters[k] for k in keep)
+    if bound == still:
+        return free, fit.covariance[np.ix_(keep, keep)], np.zeros(len(free))
+    cost = cost_of(problem, free, floor, stand)
+    whole, _, _ = cost.total(cost.at(stand))
+    covariance = inverse(whole.matrix)
+    return free, covariance, -covariance @ whole.gradient
+
+
+def _of_facts(facts: Sequence[Fact], offsets: Offsets, free: Sequence[str], new: Sequence[str]) -> Products:
+    """The same of facts: each is a line of its own, and what it leaves is the measured less the predicted, as of a channel."""
+    said = [fact.residual(offsets) for fact in facts]
+    here = tuple(name for name in new if any(name in slopes for _, slopes in said))
+    left = np.array([-away for away, _ in said]).reshape(len(said), 1)
+    e = np.array([[slopes.get(name, 0.0) for name in here] for _, slopes in said]).reshape(len(said), len(here))
+    J = np.array([[slopes.get(name, 0.0) for name in free] for _, slopes in said]).reshape(len(said), len(free))
+    return Products(
+        frequency=np.zeros(len(said)),
+        names=here,
+        residual=(e * left).astype(np.complex128),
+        others=(e[:, :, None] * J[:, None, :]).astype(np.complex128),
+        square=e**2,
+    )
+
+
+def _products(
+    seen: ObservedLines, predicted: Predicted, frequency: Array, free: Sequence[str], new: tuple[str, ...], floor: float
+) -> Products:
+    own = [k for k, name in enumerate(free) if name in predicted.changes]
+    columns = [*(free[k] for k in own), *new]
+    lines = seen.values.shape[1]
+    residual = np.zeros((lines, len(new)), dtype=np.complex128)
+    others = np.zeros((lines, len(new), len(free)), dtype=np.complex128)
+    square = np.zeros((lines, len(new)))
+    for run in range(len(seen.runs)):
+        r, V = whitened(seen, predicted, columns, floor, run)
+        E = V[..., len(own) :].conj().transpose(0, 2, 1)
+        residual += (E @ r[..., None])[..., 0]
+        others[..., own] += E @ V[..., : len(own)]
+        square += np.sum(np.abs(E) ** 2, axis=2)
+    return Products(frequency=frequency, names=new, residual=residual, others=others, square=square)
+
+
+def _summed(seen: ObservedLines, predicted: Predicted, free: Sequence[str], new: tuple[str, ...], floor: float) -> Products:
+    """The same, lines summed as well."""
+    count = len(free)
+    of = total(normals(seen, predicted, [*free, *new], floor).values(), count + len(new))
+    return Products(
+        frequency=np.zeros(1),
+        names=new,
+        residual=-of.gradient[None, count:].astype(np.complex128),
+        others=of.matrix[None, count:, :count].astype(np.complex128),
+        square=np.diag(of.matrix)[None, count:].copy(),
+    )

@@ -1,0 +1,237 @@
+"""The four errors, each with what it means and what is to be thought of it. Figures come from the engine, thresholds are
+stated here.
+
+A chi² can be bought: tolerances swallow a fault without a trace in it, at an absurd price in themselves. So chi² and the sum
+of squares of the tolerances are judged together. What tolerances cost when nothing is wrong is known: each moves from its
+prior to its posterior, so that the sum of z² is expected to be sum(1 - sd²/tolerance²), the number of tolerances that the
+data really tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from validation.estimation.problem import IDENTIFIED, TOLERANCES, Parameter
+from validation.estimation.result import Evaluation, Fit
+
+GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
+
+STANDS_OUT = 4.0
+"""Sigmas from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three."""
+
+MISFIT = 1.5
+"""Chi² per degree of freedom from which data and model contradict each other, whatever the tolerances."""
+
+MORE = 1.5
+"""Factor on the larger of what tolerances of the measurement explain and the error on fitted data, from which an error on data
+that were held out is too large."""
+
+NOTICED = 1.05
+"""Factor on what tolerances of the measurement explain, from which those of the modes are worth a word."""
+
+UNLIKELY = 1e-3
+"""Probability of a sum of z² below which tolerances are absurd."""
+
+ABSURD = 4.0
+"""z of one tolerance that no careful laboratory has."""
+
+
+MOST = 5
+"""Tolerances that are named."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedError:
+    """One error.
+
+    Attributes
+    ----------
+    name : "nominal error"
+    figure : with its unit
+    meaning : a sentence
+    verdict : of `VERDICTS`; empty where there is nothing to be judged
+    text : the verdict in words
+    """
+
+    name: str
+    figure: str
+    meaning: str
+    verdict: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExplainedError:
+    """What the plain error comes to by what it does not fit, when nothing is wrong.
+
+    Attributes
+    ----------
+    measurement : per cent, by tolerances of the measurement
+    with_modes : per cent, by these and by what the model leaves open of its modes: participation, and damping between them
+    """
+
+    measurement: float
+    with_modes: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tolerance:
+    """A tolerance as a fit moved it.
+
+    Attributes
+    ----------
+    parameter : whose it is
+    offset : from nominal
+    z : offset / tolerance
+    """
+
+    parameter: Parameter
+    offset: float
+
+    @property
+    def z(self) -> float:
+        """In standard deviations of what was known beforehand."""
+        return self.offset / self.parameter.tolerance
+
+
+def tolerances(of: Fit) -> tuple[Tolerance, ...]:
+    """The tolerances of a fit, the most absurd first; what is identified is one as far as anything is known of it beforehand.
+
+    The price is without these: a laboratory has to find them. But an FMD that ends farther off than anybody
+    would build one has taken what is missing elsewhere.
+    """
+    both = zip(of.parameters, of.offsets, strict=True)
+    kinds = (*TOLERANCES, IDENTIFIED)
+    found = [Tolerance(parameter=one, offset=float(x)) for one, x in both if one.kind in kinds and one.tolerance > 0]
+    return tuple(sorted((one for one in found if np.isfinite(one.parameter.tolerance)), key=lambda one: -abs(one.z)))
+
+
+def expected_z2(of: Fit) -> float:
+    """Sum of z² that the tolerances of a fit come to when nothing is wrong."""
+    prior = np.array([one.tolerance for one in of.parameters])
+    counted = [one.kind in TOLERANCES and 0 < one.tolerance < np.inf for one in of.parameters]
+    share = np.diag(of.covariance)[counted] / prior[counted] ** 2
+    return float(np.sum(np.clip(1 - share, 0.0, 1.0)))
+
+
+def absurd(of: Fit) -> bool:
+    """Whether the tolerances of a fit, together or one of them, cost more than chance."""
+    return costly(of.tolerance_z2, expected_z2(of), largest_z(of))
+
+
+def largest_z(of: Fit) -> float:
+    """|z| of the tolerance that a fit moved farthest; 0 where there is none."""
+    return max((abs(one.z) for one in tolerances(of)[:1]), default=0.0)
+
+
+def costly(z2: float, expected: float, largest: float) -> bool:
+    """Whether a sum `z2` of z², where about `expected` is due, is more than chance, or the `largest` z of one tolerance is."""
+    from scipy.stats import chi2
+
+    return largest >= ABSURD or bool(chi2.sf(z2, max(expected, 1.0)) < UNLIKELY)
+
+
+def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[StatedError, ...]:
+    """The four errors of `of`.
+
+    Parameters
+    ----------
+    explained : what the plain error would be by tolerances alone
+    peak : the worst spot of the maps [sigma]
+    """
+    return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of, explained))
+
+
+def _nominal(of: Evaluation) -> StatedError:
+    return StatedError(
+        name="nominal error",
+        figure=percent(of.nominal.percent),
+        meaning="the model as it stands, nothing fitted",
+    )
+
+
+def _plain(of: Evaluation, explained: ExplainedError, peak: float) -> StatedError:
+    high = peak >= STANDS_OUT
+    said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
+    if explained.with_modes > NOTICED * explained.measurement:
+        said += f", with those of the modes up to {percent(explained.with_modes)}"
+    return StatedError(
+        name="plain error",
+        figure=percent(of.plain.percent),
+        meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
+        verdict=FAILED if high else GOOD,
+        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
+    )
+
+
+def _fitted(of: Fit) -> StatedError:
+    ratio = misfit(of)
+    verdict, text = _judged(ratio, of)
+    return StatedError(
+        name="fitted error",
+        figure=f"χ² {ratio:.3g}, z² {figure(of.tolerance_z2)}",
+        meaning=f"every tolerance fitted: χ² per degree of freedom, and its price, the sum of z² of {of.tolerances} tolerances, "
+        f"about {expected_z2(of):.0f} where nothing is wrong",
+        verdict=verdict,
+        text=text,
+    )
+
+
+def misfit(of: Fit) -> float:
+    """Chi² per degree of freedom."""
+    return of.chi2 / max(of.degrees_of_freedom, 1)
+
+
+def _judged(ratio: float, of: Fit) -> tuple[str, str]:
+    moved, too_much = tolerances(of), absurd(of)
+    paying = [one for one in moved if one.parameter.kind in TOLERANCES]
+    worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or paying[:1])
+    if ratio > MISFIT:
+        return FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
+    if too_much:
+        return FAILED, f"a good χ² with absurd tolerances is a failed model: {worst}"
+    return GOOD, "data and tolerances are content"
+
+
+def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
+    meaning = "plain error on data that were predicted, not fitted"
+    beside = _configurations(of)
+    if of.held_out is None:
+        none = "nothing was held out: one run of one campaign"
+        return StatedError(name="held-out error", figure="–", meaning=meaning, text=beside or none)
+    high = of.held_out.percent > MORE * max(of.plain.percent, explained.measurement)
+    said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
+    return StatedError(
+        name="held-out error",
+        figure=percent(of.held_out.percent),
+        meaning=meaning,
+        verdict=DOUBTFUL if high else GOOD,
+        text=f"{said}; beside it, {beside}" if beside else said,
+    )
+
+
+def _configurations(of: Evaluation) -> str:
+    """What is left where all of a configuration was held out: without a verdict, since no fit knows what it alone has."""
+    others, before = of.held_out_configurations, of.held_out_configurations_nominal
+    if others is None or before is None:
+        return ""
+    told = f"{percent(others.percent)}, nominal {percent(before.percent)}"
+    return f"a configuration never seen, its modes and what acts there alone unfitted: {told}"
+
+
+def named(some: Sequence[Tolerance]) -> str:
+    """The tolerances by name, each with its z."""
+    return " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in some)
+
+
+def figure(value: float) -> str:
+    """Two digits that mean something."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
+def percent(value: float) -> str:
+    """Three digits, and no exponent."""
+    return f"{value:.0f} %" if value >= 100 else f"{value:.3g} %"

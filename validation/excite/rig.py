@@ -1,0 +1,382 @@
+"""From a name and options to a `Rig`: the FMD split off the stack, what stands on it reduced about its own origin.
+
+A stack that begins with the FMD stands on its cover plate, which is rigid and moves about F; anything else stands on the table
+itself. The model of what is reduced is any that `validation.flexible` makes, so that cells and joints may carry a solid too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.rig import Body, LoadCell, Rig
+from fem.damping import DEFAULT_RATIO
+from geometry.articles import built_in, changes_of
+from geometry.dynamic_mass import MOTIONS
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen, rigid_transformation
+from geometry.inertia import Inertia
+from validation.excite.question import BURST, MULTI, RANDOM, Attached, TableDrive, require_places
+from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_model, require_used
+from validation.model.setups import is_stack
+
+if TYPE_CHECKING:
+    from fem.base_excitation.patterns import CrossMotion, Pattern, Sweep
+
+
+FMD = "fmd"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArticleOnTable:
+    """An article made ready for the table.
+
+    Attributes
+    ----------
+    article : the whole stack, as it was asked for
+    rig : what stands on the table
+    model : of what stands on the FMD, or of the whole; None for an FMD with nothing on it
+    """
+
+    article: str
+    rig: Rig
+    model: Flexible | None
+
+
+def require_mountable(article: str, model: str, asked: FlexibleOptions, attached: Attached) -> None:
+    """Refuse what could not become a rig, before anything is computed.
+
+    Raises
+    ------
+    BadInput : an unknown article, a model that it has not, cells without an FMD, a place that it has not, a dimension of a part
+        that it has not.
+    """
+    found = require_model(article, model)
+    require_used(article, [found], replace(asked, cells=False))
+    on_fmd = is_stack(article) and article.split("+")[0] == FMD
+    if attached.cells and not on_fmd:
+        remedy = f"Leave it out, or name a stack that begins with {FMD}, such as {FMD}+clumod-1"
+        raise BadInput(source="--cells", problem=f"only the FMD has load cells, found {article}", remedy=remedy)
+    if attached.flange is not None and article == FMD:
+        problem = "the FMD alone has nothing above its cover plate that a flange could join"
+        raise BadInput(source="--flange", problem=problem, remedy="Leave it out, or name a stack such as fmd+clumod-1")
+    known = places(article, found, asked)
+    why = "Leave it out" if known or found != "exudyn" else "Use --model beam or solid, whose shapes say how a place moves"
+    require_places(attached.struts, known, article, why)
+
+
+def places(article: str, model: str, asked: FlexibleOptions) -> Mapping[str, Array]:
+    """Named places (3,) [m] of what stands on the FMD, in its own frame; none of a file, and none where no shape is known."""
+    if not is_stack(article) or model == "exudyn" or article == FMD:
+        return {}
+    from geometry.articles.locations import locations
+
+    own = _above(article)
+    return locations(own, changes_of(own, asked.changes))
+
+
+def mounted(article: str, model: str, asked: FlexibleOptions, attached: Attached, highest: float = np.inf) -> ArticleOnTable:
+    """The rig of `article`; `require_mountable` has looked at it.
+
+    Parameters
+    ----------
+    highest : [Hz] modes above it are not kept but answer statically
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `validation.flexible.model.flexible`.
+    """
+    if article == FMD:
+        return ArticleOnTable(article=article, rig=_bare(asked, attached), model=None)
+    above = _above(article)
+    own = replace(asked, cells=False, changes=changes_of(above, asked.changes) if is_stack(article) else asked.changes)
+    made = _followed(flexible(above, model, own), above, model, own, highest)
+    return assembled(article, made, asked, attached, highest)
+
+
+def assembled(
+    article: str, made: Flexible, asked: FlexibleOptions, attached: Attached, highest: float = np.inf
+) -> ArticleOnTable:
+    """The rig of `article` from a model `made` of what stands on its FMD, or of the whole where it has none.
+
+    Raises
+    ------
+    BadInput : modes that do not fit their structure.
+    """
+    body = _body(made, places(article, made.model, asked), highest)
+    common = {"flange": attached.flange, "struts": attached.struts, "frictions": attached.frictions}
+    if _above(article) == article:
+        return ArticleOnTable(article=article, rig=Rig(article=body, **common), model=made)  # type: ignore[arg-type]
+    seat, cover = _fmd(asked)
+    mass = cover.mass + float(made.modes.rigid_mass[0, 0])
+    rig = Rig(article=body, cover=cover, seat=seat, cells=_cells(asked, attached, mass), **common)  # type: ignore[arg-type]
+    return ArticleOnTable(article=article, rig=rig, model=made)
+
+
+def _above(article: str) -> str:
+    """What stands on the FMD of a stack, and the whole of everything else."""
+    first, plus, rest = article.partition("+")
+    return rest if plus and first == FMD and is_stack(article) else article
+
+
+def _followed(made: Flexible, article: str, model: str, asked: FlexibleOptions, highest: float) -> Flexible:
+    """`made`, the `model` of `article`, without its modes above `highest` [Hz], but for the first."""
+    count = int(np.sum(made.modes.frequency <= highest))
+    if count == len(made.modes.frequency) or made.structure is None:
+        return made
+    return flexible(article, model, replace(asked, count=max(count, 1)))
+
+
+def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> Body:
+    """`model` reduced; rigid when even its first mode lies above `highest` [Hz]."""
+    from fem.base_excitation import rig
+
+    if not len(model.modes.frequency) or model.modes.frequency[0] > highest:
+        return rig.rigid(model.article, Inertia.from_mass_matrix(model.modes.rigid_mass, model.modes.reference_point), places)
+    if model.structure is None or not len(model.modes.shapes):
+        return rig.of_modal_data(model.article, model.modes)
+    made = rig.flexible(model.article, model.structure, model.modes)
+    return replace(made, places=_moving(model, made, places)) if places else made
+
+
+def _moving(model: Flexible, body: Body, places: Mapping[str, Array]) -> dict[str, Array]:
+    """What each coordinate of `body` does to `places`, (3, 6 + n): on beams a place rides on the section that it belongs to."""
+    from validation.flexible.model import nearest_part
+    from validation.flexible.modes import displacement
+
+    article, structure = model.article_of_primitives, model.structure
+    if article is None or structure is None:
+        return {}
+    points = np.array(list(places.values()))
+    rows = displacement(structure, body.reduced.basis, article, points, nearest_part(article, points))
+    return dict(zip(places, rows, strict=True))
+
+
+def _bare(asked: FlexibleOptions, attached: Attached) -> Rig:
+    """The FMD with nothing on it, as its tare is taken: cover plate and article are one half of its moving part each."""
+    from fem.base_excitation import rig
+
+    _, cover = _fmd(asked)
+    half = cover.scaled(0.5)
+    return Rig(
+        article=rig.rigid(FMD, half, {}),
+        cover=half,
+        cells=_cells(asked, attached, cover.mass),
+        frictions=attached.frictions,
+    )
+
+
+def _fmd(asked: FlexibleOptions) -> tuple[Array, Inertia]:
+    """Where an article's origin sits above F (3,) [m], and the inertia of the moving part about F."""
+    from geometry.routes import inertia
+
+    fmd = built_in(FMD, changes_of(FMD, asked.changes))
+    return np.zeros(3) if fmd.seat is None else fmd.seat.position, inertia(fmd)
+
+
+def _cells(asked: FlexibleOptions, attached: Attached, mass: float) -> tuple[LoadCell, ...]:
+    """The FMD's load cells when they are springs; `mass` [kg] is all that they carry.
+
+    Their damping is that of their material where the whole mass swings on them along one axis: c = eta sqrt(k m) for each of four
+    cells of stiffness k under m / 4.
+    """
+    if not attached.cells:
+        return ()
+    from fem.beam.articles import load_cells
+    from geometry.article import material, rectangle
+    from geometry.articles.dimensions import load
+
+    d = load(FMD, changes_of(FMD, asked.changes))["load_cell"]
+    loss = material(d["material"]).loss_factor
+    eta = 2 * DEFAULT_RATIO if loss is None else loss
+    corners = rectangle(d["square"], d["square"])
+    stiffness = load_cells(changes_of(FMD, asked.changes))
+    return tuple(
+        LoadCell(
+            position=np.array([x, y, 0.0]),
+            stiffness=k,
+            damping=eta * np.sqrt(k * mass / len(corners)),
+            preload=attached.preload.get(str(number)),
+        )
+        for number, ((x, y), k) in enumerate(zip(corners, stiffness, strict=True), start=1)
+    )
+
+
+# From a drive to runs: what the table does in each, by the patterns of `fem.base_excitation`.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Run:
+    """One run, before it is driven.
+
+    Attributes
+    ----------
+    name : of its axis, or of its number where several are driven
+    axes : indices of the axes driven on purpose
+    pattern : what is driven
+    sweep : the sweep whose frequency is that of the moment; None where there are many at once
+    levels : (6,) acceleration asked for [m/s², rad/s²]: amplitude of a sine, root mean square of noise; 0 where nothing is driven
+    """
+
+    name: str
+    axes: tuple[int, ...]
+    pattern: Pattern
+    sweep: Sweep | None
+    levels: Array
+
+    def motion(self, rate: float, ring_down: float, cross: CrossMotion | None) -> BaseMotion:
+        """The run sampled at `rate` [Hz], with `ring_down` [s] of rest after it."""
+        found: BaseMotion = self.pattern.motion(rate, ring_down=ring_down, cross=cross)  # type: ignore[attr-defined]
+        return found
+
+
+def runs(drive: TableDrive) -> tuple[Run, ...]:
+    """The runs of `drive`, in the order in which they were asked for.
+
+    Raises
+    ------
+    BadInput : a band, a rate or a duration that the pattern cannot have.
+    """
+    makers: dict[str, Callable[[TableDrive], tuple[Run, ...]]] = {RANDOM: _noises, BURST: _bursts, MULTI: _together}
+    return makers.get(drive.pattern, _sweeps)(drive)
+
+
+def cross_motion(drive: TableDrive) -> CrossMotion | None:
+    """What the table does besides, the same in every run; None for a table that does nothing else."""
+    from fem.base_excitation.patterns import drawn
+
+    return drawn(np.random.default_rng(drive.seed), drive.cross) if drive.cross else None
+
+
+def _sweeps(drive: TableDrive) -> tuple[Run, ...]:
+    from fem.base_excitation.patterns import Sweep
+
+    found = [Sweep(axis=axis, level=drive.level, **_swept(drive)) for axis in drive.axes]
+    return tuple(_run(sweep.axis, (sweep.axis,), sweep, drive.level, sweep) for sweep in found)
+
+
+def _together(drive: TableDrive) -> tuple[Run, ...]:
+    """All six axes in six runs whose phases differ, or in one run the axes that were named."""
+    from fem.base_excitation.patterns import MultiAxis, Sweep, phased_sweeps
+
+    if drive.every:
+        phased = phased_sweeps(drive.level, **_swept(drive))
+        return tuple(_run(f"multi-{k}", MOTIONS, one, drive.level, one.patterns[0]) for k, one in enumerate(phased, start=1))
+    phases = 2 * np.pi * np.arange(len(drive.axes)) / len(drive.axes)
+    each = tuple(
+        Sweep(axis=axis, level=drive.level, phase=float(phase), **_swept(drive))
+        for axis, phase in zip(drive.axes, phases, strict=True)
+    )
+    return (_run("multi", drive.axes, MultiAxis(patterns=each), drive.level, each[0]),)
+
+
+def _noises(drive: TableDrive) -> tuple[Run, ...]:
+    from fem.base_excitation.patterns import Random
+    from geometry.dynamic_mass import LEVELS
+
+    made = ((axis, Random(rms={axis: drive.level * LEVELS[axis]}, seed=drive.seed, **_lasting(drive))) for axis in drive.axes)
+    return tuple(_run(axis, (axis,), noise, drive.level, None) for axis, noise in made)
+
+
+def _bursts(drive: TableDrive) -> tuple[Run, ...]:
+    from fem.base_excitation.patterns import Burst
+    from geometry.dynamic_mass import LEVELS
+
+    made = ((axis, Burst(level={axis: drive.level * LEVELS[axis]}, seed=drive.seed, **_lasting(drive))) for axis in drive.axes)
+    return tuple(_run(axis, (axis,), burst, drive.level, None) for axis, burst in made)
+
+
+def _swept(drive: TableDrive) -> dict[str, Any]:
+    return {"start": drive.band[0], "stop": drive.band[1], "rate": drive.octaves_per_minute}
+
+
+def _lasting(drive: TableDrive) -> dict[str, Any]:
+    given = {} if drive.duration is None else {"duration": drive.duration}
+    return {"start": drive.band[0], "stop": drive.band[1], **given}
+
+
+def _run(name: str, axes: tuple[str, ...], pattern: Pattern, level: float, sweep: Any) -> Run:
+    from geometry.dynamic_mass import LEVELS
+
+    levels = np.array([level * LEVELS[axis] if axis in axes else 0.0 for axis in MOTIONS])
+    return Run(name=name, axes=tuple(MOTIONS.index(axis) for axis in axes), pattern=pattern, sweep=sweep, levels=levels)
+
+
+# Resonances of a whole rig: article on its joint on its cells, cables included, the table held.
+#
+# What is not linear is taken as it is while little moves: cells pressed together, loose parts held by their friction.
+
+
+TABLE = 6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RigModes:
+    """Modes of a rig with its table held, ascending, and what it weighs.
+
+    Attributes
+    ----------
+    frequency : (k,) [Hz]
+    damping_ratio : (k,) [1]
+    participation : (6, k) about F, of mass-normalised modes
+    rigid_mass : (6, 6) of all that the table carries, about F
+    resonance : (k,) whether it is one; the others carry what the modes left out answer statically
+    """
+
+    frequency: Array
+    damping_ratio: Array
+    participation: Array
+    rigid_mass: Array
+    resonance: tuple[bool, ...]
+
+    def __post_init__(self) -> None:
+        k = np.size(self.frequency)
+        for name, shape in (("frequency", (k,)), ("damping_ratio", (k,)), ("participation", (6, k)), ("rigid_mass", (6, 6))):
+            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+
+
+def rig_modes(rig: Rig) -> RigModes:
+    """The modes of `rig`.
+
+    Raises
+    ------
+    BadInput : a rig that cannot be built.
+    """
+    from scipy.linalg import eigh
+
+    from fem.base_excitation.rig import matrices
+
+    linear = replace(rig, frictions=(), cells=tuple(replace(cell, preload=None) for cell in rig.cells))
+    made = matrices(linear)
+    table, rest = slice(None, TABLE), slice(TABLE, None)
+    squares, Phi = eigh(made.stiffness[rest, rest], made.mass[rest, rest]) if len(made.mass) > TABLE else _none()
+    omega = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
+    viscous = np.einsum("ir,ij,jr->r", Phi, made.viscous[rest, rest], Phi)
+    return RigModes(
+        frequency=omega / (2 * np.pi),
+        damping_ratio=viscous / (2 * omega),
+        participation=made.mass[table, rest] @ Phi,
+        rigid_mass=made.mass[table, table] + _loose(rig),
+        resonance=tuple((_carried(rig, made.stiffness[rest, rest], Phi) < omega**2 / 2).tolist()),
+    )
+
+
+def _carried(rig: Rig, stiffness: Array, shapes: Array) -> Array:
+    """(k,) twice the strain energy of mass-normalised `shapes` (n, k) in the coordinates beside the article's kept modes."""
+    beside = len(rig.article.reduced.mass) - TABLE - len(rig.article.kept)
+    own = slice(len(stiffness) - beside, None)
+    return np.asarray(np.einsum("ir,ij,jr->r", shapes[own], stiffness[own, own], shapes[own]))
+
+
+def _none() -> tuple[Array, Array]:
+    return np.zeros(0), np.zeros((0, 0))
+
+
+def _loose(rig: Rig) -> Array:
+    """(6, 6) what the loose parts add while they are held: point masses at the article's origin."""
+    G = rigid_transformation(rig.seat)
+    return np.asarray(sum(friction.mass for friction in rig.frictions) * (G.T @ G))

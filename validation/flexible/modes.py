@@ -1,0 +1,425 @@
+"""What a mode is, in words: which part moves most, along what, and whether its ends go together.
+
+Shares are those of the kinetic energy, u_i (M u)_i summed over a part's degrees of freedom; where the model says which stiffness
+is whose, the part that holds most of the strain energy is named too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.held_base import hold
+from fem.modes import Modes
+from fem.structure import Sparse, Structure
+from geometry.article import Article, Box, Part
+from geometry.frames import Array, Integers
+from validation.flexible.model import Flexible, distance, family, nearest_part
+
+# How any point of an article moves in the modes of its model: on beams with their section, in solids with the nodes around it.
+#
+# A beam's section stays plane and rigid, so a point moves as its foot on the axis does, plus the rotation there crossed with its
+# arm; between nodes the axis follows a cubic whose slopes are the rotations, as in the elements (Przemieniecki, chapter 5).
+
+
+NEIGHBOURS = 4
+"""Nodes of a solid model whose motions are averaged, weighted with the inverse square of their distances."""
+
+ON_THE_AXIS = 5e-3
+"""Nodes farther from a part's axis than this share of its length belong to something that is fastened to it."""
+
+
+BEYOND_THE_ENDS = 0.05
+"""Nodes so far beyond the ends of a part, as a share of its length, still lead it: a mast is held by the node of its flange."""
+
+
+def displacement(structure: Structure, shapes: Array, article: Article | None, points: Array, parts: Integers) -> Array:
+    """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) are their counted parts of `article`."""
+    if article is None or not has_rotations(structure):
+        return _among_nodes(structure, shapes, points)
+    moved = np.empty((len(points), 3, shapes.shape[1]))
+    for number in np.unique(parts):
+        there = parts == number
+        moved[there] = _with_section(structure, shapes, article.counted_parts[number], points[there])
+    return moved
+
+
+def has_rotations(structure: Structure) -> bool:
+    """Whether every point turns as well as moves, its rotations following its translations."""
+    after = structure.translations + 3
+    if not after.size or after.max() >= structure.rigid.shape[0]:
+        return False
+    turns = structure.rigid[after]
+    return bool(np.allclose(turns, np.hstack([np.zeros((3, 3)), np.eye(3)])))
+
+
+def node_displacement(structure: Structure, shapes: Array) -> Array:
+    """Displacement (p, 3, m) of the structure's own points in `shapes` (N, m)."""
+    return np.asarray(shapes[structure.translations])
+
+
+def _among_nodes(structure: Structure, shapes: Array, points: Array) -> Array:
+    from scipy.spatial import cKDTree
+
+    apart, nodes = cKDTree(structure.points).query(points, k=min(NEIGHBOURS, len(structure.points)))
+    apart, nodes = np.reshape(apart, (len(points), -1)), np.reshape(nodes, (len(points), -1))
+    weights = 1 / np.maximum(apart, 1e-9) ** 2
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.asarray(np.einsum("pk,pkim->pim", weights, node_displacement(structure, shapes)[nodes]))
+
+
+def _with_section(structure: Structure, shapes: Array, part: Part, points: Array) -> Array:
+    """Motion (n, 3, m) of `points` of one part with the sections of its axis, or with the nearest node where it has none."""
+    origin, axis, length = _axis(part)
+    arms = structure.points - origin
+    along = arms @ axis
+    beside = np.linalg.norm(arms - np.outer(along, axis), axis=1)
+    near = (beside <= ON_THE_AXIS * length) & (distance(part, structure.points) <= BEYOND_THE_ENDS * length)
+    nodes = np.flatnonzero(near)
+    if len(nodes) == 0:
+        nodes = np.array([np.argmin(np.linalg.norm(structure.points - points.mean(axis=0), axis=1))])
+    s, first = np.unique(np.round(along[nodes], 9), return_index=True)
+    nodes = nodes[first]
+    place = np.clip((points - origin) @ axis, s[0], s[-1])
+    moved, turned = _on_axis(shapes, structure.translations[nodes], s, place, axis)
+    feet = structure.points[nodes[0]] + np.outer(place - s[0], axis)
+    return moved + np.cross(turned, (points - feet)[:, :, None], axis=1)
+
+
+def _on_axis(shapes: Array, translations: Integers, s: Array, place: Array, axis: Array) -> tuple[Array, Array]:
+    """Displacement and rotation (n, 3, m) at `place` (n,) along an axis whose nodes lie at `s`."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    u, turn = shapes[translations], shapes[translations + 3]
+    if len(s) == 1:
+        return np.repeat(u, len(place), axis=0), np.repeat(turn, len(place), axis=0)
+    stretch = np.gradient(np.einsum("pim,i->pm", u, axis), s, axis=0)
+    e = axis[None, :, None]
+    slopes = np.cross(turn, e, axis=1) + stretch[:, None, :] * e
+    k = np.clip(np.searchsorted(s, place, side="right") - 1, 0, len(s) - 2)
+    share = ((place - s[k]) / (s[k + 1] - s[k]))[:, None, None]
+    return np.asarray(CubicHermiteSpline(s, u, slopes)(place)), (1 - share) * turn[k] + share * turn[k + 1]
+
+
+def _axis(part: Part) -> tuple[Array, Array, float]:
+    """A point of the part's axis [m], its direction, and the part's length along it [m]: of the largest solid."""
+    largest = max(part.shape.solids, key=lambda placed: placed.primitive.volume)
+    pose, primitive = part.pose @ largest.pose, largest.primitive
+    if isinstance(primitive, Box):
+        k = int(np.argmax(primitive.size))
+        return pose.position, pose.rotation[:, k], float(primitive.size[k])
+    return pose.position, pose.rotation[:, 2], primitive.height
+
+
+WORTH_NAMING = 0.15
+"""Share of the energy below which a second part is not mentioned."""
+
+SLICES = 12
+"""Across a part of a solid, to see whether it twists."""
+
+STILL = 0.15
+"""An end that moves less than this share of the farthest moving point stands still."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Described:
+    """One mode.
+
+    Attributes
+    ----------
+    moving : share of the kinetic energy by part, largest first
+    strained : share of the strain energy by part, largest first; empty where the model does not say
+    text : both in words
+    """
+
+    moving: dict[str, float]
+    strained: dict[str, float]
+    text: str
+
+
+def described(structure: Structure, modes: Modes, article: Article | None) -> tuple[Described, ...]:
+    """Every mode of `modes` in words; `article` names the parts, without it those of the structure's stiffness are named."""
+    if not len(modes.shapes) or not len(structure.points):
+        return tuple(Described(moving={}, strained={}, text="") for _ in modes.frequency)
+    energy = modes.shapes * (structure.mass @ modes.shapes)
+    u = node_displacement(structure, modes.shapes)
+    names, owner = _owners(structure, article)
+    strain = _strain(structure, modes)
+    return tuple(
+        _described(structure, names, owner, energy[:, r], u[:, :, r], {k: float(v[r]) for k, v in strain.items()})
+        for r in range(len(modes.frequency))
+    )
+
+
+def _described(
+    structure: Structure, names: Sequence[str], owner: Integers, energy: Array, u: Array, strain: dict[str, float]
+) -> Described:
+    along, whole = energy[structure.translations], _point_energy(structure, energy)
+    shares = _sorted({name: float(whole[owner == k].sum()) for k, name in enumerate(names)})
+    named = [name for name, share in shares.items() if share >= WORTH_NAMING] or list(shares)[:1]
+    moving = []
+    for name in named[:3]:
+        own = owner == names.index(name)
+        how = (
+            "twists"
+            if _twists(structure, own, u, along[own].sum() / shares[name])
+            else "xyz"[int(np.argmax(along[own].sum(axis=0)))]
+        )
+        moving.append(f"{100 * shares[name]:.0f} % {name} {how}" if name else how)
+    first = owner == names.index(named[0])
+    pattern = _pattern(structure.points[first], u[first])
+    moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
+    strained = _sorted(strain)
+    return Described(moving=shares, strained=strained, text="; ".join([*moving, *_bent(strained, named[0])]))
+
+
+def _twists(structure: Structure, own: Array, u: Array, translating: float) -> bool:
+    """Whether a part turns about its own length more than it moves; `translating` is the share of its energy in translations.
+
+    Beams have rotations of their own. In a solid the points of a slice across the part go round, and their mean stands still.
+    """
+    if has_rotations(structure):
+        return translating < 0.5
+    points, moved = structure.points[own], u[own]
+    if len(points) < 2 * SLICES:
+        return False
+    arms = points - points.mean(axis=0)
+    along = arms @ np.linalg.svd(arms, full_matrices=False)[2][0]
+    slices = np.minimum((SLICES * (along - along.min()) / max(np.ptp(along), 1e-12)).astype(int), SLICES - 1)
+    counts = np.bincount(slices, minlength=SLICES)
+    sums = np.stack([np.bincount(slices, weights=moved[:, i], minlength=SLICES) for i in range(3)])
+    return float((sums**2 / np.maximum(counts, 1)).sum()) < 0.5 * float((moved**2).sum())
+
+
+def _bent(strained: dict[str, float], moving: str) -> list[str]:
+    """Which part is strained most, if that is another than the one that moves most."""
+    name = next(iter(strained), moving)
+    return [f"strain: {100 * strained[name]:.0f} % {name}"] if name != moving else []
+
+
+def _pattern(points: Array, u: Array) -> str:
+    """Whether the two ends of a part that is longer than everything else go the same way."""
+    if len(points) < 3:
+        return ""
+    extent = np.ptp(points, axis=0)
+    k = int(np.argmax(extent))
+    if k == 2:
+        return ""  # a mast has one free end
+    axis = int(np.argmax(np.abs(u).sum(axis=0)))
+    ends = [float(u[i, axis]) for i in (np.argmin(points[:, k]), np.argmax(points[:, k]))]
+    largest = float(np.abs(u[:, axis]).max())
+    if max(map(abs, ends)) < STILL * largest:
+        return "ends still"
+    if min(map(abs, ends)) < STILL * max(map(abs, ends)):
+        return "one end"
+    if ends[0] * ends[1] > 0:
+        return "ends together"
+    return "ends opposed" if axis == 2 else "turning about z"
+
+
+def _owners(structure: Structure, article: Article | None) -> tuple[list[str], Integers]:
+    """Names of the parts, and for each point the index of its own: by the drawing, else by whose stiffness holds the point."""
+    if article is not None:
+        families = [family(part.name) for part in article.counted_parts]
+        names = list(dict.fromkeys(families))
+        return names, np.array([names.index(name) for name in families])[nearest_part(article, structure.points)]
+    if not structure.part_stiffness:
+        return [""], np.zeros(len(structure.points), dtype=np.intp)
+    held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
+    return list(structure.part_stiffness), np.argmax(held, axis=0)
+
+
+def _point_energy(structure: Structure, energy: Array) -> Array:
+    """Energy (p,) of each point with its rotations, where it has any: all degrees of freedom up to the next point's."""
+    order = np.argsort(structure.translations[:, 0])
+    starts = structure.translations[order, 0]
+    sums = np.add.reduceat(energy, starts)
+    result = np.empty(len(order))
+    result[order] = sums
+    return result
+
+
+def _strain(structure: Structure, modes: Modes) -> dict[str, Array]:
+    """Share (m,) of the strain energy of each mode by part."""
+    shares: dict[str, Array] = {}
+    omega2 = (2 * np.pi * modes.frequency) ** 2
+    for name, K in structure.part_stiffness.items():
+        share = np.einsum("nm,nm->m", modes.shapes, K @ modes.shapes) / omega2
+        shares[family(name)] = shares.get(family(name), 0.0) + share
+    return shares
+
+
+def _sorted(shares: dict[str, float]) -> dict[str, float]:
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
+
+
+# How much of an article's mass its modes can carry, and how much rides on the base.
+
+
+RESIDUAL = 1e-10
+"""Relative residual at which the iteration ends; mass matrices are well conditioned, a few dozen steps do."""
+
+
+def movable(structure: Structure) -> Array:
+    """Effective mass (6,) [kg, kg m²] of *all* fixed-base modes about the reference point: ``diag(P^T M_ff^-1 P)``, P = (M T)_f.
+
+    What is left of the rigid mass is carried by the held degrees of freedom themselves and shows in no mode.
+    """
+    from scipy.sparse import diags_array
+    from scipy.sparse.linalg import cg
+
+    held = hold(structure)
+    diagonal = held.mass.diagonal()
+    jacobi = diags_array(1 / np.where(diagonal > 0, diagonal, 1.0))
+    carried = (p @ cg(held.mass, p, rtol=RESIDUAL, M=jacobi)[0] if p.any() else 0.0 for p in held.load.T)
+    return np.array(list(carried))
+
+
+# The modes of two models of one article, told apart by their shapes.
+#
+# The modal assurance criterion is weighted with the mass of the model that has nodes all through the material, so that it is the
+# share of one mode's kinetic energy that moves as the other says:
+#
+#     MAC_ij = (phi_i^T M psi_j)² / ((phi_i^T M phi_i) (psi_j^T M psi_j))
+#
+# (Allemang 2003, with mass). Modes are matched by it, not by their order. In a cluster of close frequencies any mixture of the
+# shapes is a shape too; there the spaces that the shapes span are compared, by the smallest of their squared principal cosines.
+
+
+CLUSTER = 0.015
+"""Neighbouring frequencies closer than this share of them belong to one cluster."""
+
+APART = 0.01
+"""Relative difference of two frequencies beyond which the models are said to part: the bar of beam against solid."""
+
+SAME_MODE = 0.9
+"""MAC, or that of the spaces of a cluster, below which two shapes are not the same."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModeComparison:
+    """Modes of the first model, each with its partner.
+
+    Attributes
+    ----------
+    first, second : the models
+    mac : (n, m) of every mode of the first with every mode of the second; (0, 0) when a model has no shapes
+    partner : (n,) number of the partner, from 0; -1 for a mode that has none because the second model has fewer
+    cluster : (n,) number of the cluster of each mode of the first, ascending
+    space : (n,) smallest squared principal cosine between the mode's cluster and its partners, the MAC where it is alone; NaN
+        without shapes
+    """
+
+    first: Flexible
+    second: Flexible
+    mac: Array
+    partner: Integers
+    cluster: Integers
+    space: Array
+
+    @property
+    def difference(self) -> Array:
+        """Relative difference (n,) of the frequency of the second from that of the first; NaN without a partner."""
+        f, g = self.first.modes.frequency, self.second.modes.frequency
+        return np.where(self.partner >= 0, g[self.partner] / f - 1, np.nan)
+
+    @property
+    def parted(self) -> Integers:
+        """The modes, from 0, of which the models say different things."""
+        alike = (np.abs(self.difference) <= APART) & ((self.space >= SAME_MODE) | np.isnan(self.space))
+        return np.flatnonzero(~alike)
+
+
+def compared(first: Flexible, second: Flexible) -> ModeComparison:
+    """Match the modes of `first` with those of `second`: by their shapes, or in ascending order where a model has none."""
+    a, b = first.structure, second.structure
+    if a is None or b is None or not (len(first.modes.shapes) and len(second.modes.shapes)):
+        return _in_order(first, second)
+    phi, psi, M = _on_common_points(first, a, second, b)
+    phi, psi = _normalised(phi, M), _normalised(psi, M)
+    cross = phi.T @ (M @ psi)
+    mac = cross**2
+    cluster = clusters(first.modes.frequency)
+    partner = _matched(mac)
+    space = _spaces(phi, psi, M, partner, cluster)
+    partner = _in_order_where_mixed(partner, mac, cluster, space)
+    return ModeComparison(first=first, second=second, mac=mac, partner=partner, cluster=cluster, space=space)
+
+
+def _in_order(first: Flexible, second: Flexible) -> ModeComparison:
+    n, m = len(first.modes.frequency), len(second.modes.frequency)
+    order = np.arange(n)
+    return ModeComparison(
+        first=first,
+        second=second,
+        mac=np.zeros((0, 0)),
+        partner=np.where(order < m, order, -1),
+        cluster=clusters(first.modes.frequency),
+        space=np.full(n, np.nan),
+    )
+
+
+def clusters(frequency: Array) -> Integers:
+    """Number (n,) of the cluster of each of `frequency` (n,) [Hz], which ascend."""
+    gaps = np.diff(frequency) > CLUSTER * frequency[:-1]
+    return np.concatenate([[0], np.cumsum(gaps)]).astype(np.intp) if len(frequency) else np.zeros(0, dtype=np.intp)
+
+
+def _matched(mac: Array) -> Integers:
+    """The partner (n,) of each row such that the sum of their MAC is largest; -1 where there are too few columns."""
+    from scipy.optimize import linear_sum_assignment
+
+    partner = np.full(len(mac), -1, dtype=np.intp)
+    rows, columns = linear_sum_assignment(-mac)
+    partner[rows] = columns
+    return partner
+
+
+def _in_order_where_mixed(partner: Integers, mac: Array, cluster: Integers, space: Array) -> Integers:
+    """Partners in ascending order in clusters whose shapes are mixed but span the same: no mode has its like, the whole has."""
+    ordered = partner.copy()
+    for number in np.unique(cluster):
+        own = np.flatnonzero((cluster == number) & (partner >= 0))
+        if len(own) and space[own].min() >= SAME_MODE > mac[own, partner[own]].min():
+            ordered[own] = np.sort(partner[own])
+    return ordered
+
+
+def _spaces(phi: Array, psi: Array, M: Sparse, partner: Integers, cluster: Integers) -> Array:
+    space = np.zeros(len(partner))
+    for number in np.unique(cluster):
+        own = np.flatnonzero((cluster == number) & (partner >= 0))
+        if len(own):
+            a, b = _orthonormal(phi[:, own], M), _orthonormal(psi[:, partner[own]], M)
+            space[own] = np.linalg.svd(a.T @ (M @ b), compute_uv=False).min() ** 2
+    return space
+
+
+def _normalised(shapes: Array, M: Sparse) -> Array:
+    return np.asarray(shapes / np.sqrt(np.einsum("nm,nm->m", shapes, M @ shapes)))
+
+
+def _orthonormal(shapes: Array, M: Sparse) -> Array:
+    """Columns that span the same space and are orthonormal in `M`, by Cholesky of their Gram matrix."""
+    return np.asarray(np.linalg.solve(np.linalg.cholesky(shapes.T @ (M @ shapes)), shapes.T).T)
+
+
+def _on_common_points(first: Flexible, a: Structure, second: Flexible, b: Structure) -> tuple[Array, Array, Sparse]:
+    """Shapes of both on the degrees of freedom of the one that has nodes all through the material, and its mass."""
+    if a.mass.shape == b.mass.shape and np.array_equal(a.translations, b.translations) and np.allclose(a.points, b.points):
+        return first.modes.shapes, second.modes.shapes, a.mass
+    if has_rotations(a) or not has_rotations(b):
+        return _seen_on(first, a, b), second.modes.shapes, b.mass
+    return first.modes.shapes, _seen_on(second, b, a), a.mass
+
+
+def _seen_on(model: Flexible, own: Structure, other: Structure) -> Array:
+    """The shapes of `model` on the degrees of freedom of `other`, which are translations of its points."""
+    article = model.article_of_primitives
+    parts = np.zeros(len(other.points), dtype=np.intp) if article is None else nearest_part(article, other.points)
+    moved = displacement(own, model.modes.shapes, article, other.points, parts)
+    shapes = np.zeros((other.mass.shape[0], moved.shape[2]))
+    shapes[other.translations] = moved
+    return shapes

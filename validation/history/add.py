@@ -1,0 +1,827 @@
+"""From what `massline add` was asked to the rung that is written: data gathered, the effect checked, both models evaluated.
+
+The rung of the model before is kept as soon as it is evaluated, so that an interruption of the fit behind it loses nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.atomic import probe
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array
+from geometry.inertia import PARAMETERS
+from identification.request import jacobian, quantities
+from identification.self_calibration.problem import ten_matrices
+from identification.self_calibration.solve import inverse
+from validation.effects import catalogue
+from validation.effects.catalogue import FAMILIES, Named, parse
+from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
+from validation.estimation import evaluate as estimation_evaluate
+from validation.estimation.cost import cost_of
+from validation.estimation.evaluate import evaluate, named, without
+from validation.estimation.fit import fit, floor_of, start
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFYING, Offsets, Parameter, Prediction, Problem
+from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.verdicts import expected_z2, largest_z
+from validation.history import history
+from validation.history import verdict as history_verdict
+from validation.history.history import (
+    ADDED,
+    OTHER_DATA,
+    Body,
+    Conditions,
+    Errors,
+    HistoryPosition,
+    Version,
+    VersionSize,
+    climbed,
+    history_position,
+    kept,
+    next_rung,
+    reminded,
+)
+from validation.history.verdict import Alias, names_of, sentence, verdict
+from validation.model import model_file
+from validation.model.model import Added, Model
+from validation.model.model_file import with_effect
+from validation.model.setups import above_fmd
+from validation.prediction import effects
+from validation.prediction.classical_facts import facts, require_bodies
+from validation.prediction.effects import name
+from validation.prediction.nuisances import full
+from validation.prediction.series import SeriesPrediction, predictions
+from validation.study import Data, read_data, require_band, resolved_names
+
+# Where the fit of an effect begins that no fit finds from afar: a resonator by its frequency, a part by its modulus.
+#
+# A resonator answers at its own frequency only. A fit that begins a few of its widths beside it sees nothing of it, and one that
+# a user takes from a spectrum is soon that far off. So its frequency is looked for where the data are, or around what the user
+# says, at the solution of the model without it; its mass is what the data want there, and its damping ratio is modest.
+
+
+MASS, FREQUENCY, DAMPING = RESONATOR = ("m", "f", "zeta")
+"""Keys of the sizes by which a family is a resonator."""
+
+MODEST = 0.02
+"""Damping ratio at which a resonator is looked for of which nothing is said."""
+
+AROUND = 1.5
+"""Factor either way within which a frequency is looked for that the user says."""
+
+SPACING = 0.035
+"""From one frequency to the next, as a share: less than twice the width of a resonance of `MODEST` damping."""
+
+
+def starting_sizes(
+    added: Added, left: Sequence[str], problem: Problem, base: Offsets, progress: Callable[[float], None] | None = None
+) -> Added:
+    """`added` with the sizes at which its fit begins.
+
+    Parameters
+    ----------
+    left : keys of the sizes of which the user said nothing
+    problem : of the model with it
+    base : the plain fit of the model without it
+    """
+    named = added.named
+    free = {size.key: one for size in named.sizes if (one := _parameter(problem, named, size.key)) is not None}
+    if added.fixed:
+        return added
+    if set(RESONATOR) <= set(free):
+        places = _dictionary(free, left, problem)
+        found = start(problem, tuple(places), base=base, places=places, amplitude=free[MASS].name, progress=progress)
+        return _at(added, free, found)
+    far = {key: one for key, one in free.items() if key in left and _is_far(named, key)}
+    return _at(added, far, start(problem, [one.name for one in far.values()], base=base, progress=progress)) if far else added
+
+
+def _dictionary(free: Mapping[str, Parameter], left: Sequence[str], problem: Problem) -> dict[str, Array]:
+    """By name of frequency and damping ratio, the offsets at which a resonator is looked for."""
+    lines = np.concatenate([one.measured.frequency for one in problem.predictions])
+    own = free[FREQUENCY].nominal
+    low, high = (lines.min(), lines.max()) if FREQUENCY in left else (own / AROUND, own * AROUND)
+    low = max(float(low), float(high) / 1e3)
+    along = np.geomspace(low, high, 2 + int(np.log(high / low) / SPACING))
+    ratio = MODEST if DAMPING in left else free[DAMPING].nominal
+    return {
+        free[FREQUENCY].name: np.array([free[FREQUENCY].offset(f) for f in along]),
+        free[DAMPING].name: np.array([free[DAMPING].offset(ratio)]),
+    }
+
+
+def _at(added: Added, free: Mapping[str, Parameter], found: Offsets) -> Added:
+    """`added` at the offsets `found` of the parameters `free`, by key, within what its family allows."""
+    values = dict(added.named.values)
+    for size in added.named.sizes:
+        if size.key in free:
+            one = free[size.key]
+            values[size.key] = min(max(one.value(found.get(one.name, one.start)), size.low), size.high)
+    return replace(added, named=replace(added.named, values=values))
+
+
+def _parameter(problem: Problem, named: Named, key: str) -> Parameter | None:
+    one = problem.by_name.get(f"{named.id}[{key}]" if key else named.id)
+    return one if one is not None and one.kind == EFFECT else None
+
+
+def _is_far(named: Named, key: str) -> bool:
+    """Whether a fit cannot find it from afar: a corner or a resonance, the modulus of a part."""
+    return _is_frequency(next(size for size in named.sizes if size.key == key)) or named.family == "modulus"
+
+
+def _is_frequency(size: SizeSpec) -> bool:
+    return size.unit == "Hz" and size.logarithmic
+
+
+# The effect that is to be added, checked before anything is fitted: known, not there yet, seen by these data, no exact alias.
+
+
+ARGUMENT = "EFFECT"
+
+FIRST_GUESS: Mapping[str, float] = {"m": 0.05, "f": 10.0, "zeta": 0.01}
+"""Of a resonator of which nothing is said: fifty grams at the middle of the paper's band; where it is, a grid says."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AddedEffect:
+    """An effect that may be added.
+
+    Attributes
+    ----------
+    added : with the sizes that were asked for, or a first guess
+    left : keys of the sizes that are a guess
+    alias : what does the same to these data; None where nothing does
+    tolerances : by key of its sizes what a laboratory or the model admits, one standard deviation
+    nulls : by key the size at which there is no effect
+    said : sentences about how it is taken
+    """
+
+    added: Added
+    left: tuple[str, ...]
+    alias: Alias | None
+    tolerances: Mapping[str, float]
+    nulls: Mapping[str, float]
+    said: tuple[str, ...] = ()
+
+
+def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Added, tuple[str, ...]]:
+    """The effect that `text` names, and the keys of its sizes that `text` leaves open.
+
+    Raises
+    ------
+    BadInput : no effect of the catalogue, a size that is no physics, one that the model has already, `fixed` without a size.
+    """
+    whole, left = completed(text)
+    named = parse(whole, words, source=ARGUMENT)
+    there = next((one for one in model.effects if one.named.id == named.id), None)
+    if there is not None:
+        problem = f"the model has it already, {there.named}"
+        remedy = "`massline undo` takes the last one out; to start it elsewhere, change its value in the file"
+        raise BadInput(source=model.source, field=named.id, problem=problem, remedy=remedy)
+    if fixed and left:
+        remedy = f"Write for example {FAMILIES[named.family].example}"
+        raise BadInput(source="--fixed", field=named.id, problem="its size is missing, to which it is to be fixed", remedy=remedy)
+    switch = bool(named.sizes) and all(size.whole for size in named.sizes)
+    return Added(named=named, fixed=fixed or switch), left
+
+
+def candidate(
+    added: Added, left: Sequence[str], model: Model, problem: Callable[[Model], Problem], *, allowed: bool
+) -> AddedEffect:
+    """`added`, whose sizes were partly `left` open, as it can be fitted to the data of `problem`.
+
+    Raises
+    ------
+    BadInput : it acts nowhere on these data; others of the model do exactly the same, and that is not `allowed`.
+    """
+    before = problem(model).thinned()
+    after = problem(replace(model, effects=(*model.effects, added))).thinned()
+    _require_seen(before, after, added)
+    free = history_verdict.freed(after)
+    found = history_verdict.alias(free, added.named.id, names_of(free, added.named))
+    if found is not None and found.effects and not allowed:
+        raise BadInput(
+            source=ARGUMENT,
+            field=added.named.id,
+            problem=f"these data cannot tell it from what is in the model: {found.text}",
+            remedy="Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out",
+        )
+    said = (f"{found.text}; only what is known beforehand shares it out",) if found is not None else ()
+    return AddedEffect(
+        added=added,
+        left=tuple(left),
+        alias=found,
+        tolerances=_tolerances(added.named, before),
+        nulls={size.key: size.null for size in added.named.sizes},
+        said=said,
+    )
+
+
+def completed(text: str) -> tuple[str, tuple[str, ...]]:
+    """`text` with a first guess for every size that it leaves out, and the keys of these."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    family, *targets = (part.strip() for part in name.split(":"))
+    if family not in FAMILIES or (equals and not value):
+        return text, ()
+    given = {part.rpartition(":")[0].strip() for part in value.split(",")} if value else set()
+    open_ = [size for size in FAMILIES[family].sizes_at(tuple(targets)) if size.key not in given]
+    if not open_ or "" in given:
+        return text, ()
+    guesses = [f"{size.key}:{_guess(size)!r}" if size.key else repr(_guess(size)) for size in open_]
+    return f"{name}={','.join([*([value] if value else []), *guesses])}", tuple(size.key for size in open_)
+
+
+def _guess(size: SizeSpec) -> float:
+    """No effect where that is a size; of a switch the other position; else something that is there."""
+    if size.whole:
+        return size.low if size.null == size.high else size.high
+    first = FIRST_GUESS.get(size.key, size.plausible) if size.logarithmic else size.null
+    return min(max(first, size.low), size.high)
+
+
+def _require_seen(before: Problem, after: Problem, added: Added) -> None:
+    names = names_of(after, added.named)
+    seen = history_verdict.noticed(after, names) > history_verdict.NOTICED if names else _differ(before, after)
+    if not seen:
+        raise BadInput(
+            source=ARGUMENT,
+            field=added.named.id,
+            problem="it acts nowhere on these data: no channel would read anything else",
+            remedy="Name data of an article that has it, or of a run that drives it",
+        )
+
+
+def _differ(before: Problem, after: Problem) -> bool:
+    """Whether any channel is predicted otherwise, or its noise."""
+    for one, other in zip(before.predictions, after.predictions, strict=True):
+        lines = before.lines_of(one)
+        first, second = (each.at(problem.start, lines, derivatives=False) for each, problem in ((one, before), (other, after)))
+        if first.rows.shape != second.rows.shape or not np.array_equal(first.rows, second.rows):
+            return True
+        if (first.noise is None) != (second.noise is None):
+            return True
+    return False
+
+
+def _tolerances(named: Named, before: Problem) -> dict[str, float]:
+    """Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory."""
+    admitted = FAMILIES[named.family].tolerance
+    found = {size.key: admitted for size in named.sizes}
+    if named.id in before.by_name:
+        found[""] = before.by_name[named.id].tolerance
+    return found
+
+
+# What an estimate is worth when tolerances were not fitted but are there: consider covariance.
+#
+# Parameters i are estimated with the tolerances t at zero, by the normal equations N = J^T W J of data, knowledge beforehand of
+# i included. To first order the estimate answers to a tolerance by
+#
+#     G = d x_i / d t = -N_ii^-1 N_it ,        C = N_ii^-1 + G S_t G^T ,    S_t = diag(tolerance²)
+#
+# so that its covariance C is what noise and knowledge beforehand leave, and what tolerances that nobody fitted add (Schmidt
+# 1966; Tapley, Schutz and Born, Statistical Orbit Determination, 2004, 6.3). Without any tolerance, C would be N_ii^-1.
+
+
+def of_fit(problem: Problem, found: Fit, kinds: Sequence[str]) -> tuple[tuple[str, ...], Array]:
+    """Names (i,) of the parameters of `kinds` that the fit `found` of `problem` estimated, and their covariance (i, i)."""
+    free = problem.free(FITTED)
+    cost = cost_of(problem, free, floor_of(kinds))
+    at = {one.name: 0.0 for one in free if one.kind not in kinds} | found.by_name
+    whole, _, _ = cost.total(cost.at(at))
+    estimated = np.array([one.kind in kinds for one in free])
+    names = tuple(one.name for one in free if one.kind in kinds)
+    return names, covariance(whole.matrix, estimated, np.array([one.tolerance for one in free]))
+
+
+def covariance(normal: Array, estimated: npt.NDArray[np.bool_], tolerance: Array) -> Array:
+    """(i, i) covariance of the parameters that were `estimated`, in their order.
+
+    Parameters
+    ----------
+    normal : (k, k) normal equations of data and of what is known beforehand of the estimated ones
+    estimated : (k,) which of them were; the others stood at zero
+    tolerance : (k,) standard deviation of those that were not
+    """
+    of_noise = inverse(normal[np.ix_(estimated, estimated)])
+    answered = of_noise @ normal[np.ix_(estimated, ~estimated)] * tolerance[~estimated]
+    return np.asarray(of_noise + answered @ answered.T)
+
+
+# What the data say of an article's inertia when its ten parameters are free beside what the plain fit frees.
+#
+# The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell
+# the FMD from it. Participation and coupling of its modes are free too, within what the model leaves open of them. Tolerances of
+# the measurement are not fitted; their share of the interval is propagated (`validation.history.add`). The reference is
+# the model's own inertia with its effects, at the sizes of the model file.
+
+
+FAMILY = "rigid-inertia"
+
+
+def identified(problem: Problem, article: str, plain: Fit, progress: Callable[[float], None] | None = None) -> Body | None:
+    """Inertia of `article` from the data of `problem`; None where no data set has it.
+
+    Parameters
+    ----------
+    problem : whose predictions are `SeriesPrediction`
+    article : what stands on the FMD
+    plain : the plain fit of the model, in whose place this one never costs more
+    """
+    freed, of = _freed(problem, article)
+    if of is None:
+        return None
+    found = fit(freed, IDENTIFYING, start=plain, progress=progress)
+    offsets = {**freed.start, **found.by_name}
+    names, C = of_fit(freed, found, IDENTIFYING)
+    ten, slopes = inertia(of, offsets)
+    J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
+    through = jacobian(ten) @ J
+    reference, _ = inertia(of, freed.start)
+    return Body(
+        article=article,
+        values=quantities(ten),
+        deviation=np.sqrt(np.einsum("ij,jk,ik->i", through, C, through)),
+        converged=found.converged,
+        reference=quantities(reference),
+    )
+
+
+def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict[str, Array]]:
+    """Ten parameters of what stands on the FMD about its own origin, with its effects at `offsets`, and their derivatives (10,).
+
+    What an effect adds that no rigid body has, such as a mass that follows one axis only, counts as the rigid body nearest to it.
+    """
+    nuisances = prediction.tested.carried.nuisances
+    if nuisances is None:
+        raise ValueError("`prediction` must be of an article, found an FMD alone")
+    drawn, _ = nuisances.at(offsets, derivatives=False)
+    made, tangents = effects.structure(drawn, {}, effects.at(prediction.effects, offsets))
+    return _nearest(made.mass), {name: _nearest(full(one, "mass", len(made.mass))) for name, one in tangents.items()}
+
+
+def _nearest(mass: Array) -> Array:
+    """(10,) of the rigid body whose mass matrix is nearest to the base's share of `mass`."""
+    basis = ten_matrices().reshape(10, 36).T
+    return np.asarray(np.linalg.lstsq(basis, mass[:6, :6].ravel(), rcond=None)[0])
+
+
+def _freed(problem: Problem, article: str) -> tuple[Problem, SeriesPrediction | None]:
+    """`problem` with the ten parameters of `article` free, and a prediction that has it."""
+    predictions: list[Prediction] = []
+    found = None
+    for one in problem.predictions:
+        if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == article:
+            found = one.with_effects(_with_ten(one.effects))
+            predictions.append(found)
+        else:
+            predictions.append(one)
+    return replace(problem, predictions=tuple(predictions)), found
+
+
+def _with_ten(effects: Sequence[Added]) -> tuple[Added, ...]:
+    """`effects` and what they lack of the ten."""
+    there = {one.named.id for one in effects}
+    ten = (Named(family=FAMILY, targets=(name,), values={"": 0.0}) for name in PARAMETERS)
+    return (*effects, *(Added(named=one) for one in ten if one.id not in there))
+
+
+# A model held against data: the figures of a rung, and the model file with the sizes that its effects were found to have.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JudgedData:
+    """Data, ready to hold a model against them.
+
+    Attributes
+    ----------
+    problem : by model, what is compared
+    hold_out : names of runs, data sets and facts as the engine knows them
+    article : whose inertia is identified; empty for none
+    remarks : which lines of the data were left out, and why
+    """
+
+    problem: Callable[[Model], Problem]
+    hold_out: tuple[str, ...] = ()
+    article: str = ""
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EvaluatedModel:
+    """A model and what came out.
+
+    Attributes
+    ----------
+    model : with the sizes that its effects were found to have
+    evaluation : errors and fits; the nominal ones at those sizes
+    body : identified inertia; None where there is none
+    """
+
+    model: Model
+    evaluation: Evaluation
+    body: Body | None
+
+
+def judged(bench: JudgedData, model: Model, parent: Version | None, progress: Progress | None = None) -> EvaluatedModel:
+    """`model` held against the data of `bench`.
+
+    Parameters
+    ----------
+    parent : on the same data, of the model without its last effect: no fit costs more than its own
+
+    Raises
+    ------
+    CheckFailed : a fit without a parent does not converge.
+    """
+    tell = progress or (lambda what, share: None)
+    problem = bench.problem(model)
+    began = None if parent is None else _evaluation(parent, problem)
+    found = evaluate(problem, hold_out=bench.hold_out, parent=began, progress=lambda share: tell("fitting", share))
+    sized = replace(model, effects=tuple(sized_by(one, found.fitted) for one in model.effects))
+    after = bench.problem(sized)
+    nominal, held = _nominal(after, bench.hold_out)
+    whole = replace(found, nominal=nominal, held_out_nominal=held)
+    body = body_of(bench, after, found.plain_fit, lambda share: tell("identifying", share))
+    return EvaluatedModel(model=sized, evaluation=whole, body=body)
+
+
+def rung_with(rung: Version, of: EvaluatedModel) -> Version:
+    """`rung` with the figures of what was judged."""
+    return replace(
+        rung,
+        errors=_errors(of.evaluation),
+        effects={one.named.id: _sizes(one) for one in of.model.effects},
+        bodies=() if of.body is None else (of.body,),
+        plain_offsets=kept_offsets(of.evaluation.plain_fit),
+        fitted_offsets=kept_offsets(of.evaluation.fitted),
+    )
+
+
+def rewritten(text: str, effects: Sequence[Added], source: str) -> str:
+    """The `text` of the model file `source` with all `effects` at their sizes.
+
+    Raises
+    ------
+    BadInput : its layout allows no change of one effect alone.
+    """
+    for one in effects:
+        text = with_effect(text, one, source)
+    return text
+
+
+def sized_by(added: Added, fit: Fit) -> Added:
+    """`added` at the size and the standard deviation that `fit` found, within what its family allows."""
+    values, deviation = dict(added.named.values), {}
+    spread = np.sqrt(np.diag(fit.covariance))
+    found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
+    for size in added.named.sizes:
+        which = name(added.named, size.key)
+        if not added.fixed and which in found and found[which][0].kind == EFFECT:
+            one, x, sd = found[which]
+            values[size.key] = min(max(one.value(x), size.low), size.high)
+            deviation[size.key] = abs(one.slope(x)) * sd
+    return replace(added, named=replace(added.named, values=values), deviation=deviation or added.deviation)
+
+
+def _sizes(added: Added) -> tuple[VersionSize, ...]:
+    """Sizes as the rung says them; one that was not fitted has no deviation."""
+    return tuple(
+        VersionSize(
+            key=size.key,
+            value=added.named.values[size.key],
+            unit=size.unit,
+            deviation=None if added.fixed else added.deviation.get(size.key),
+        )
+        for size in added.named.sizes
+    )
+
+
+def _errors(of: Evaluation) -> Errors:
+    return Errors(
+        nominal=of.nominal.percent,
+        plain=of.plain.percent,
+        held_out_nominal=None if of.held_out_nominal is None else of.held_out_nominal.percent,
+        held_out=None if of.held_out is None else of.held_out.percent,
+        chi2=of.fitted.chi2,
+        degrees_of_freedom=of.fitted.degrees_of_freedom,
+        tolerance_z2=of.fitted.tolerance_z2,
+        tolerances=of.fitted.tolerances,
+        log_evidence=of.fitted.log_evidence,
+        expected_z2=expected_z2(of.fitted),
+        largest_z=largest_z(of.fitted),
+        converged=of.plain_fit.converged and of.fitted.converged,
+        held_out_names=of.held_out_names,
+        by_channel=dict(of.plain.by_channel),
+        by_fold={} if of.held_out is None else dict(of.held_out.by_fold),
+    )
+
+
+def kept_offsets(fit: Fit) -> dict[str, float]:
+    """Offsets from which another fit may begin; a logarithmic size of an effect will count from what the model file says."""
+    return {name: x for name, x in fit.by_name.items() if not _counts_anew(_named(fit, name))}
+
+
+def _named(fit: Fit, name: str) -> Parameter:
+    return next(one for one in fit.parameters if one.name == name)
+
+
+def _counts_anew(one: Parameter) -> bool:
+    return one.kind == EFFECT and one.logarithmic and one.above == 0.0
+
+
+def _evaluation(rung: Version, problem: Problem) -> Evaluation:
+    """As much of the evaluation of `rung` as a child begins with: where its fits ended."""
+    nothing = Share(percent=0.0)
+    return Evaluation(
+        nominal=nothing,
+        plain=nothing,
+        held_out=None,
+        held_out_nominal=None,
+        plain_fit=at_offsets(rung.plain_offsets, problem),
+        fitted=at_offsets(rung.fitted_offsets, problem),
+    )
+
+
+def at_offsets(offsets: Mapping[str, float], problem: Problem) -> Fit:
+    """A fit of `problem` that ended at `offsets`, of which nothing else is known."""
+    known = [one for one in problem.parameters if one.name in offsets]
+    return Fit(
+        parameters=tuple(known),
+        offsets=np.array([offsets[one.name] for one in known]),
+        covariance=np.zeros((len(known), len(known))),
+        cost=np.inf,
+        chi2=np.inf,
+        degrees_of_freedom=0,
+        tolerance_z2=0.0,
+        tolerances=0,
+        log_evidence=-np.inf,
+        converged=True,
+    )
+
+
+def _nominal(problem: Problem, names: Sequence[str]) -> tuple[Share, Share | None]:
+    """The errors of the model as it stands, on what is fitted and on what the held-out plain error is told of: runs, or what is
+    named, no configurations."""
+    apart = estimation_evaluate.named(problem, names) if names else None
+    known = problem if apart is None else estimation_evaluate.without(problem, apart)
+    turns = [fold for fold in estimation_evaluate.folds(problem) if not fold.configuration] if apart is None else [apart]
+    fitted = [each for one in known.predictions for each in estimation_evaluate.squares(one, problem.start)]
+    held = [
+        each
+        for fold in turns
+        for one, lines in estimation_evaluate.held(problem, fold)
+        for each in estimation_evaluate.squares(one, problem.start, lines, fold=fold.name)
+    ]
+    return estimation_evaluate.share(fitted), estimation_evaluate.share(held) if held else None
+
+
+def body_of(bench: JudgedData, problem: Problem, plain: Fit, progress: Callable[[float], None]) -> Body | None:
+    """Identified inertia of the article of a bench, by the model of `problem`, whose plain fit is `plain`; None without one."""
+    if not bench.article:
+        return None
+    known = (
+        estimation_evaluate.without(problem, estimation_evaluate.named(problem, bench.hold_out)) if bench.hold_out else problem
+    )
+    return identified(known.thinned(), bench.article, at_offsets(kept_offsets(plain), known), progress)
+
+
+Progress = Callable[[str, float], None]
+
+
+ALONE = "Without it no fit of these data converges, so that its errors have none to be held against."
+"""Of a rung above one without figures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AddOptions:
+    """The options of `massline add` as typed; None where the ladder's own are meant.
+
+    Attributes
+    ----------
+    model, effect : path and ``ID[=VALUE]``
+    data : campaign folders and measurement files; none for those that the ladder knows
+    hold_out, band, method : as of `massline compare`
+    effects_from : folders of the user's own effects
+    fixed : whether the effect stays at its size
+    alias_ok : whether an exact alias of what the model has may be added
+    remarks : sentences that the rung's verdict ends with, of whoever asks for it
+    """
+
+    model: Path
+    effect: str
+    data: tuple[str, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    method: str | None = None
+    effects_from: tuple[str, ...] = ()
+    fixed: bool = False
+    alias_ok: bool = False
+    remarks: Sequence[str] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AddResult:
+    """What adding an effect came to."""
+
+    at: HistoryPosition
+    before: Version
+    after: Version
+    said: tuple[str, ...]
+
+
+def added(asked: AddOptions, progress: Progress | None = None) -> AddResult:
+    """The rung that `asked` leads to, written; the rung below it is evaluated and kept first where it was not yet.
+
+    Raises
+    ------
+    BadInput, CheckFailed : see `add`.
+    """
+    tell = progress or (lambda what, share: None)
+    require_band(asked.band)
+    if asked.model.is_file():
+        probe(asked.model)  # what cannot be written at the end is said before minutes are spent
+    for folder in asked.effects_from:
+        catalogue.load(folder)
+    at = history_position(asked.model)
+    with reminded(at.path):
+        model = model_file.of_text(at.text, str(at.path))
+    paths = _paths(asked, at)
+    data = read_data(paths, model, tell)
+    conditions, said = _conditions(asked, at, paths)
+    effect, left = read(asked.effect, model, _words(data), fixed=asked.fixed)
+    require_bodies(replace(model, effects=(*model.effects, effect)), data.campaigns)
+    rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
+    bench = bench_of(model, data, conditions, lambda share: tell("spectra", share))
+    conditions = replace(conditions, hold_out=bench.hold_out)  # names that mean the same from whatever folder
+    tell("looking for aliases", 0.0)
+    chosen = candidate(effect, left, model, bench.problem, allowed=asked.alias_ok)
+    at, known = _grounded(at, model, bench, conditions, tell, chosen)
+    before = _rung_of(at)
+    chosen = _begun(chosen, model, bench, before, tell)
+    parent = before if before.errors is not None else None
+    after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), parent, tell)
+    rung = _next(at, before, after, chosen, asked, conditions)
+    there = climbed(at, rung)
+    new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
+    said = (*said, *bench.remarks, *known, *_left_alone(there, new), *history.conditions(there))
+    return AddResult(at=there, before=before, after=new, said=said)
+
+
+def _left_alone(at: HistoryPosition, new: Version) -> tuple[str, ...]:
+    """Said of a model file that somebody changed while the fit ran."""
+    if at.rung is not None and at.rung.number == new.number:
+        return ()
+    return (f"{at.path.name} was changed while the fit ran and is left as it is; `--go {new.number}` goes to the new rung",)
+
+
+def grounded(
+    at: HistoryPosition, model: Model, bench: JudgedData, conditions: Conditions, progress: Progress
+) -> tuple[HistoryPosition, tuple[str, ...]]:
+    """`at` on a rung that stands on `conditions`, evaluated and kept at once where there was none, and what is to be said."""
+    if at.rung is not None and at.rung.stands_on(conditions):
+        return at, ()
+    if at.rung is None or at.rung.errors is None:
+        rung, said = next_rung(at), (f"{at.path.name} was edited by hand: that is a rung of its own",) if at.edited else ()
+    else:
+        rung = Version(number=len(at.ladder.rungs), parent=at.rung.number, cause=OTHER_DATA, model=at.text)
+        said = (f"rung {at.rung.number} stands on other data or settings: the model is held against these first",)
+    found = judged(bench, model, None, lambda what, share: progress(f"the model before: {what}", share))
+    return kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(model))), said
+
+
+def _grounded(
+    at: HistoryPosition, model: Model, bench: JudgedData, conditions: Conditions, progress: Progress, chosen: AddedEffect
+) -> tuple[HistoryPosition, tuple[str, ...]]:
+    """As `grounded`; where a mistake is to be taken out of data that nothing fits with it, the rung below has no figures."""
+    try:
+        return grounded(at, model, bench, conditions, progress)
+    except CheckFailed as failed:
+        if FAMILIES[chosen.added.named.family].side != MISTAKE or (at.rung is not None and at.rung.errors is not None):
+            raise
+        waiting = kept(at, replace(next_rung(at), settings=_settings(model)))
+        return waiting, (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)
+
+
+def _begun(chosen: AddedEffect, model: Model, bench: JudgedData, before: Version, progress: Progress) -> AddedEffect:
+    """`chosen` with the sizes at which its fit begins; data that are held out do not say where."""
+    problem = bench.problem(replace(model, effects=(*model.effects, chosen.added))).thinned()
+    known = without(problem, named(problem, bench.hold_out)) if bench.hold_out else problem
+    at = starting_sizes(
+        chosen.added, chosen.left, known, before.plain_offsets, lambda share: progress("looking where it is", share)
+    )
+    return replace(chosen, added=at)
+
+
+def _rung_of(at: HistoryPosition) -> Version:
+    if at.rung is None:
+        problem = "it was changed while it was evaluated"
+        raise BadInput(source=str(at.path), problem=problem, remedy="Nothing is lost: give the command again")
+    return at.rung
+
+
+def _next(
+    at: HistoryPosition, before: Version, of: EvaluatedModel, chosen: AddedEffect, asked: AddOptions, conditions: Conditions
+) -> Version:
+    """The rung of the effect that was added, with its verdict."""
+    text = rewritten(at.text, of.model.effects, str(at.path))
+    bare = Version(
+        number=len(at.ladder.rungs),
+        parent=before.number,
+        cause=ADDED,
+        effect=chosen.added.named.id,
+        model=text,
+        conditions=conditions,
+        settings={**_settings(of.model), **_said_of(asked, chosen)},
+    )
+    rung = rung_with(bare, of)
+    old, new = before.errors, rung.errors
+    gain = new.log_evidence - old.log_evidence if old is not None and new is not None else None
+    rung = replace(rung, gain=gain)
+    told = verdict(before, rung, chosen.tolerances, chosen.nulls) or (ALONE,)
+    return replace(rung, verdict=(*told, *(sentence(one) for one in (*chosen.said, *asked.remarks))))
+
+
+def _settings(model: Model) -> dict[str, object]:
+    return {"article": model.article, "kind": model.kind}
+
+
+def _said_of(asked: AddOptions, chosen: AddedEffect) -> dict[str, object]:
+    alias = chosen.alias
+    return {
+        "asked": asked.effect,
+        "fixed": chosen.added.fixed,
+        "effects_from": list(asked.effects_from),
+        "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
+    }
+
+
+def _paths(asked: AddOptions, at: HistoryPosition) -> tuple[str, ...]:
+    """Where the data are: as named, else where the ladder knows them."""
+    below = _with_data(at)
+    if asked.data or below is None:
+        _require_data(asked)
+        return asked.data
+    return history.paths(below.conditions, at.path.parent, str(history.path_beside(at.path)))
+
+
+def _require_data(asked: AddOptions) -> None:
+    if not asked.data:
+        problem = "there is no data: the model has no ladder yet that knows any"
+        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
+
+
+def _conditions(asked: AddOptions, at: HistoryPosition, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
+    """What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said."""
+    below = _with_data(at)
+    known = Conditions() if below is None else below.conditions
+    like = Conditions() if asked.data else known
+    now = Conditions(
+        data=history.sources(paths, at.path.parent),
+        hold_out=asked.hold_out or like.hold_out,
+        band=asked.band or like.band,
+        method=asked.method or like.method,
+    )
+    return now, history.changed(known, now)
+
+
+def _with_data(at: HistoryPosition) -> Version | None:
+    """The nearest rung downwards that was held against data."""
+    below = at.below
+    path = () if below is None else at.ladder.path(below.number)
+    return next((one for one in reversed(path) if one.conditions.data), None)
+
+
+def _words(data: Data) -> Vocabulary:
+    """Channels of these campaigns; places and parts are those of whatever article, as in a model file."""
+    channels = [channel for campaign in data.campaigns for channel in campaign.table.channels]
+    accelerometers = [one.name for one in channels if one.quantity == "acceleration"]
+    forces = [one.name for one in channels if one.quantity != "acceleration"]
+    return Vocabulary(accelerometers=tuple(dict.fromkeys(accelerometers)), forces=tuple(dict.fromkeys(forces)), places=None)
+
+
+def bench_of(model: Model, data: Data, conditions: Conditions, progress: Callable[[float], None]) -> JudgedData:
+    """`data` ready for `model` with any effects, as a rung that stands on `conditions` wants them."""
+    made = predictions(
+        replace(model, effects=()), data.campaigns, band=conditions.band, method=conditions.method, progress=progress
+    )
+
+    def problem(of: Model) -> Problem:
+        return Problem(tuple(one.with_effects(of.effects) for one in made), facts(of, data.classical))
+
+    hold_out = resolved_names(problem(model), data, conditions.hold_out)
+    left_out = tuple(text for one in made for text in one.tested.remarks)
+    return JudgedData(problem=problem, hold_out=hold_out, article=_article(model, made), remarks=left_out)
+
+
+def _article(model: Model, made: tuple[SeriesPrediction, ...]) -> str:
+    """Whose inertia is identified: the model's own article where it was tested, else the first that stood on the FMD."""
+    tested = [one.tested.carried.standing.article for one in made]
+    own = above_fmd(model.article)
+    return own if own in tested else next((one for one in tested if one), "")

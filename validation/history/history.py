@@ -1,0 +1,952 @@
+"""`Rung` and `Ladder`: every version of a model that was held against data, and how each came from the one before it.
+
+A rung is a model on data: the whole text of the model file, the data that it was fitted to, and what came out. What a rung says
+is never changed and no rung is taken away; undoing goes back to an older one, and adding there branches.
+"""
+
+from __future__ import annotations
+
+import os
+import os.path
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, fields, replace
+from datetime import UTC, datetime
+from hashlib import file_digest, sha256
+from importlib.metadata import version
+from importlib.resources import files
+from math import isfinite
+from pathlib import Path
+from platform import python_version
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from geometry import toml_file
+from geometry.atomic import write_text, write_with
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen
+from identification import campaign_file
+from identification.campaign import METHODS
+from identification.quality import NORMAL_95, sizes
+from validation.classical import files as classical_files
+from validation.output import json_text
+from validation.reference.statement import COG, inertia_of
+
+
+def conditions(at: HistoryPosition) -> Iterator[str]:
+    """What is odd about where the model stands."""
+    if at.edited and at.below is not None:
+        yield f"{at.path.name} was edited by hand since rung {at.below.number}; the next `massline add` makes a rung of it."
+    for one in at.ladder.rungs:
+        if one.errors is None:
+            yield f"Rung {one.number} was put aside before it was held against data."
+
+
+START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
+"""Why there is a rung: the model as it was first, an effect that was added, the user's own change of the file, the same model on
+other data or with other runs held out."""
+
+SHOWN = ("%", *3 * ("mm",), *6 * ("%",))
+"""Units in which distances to the reference are told."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """A campaign folder or a file of classical measurements.
+
+    Attributes
+    ----------
+    path : from the folder of the ladder, with forward slashes
+    digest : SHA-256 of what it holds
+    """
+
+    path: str
+    digest: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """What a rung was held against, and how: errors and evidence of two rungs compare only where these are the same.
+
+    Attributes
+    ----------
+    data : campaigns and measurements
+    hold_out : runs, campaigns and files that were never fitted, as the user named them; empty for the default
+    band : (low, high) [Hz]; None for that of the campaigns
+    method : of `identification.campaign.METHODS`
+    """
+
+    data: tuple[Source, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    method: str = METHODS[0]
+
+    def same(self, other: Conditions) -> bool:
+        """Whether both are, in whatever order the data were named."""
+        mine, its = (replace(one, data=tuple(sorted(one.data, key=lambda source: source.path))) for one in (self, other))
+        return mine == its
+
+
+@dataclass(frozen=True, kw_only=True)
+class Errors:
+    """The four errors of a rung.
+
+    Attributes
+    ----------
+    nominal, plain : per cent of the judged channels, on the data that were fitted
+    held_out_nominal, held_out : the same on data that were not fitted; None where nothing was held out
+    chi2, degrees_of_freedom : of the fit in which every tolerance is free
+    tolerance_z2, tolerances : sum of squares of its tolerances in standard deviations, and how many there are
+    expected_z2, largest_z : that sum where nothing is wrong, and |z| of the tolerance that moved farthest; None in ladders that
+        were written before these were kept
+    log_evidence : [nats], up to a constant of the data
+    converged : whether both fits ended by themselves
+    held_out_names : what was held out
+    by_channel : plain error of every judged channel on the data that were fitted, their squares adding to its own
+    by_fold : plain error on everything that was held out together
+    """
+
+    nominal: float
+    plain: float
+    held_out_nominal: float | None = None
+    held_out: float | None = None
+    chi2: float
+    degrees_of_freedom: int
+    tolerance_z2: float
+    tolerances: int
+    log_evidence: float
+    expected_z2: float | None = None
+    largest_z: float | None = None
+    converged: bool = True
+    held_out_names: tuple[str, ...] = ()
+    by_channel: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    by_fold: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def chi2_per_dof(self) -> float:
+        """The fitted error."""
+        return self.chi2 / max(self.degrees_of_freedom, 1)
+
+    @property
+    def due_z2(self) -> float:
+        """What its tolerances cost where nothing is wrong; at most one each."""
+        return float(self.tolerances) if self.expected_z2 is None else self.expected_z2
+
+    @property
+    def z2_over_due(self) -> float:
+        """What its tolerances cost, as a multiple of what they cost where nothing is wrong."""
+        return self.tolerance_z2 / max(self.due_z2, 1.0)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Body:
+    """What the data say of one article when its ten parameters are free, beside what the model says.
+
+    Attributes
+    ----------
+    article : what stands on the FMD
+    values : (10,) identified: mass [kg], CoG [m] from the article's own origin, moments and products [kg m²] about the CoG
+    deviation : (10,) standard deviations of these
+    reference : (10,) of the model with its effects
+    converged : whether the fit ended by itself
+    """
+
+    article: str
+    values: Array
+    deviation: Array
+    reference: Array
+    converged: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("values", "deviation", "reference"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (10,), name))
+
+    @property
+    def half_width(self) -> Array:
+        """(10,) half of each 95 % interval."""
+        return NORMAL_95 * self.deviation
+
+    @property
+    def distance(self) -> Array:
+        """(10,) from the reference to what was identified."""
+        return self.values - self.reference
+
+    @property
+    def shown(self) -> Array:
+        """(10,) distance as `SHOWN` tells it: CoG in mm, mass and moments in per cent, products in per cent of √(Θii Θjj)."""
+        size = sizes(inertia_of(self.reference))
+        size[COG] = 0.1  # [m] of which a millimetre is one per cent
+        return 100 * self.distance / size
+
+    @property
+    def sigmas(self) -> Array:
+        """(10,) distance in standard deviations; 0 where nothing is uncertain and nothing differs."""
+        return self.distance / np.where(self.deviation > 0, self.deviation, np.inf)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VersionSize:
+    """One size of an effect in the model of a rung.
+
+    Attributes
+    ----------
+    key : by which it is written; empty for the one that stands alone
+    value, unit : SI
+    deviation : standard deviation; None where it was not fitted
+    """
+
+    key: str
+    value: float
+    unit: str
+    deviation: float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Version:
+    """One rung.
+
+    Attributes
+    ----------
+    number : its place in the ladder, from 0
+    parent : the rung it came from; None for the first
+    cause : of `CAUSES`
+    effect : id of the effect that was added; empty where none was
+    effects : by id the sizes of every effect of the model; none of one that is there or not
+    model : text of the model file
+    conditions : what it was held against, and how
+    errors : the four errors; None of a model that was put aside before anybody held it against data
+    gain : evidence [nats] over the parent; None where both do not stand on the same data
+    bodies : identified inertia of every article
+    plain_offsets, fitted_offsets : where both fits ended, by parameter: the next rung begins there
+    verdict : in sentences
+    when : ISO 8601, UTC
+    versions : of the programs
+    settings : with which it was made
+    """
+
+    number: int
+    parent: int | None
+    cause: str
+    effect: str = ""
+    effects: Mapping[str, tuple[VersionSize, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    model: str
+    conditions: Conditions = field(default_factory=Conditions)
+    errors: Errors | None = None
+    gain: float | None = None
+    bodies: tuple[Body, ...] = ()
+    plain_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    fitted_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    verdict: tuple[str, ...] = ()
+    when: str = ""
+    versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def title(self) -> str:
+        """What distinguishes it from its parent, in a few words."""
+        return self.effect or {START: "the model at first"}.get(self.cause, self.cause)
+
+    def stands_on(self, conditions: Conditions) -> bool:
+        """Whether it was held against these."""
+        return self.errors is not None and self.conditions.same(conditions)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ladder:
+    """All rungs of one model file.
+
+    Attributes
+    ----------
+    rungs : in the order in which they were made; each has its number
+    current : number of the rung that was written into the model file last; None before there is one
+    """
+
+    rungs: tuple[Version, ...] = ()
+    current: int | None = None
+
+    def rung(self, number: int) -> Version:
+        """That with `number`."""
+        return self.rungs[number]
+
+    def children(self, number: int | None) -> tuple[Version, ...]:
+        """Those that came from it, in the order in which they were made; None asks for those that came from none."""
+        return tuple(one for one in self.rungs if one.parent == number)
+
+    def path(self, number: int) -> tuple[Version, ...]:
+        """From the first rung to that with `number`."""
+        found = [self.rung(number)]
+        while (parent := found[-1].parent) is not None:
+            found.append(self.rung(parent))
+        return tuple(reversed(found))
+
+    def of_text(self, model: str) -> Version | None:
+        """The rung whose model has this very text: the current one where several do, else the latest; None without any."""
+        alike = [one for one in self.rungs if one.model == model]
+        return next((one for one in alike if one.number == self.current), alike[-1] if alike else None)
+
+    def tree(self) -> tuple[tuple[str, Version], ...]:
+        """Every rung behind the branches that lead to it, drawn with lines: parents before their children."""
+        return tuple(self._below(None, ""))
+
+    def _below(self, number: int | None, trunk: str) -> list[tuple[str, Version]]:
+        """A child alone continues the line of its parent; only branches are set in."""
+        found: list[tuple[str, Version]] = []
+        below = self.children(number)
+        for place, one in enumerate(below, start=1):
+            last = place == len(below)
+            branch, on = ("", "") if len(below) == 1 else ("└─ ", "   ") if last else ("├─ ", "│  ")
+            found += [(trunk + branch, one), *self._below(one.number, trunk + on)]
+        return found
+
+
+# The ladder beside a model file: ``model.toml`` has its rungs in ``model.ladder.json``.
+#
+# One JSON object, written whole or not at all, meant to be read by people too: units stand in the keys, the model of each rung
+# is a list of lines. Every rung keeps the whole model, so that going back gives the very bytes. What cannot be read is refused,
+# and nothing is ever written over it.
+#
+# ``format = 1``. Other programs may rely on
+#
+#     {"format": 1, "kind": "massline ladder", "model": NAME, "current": NUMBER,
+#      "rungs": [{"number", "parent": NUMBER|null, "cause", "effect": ID|null,
+#                 "effects": {ID: [{"key", "value", "sd": number|null, "unit"}]},
+#                 "errors": {"nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2",
+#                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
+#                            "tolerance_z2_expected": number|null, "largest_z": number|null,
+#                            "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number},
+#                            "heldout_percent_by_fold": {NAME: number}} or null; what was not held out is null,
+#                 "evidence_gain_nats": number|null, "verdict": [TEXT],
+#                 "inertia": [{"article", "identified": TEN, "sd": TEN, "reference": TEN, "converged"}],
+#                 "conditions": {"data": [{"path", "sha256"}], "hold_out": [NAME], "band_hz": [lo, hi]|null, "method"},
+#                 "when", "versions": {}, "settings": {},
+#                 "plain_offsets": {PARAMETER: number}, "fitted_offsets": {PARAMETER: number}, "model": [LINE]}]}
+#     TEN    {"mass_kg", "cog_mm": [x, y, z], "moi_cog_kgm2": [xx, yy, zz], "poi_cog_kgm2": [xy, xz, yz]}
+#
+# The CoG is given from the article's own origin, moments and products about the CoG.
+
+
+FORMAT = 1
+KIND = "massline ladder"
+ENDING = ".ladder.json"
+
+_ERRORS = {
+    "nominal": "nominal_percent",
+    "plain": "plain_percent",
+    "held_out_nominal": "heldout_nominal_percent",
+    "held_out": "heldout_percent",
+    "chi2": "fitted_chi2",
+    "degrees_of_freedom": "fitted_degrees_of_freedom",
+    "tolerance_z2": "tolerance_z2",
+    "tolerances": "tolerances",
+    "log_evidence": "log_evidence_nats",
+    "expected_z2": "tolerance_z2_expected",
+    "largest_z": "largest_z",
+    "converged": "converged",
+    "held_out_names": "held_out",
+    "by_channel": "plain_percent_by_channel",
+    "by_fold": "heldout_percent_by_fold",
+}
+"""Keys of `Errors` in the file."""
+
+_LATER: Mapping[str, Any] = {"by_fold": {}, "expected_z2": None, "largest_z": None}
+"""What the first ladders did not have, and stands for it."""
+
+_TEN = {
+    "mass_kg": (slice(0, 1), 1.0),
+    "cog_mm": (slice(1, 4), 1e3),
+    "moi_cog_kgm2": (slice(4, 7), 1.0),
+    "poi_cog_kgm2": (slice(7, 10), 1.0),
+}
+"""Where ten values stand in a `Body`, and what they are multiplied by."""
+
+
+def path_beside(model: Path) -> Path:
+    """The ladder of the file `model`."""
+    return model.with_suffix(ENDING)
+
+
+def read(path: Path) -> Ladder:
+    """The ladder in the file `path`.
+
+    Raises
+    ------
+    BadInput : no such file; no JSON, no ladder, one of a newer program, or one that contradicts itself.
+    OSError : the file cannot be read.
+    """
+    source = str(path)
+    table = toml_file.read(path, remedy="`massline add` makes one beside a model")
+    _require_ours(table, source)
+    try:
+        rungs = tuple(_rung(one) for one in table["rungs"])
+        current = None if table["current"] is None else _whole(table["current"])
+        return _sound(Ladder(rungs=rungs, current=current), source)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, BadInput):
+            raise
+        what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+        raise _refused(source, f"it is damaged: {what}") from None
+
+
+def write(path: Path, ladder: Ladder, model: str) -> None:
+    """Write `ladder` to `path`, beside the file called `model`.
+
+    Raises
+    ------
+    OSError : it cannot be written.
+    """
+    write_text(path, text(ladder, model))
+
+
+def text(ladder: Ladder, model: str) -> str:
+    """`ladder` as the file holds it."""
+    rungs = [_rung_json(one) for one in ladder.rungs]
+    return json_text({"format": FORMAT, "kind": KIND, "model": model, "current": ladder.current, "rungs": rungs}) + "\n"
+
+
+def ten_json(values: Array) -> dict[str, Any]:
+    """TEN of (10,) values in the order of a `Body`."""
+    listed = {key: (scale * values[place]).tolist() for key, (place, scale) in _TEN.items()}
+    return listed | {"mass_kg": listed["mass_kg"][0]}
+
+
+def errors_json(errors: Errors) -> dict[str, Any]:
+    """The errors of a rung; what was not held out, or cannot be told, is null."""
+    found = {key: getattr(errors, name) for name, key in _ERRORS.items()}
+    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in found.items()}
+    return {key: finite(value) for key, value in plain.items()} | {
+        _ERRORS["by_channel"]: dict(errors.by_channel),
+        _ERRORS["by_fold"]: dict(errors.by_fold),
+    }
+
+
+def _rung_json(one: Version) -> dict[str, Any]:
+    return {
+        "number": one.number,
+        "parent": one.parent,
+        "cause": one.cause,
+        "effect": one.effect or None,
+        "effects": {name: [_size_json(size) for size in sizes] for name, sizes in one.effects.items()},
+        "errors": None if one.errors is None else errors_json(one.errors),
+        "evidence_gain_nats": finite(one.gain),
+        "verdict": list(one.verdict),
+        "inertia": [_body_json(body) for body in one.bodies],
+        "conditions": _conditions_json(one.conditions),
+        "when": one.when,
+        "versions": dict(one.versions),
+        "settings": dict(one.settings),
+        "plain_offsets": dict(one.plain_offsets),
+        "fitted_offsets": dict(one.fitted_offsets),
+        "model": one.model.split("\n"),
+    }
+
+
+def _conditions_json(of: Conditions) -> dict[str, Any]:
+    return {
+        "data": [{"path": source.path, "sha256": source.digest} for source in of.data],
+        "hold_out": list(of.hold_out),
+        "band_hz": None if of.band is None else list(of.band),
+        "method": of.method,
+    }
+
+
+def _size_json(size: VersionSize) -> dict[str, Any]:
+    return {"key": size.key, "value": size.value, "sd": finite(size.deviation), "unit": size.unit}
+
+
+def _body_json(body: Body) -> dict[str, Any]:
+    return {
+        "article": body.article,
+        "identified": ten_json(body.values),
+        "sd": ten_json(body.deviation),
+        "reference": ten_json(body.reference),
+        "converged": body.converged,
+    }
+
+
+def finite(value: Any) -> Any:
+    """JSON knows no infinity."""
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _require_ours(table: Mapping[str, Any], source: str) -> None:
+    if table.get("kind") != KIND or not isinstance(table.get("rungs"), list):
+        raise _refused(source, "it is no ladder of massline")
+    found = table.get("format")
+    if isinstance(found, int) and not isinstance(found, bool) and found > FORMAT:
+        problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
+        raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
+    if found != FORMAT or isinstance(found, bool):
+        raise _refused(source, f"its format must be {FORMAT}, found {found!r}")
+
+
+def _refused(source: str, problem: str) -> BadInput:
+    remedy = "Put back a copy that is whole, or move the file away to begin a new ladder; nothing was changed"
+    return BadInput(source=source, problem=problem, remedy=remedy)
+
+
+def _sound(ladder: Ladder, source: str) -> Ladder:
+    """Refuse numbers that are no places, parents that did not come before, causes that nobody knows."""
+    for place, one in enumerate(ladder.rungs):
+        if one.number != place:
+            raise _refused(source, f"it is damaged: rung {place} says that it is {one.number}")
+        if one.parent is not None and not 0 <= one.parent < place:
+            raise _refused(source, f"it is damaged: rung {place} comes from {one.parent}, which was not there before it")
+        if one.cause not in CAUSES:
+            raise _refused(source, f"it is damaged: rung {place} has the unknown cause {one.cause!r}")
+    if ladder.current is not None and not 0 <= ladder.current < len(ladder.rungs):
+        raise _refused(source, f"it is damaged: its current rung is {ladder.current} of {len(ladder.rungs)}")
+    return ladder
+
+
+def _rung(table: Mapping[str, Any]) -> Version:
+    return Version(
+        number=_whole(table["number"]),
+        parent=None if table["parent"] is None else _whole(table["parent"]),
+        cause=str(table["cause"]),
+        effect=str(table["effect"] or ""),
+        effects={str(name): tuple(map(_size, sizes)) for name, sizes in table["effects"].items()},
+        errors=None if table["errors"] is None else _errors(table["errors"]),
+        gain=_number_or_none(table["evidence_gain_nats"]),
+        verdict=_strings(table["verdict"]),
+        bodies=tuple(map(_body, table["inertia"])),
+        conditions=_conditions(table["conditions"]),
+        when=str(table["when"]),
+        versions={str(name): str(value) for name, value in table["versions"].items()},
+        settings=dict(table["settings"]),
+        plain_offsets=_numbers(table["plain_offsets"]),
+        fitted_offsets=_numbers(table["fitted_offsets"]),
+        model="\n".join(_strings(table["model"])),
+    )
+
+
+def _conditions(table: Mapping[str, Any]) -> Conditions:
+    band = None if table["band_hz"] is None else tuple(map(_number, table["band_hz"]))
+    if band is not None and len(band) != 2:
+        raise ValueError(f"a band has two ends, found {len(band)}")
+    return Conditions(
+        data=tuple(Source(path=str(one["path"]), digest=str(one["sha256"])) for one in table["data"]),
+        hold_out=_strings(table["hold_out"]),
+        band=None if band is None else (band[0], band[1]),
+        method=str(table["method"]),
+    )
+
+
+def _size(table: Mapping[str, Any]) -> VersionSize:
+    return VersionSize(
+        key=str(table["key"]), value=_number(table["value"]), unit=str(table["unit"]), deviation=_number_or_none(table["sd"])
+    )
+
+
+def _errors(table: Mapping[str, Any]) -> Errors:
+    found = {name: table.get(key, _LATER[name]) if name in _LATER else table[key] for name, key in _ERRORS.items()}
+    for one in fields(Errors):
+        value = found[one.name]
+        if one.name == "held_out_names":
+            found[one.name] = _strings(value)
+        elif one.name in ("by_channel", "by_fold"):
+            found[one.name] = _numbers(value)
+        elif one.name == "converged":
+            found[one.name] = bool(value)
+        elif one.type == "int":
+            found[one.name] = _whole(value)
+        elif one.type == "float":
+            found[one.name] = float("nan") if value is None else _number(value)
+        else:
+            found[one.name] = _number_or_none(value)
+    return _positive(Errors(**found))
+
+
+def _positive(errors: Errors) -> Errors:
+    """Refuse what is negative of the errors, which are roots of squares and sums of them."""
+    for name in ("nominal", "plain", "held_out_nominal", "held_out", "chi2", "tolerance_z2"):
+        if (getattr(errors, name) or 0.0) < 0:
+            raise ValueError(f"{_ERRORS[name]} is negative, {getattr(errors, name):g}")
+    return errors
+
+
+def _body(table: Mapping[str, Any]) -> Body:
+    return Body(
+        article=str(table["article"]),
+        values=_ten(table["identified"]),
+        deviation=_ten(table["sd"]),
+        reference=_ten(table["reference"]),
+        converged=bool(table["converged"]),
+    )
+
+
+def _ten(table: Mapping[str, Any]) -> Array:
+    return np.concatenate([np.ravel(np.asarray(table[key], dtype=np.float64)) / scale for key, (_, scale) in _TEN.items()])
+
+
+def _strings(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+        raise TypeError(f"a list of texts is expected, found {value!r:.60}")
+    return tuple(value)
+
+
+def _numbers(table: Mapping[str, Any]) -> dict[str, float]:
+    return {str(name): _number(value) for name, value in table.items()}
+
+
+def _number_or_none(value: Any) -> float | None:
+    return None if value is None else _number(value)
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"a number is expected, found {value!r:.60}")
+    return float(value)
+
+
+def _whole(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise TypeError(f"a whole number is expected, found {value!r:.60}")
+    return value
+
+
+# One process at a time changes a ladder: what it reads is what it writes on.
+#
+# The lock is the operating system's, on the folder of the model, so that no file is left behind and a process that dies holds
+# nothing. Where folders cannot be locked (Windows, some network drives), the ladder is still read again right before it is
+# written.
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Alone with the file `path` and what lies beside it, for a few milliseconds; others wait. Not to be asked for twice."""
+    try:
+        folder = os.open(path.resolve().parent, os.O_RDONLY)
+    except OSError:  # a folder that cannot be opened is reported by whoever reads or writes in it
+        yield
+        return
+    try:
+        with suppress(ImportError, OSError):
+            from fcntl import LOCK_EX, flock
+
+            flock(folder, LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
+
+
+# Up, down and aside on a ladder: which rung a model file stands on, keeping one, and going to another.
+#
+# A model file and its ladder are two files, and no system writes two at once. So the ladder does not say where the model stands:
+# the text of the model does. It stands on the rung with that very text, and only among rungs of the same text the ladder's own
+# word counts. Wherever an interruption falls, both agree: a rung is in the ladder before the model file shows it.
+
+
+PROGRAMS = ("massline", "numpy", "scipy")
+"""Whose versions stand in a rung."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HistoryPosition:
+    """A model file and its ladder.
+
+    Attributes
+    ----------
+    path : the model file
+    text : what it holds
+    ladder : beside it; without rungs where there is none yet
+    rung : on which it stands; None before there is one, and where the file was edited by hand since
+    """
+
+    path: Path
+    text: str
+    ladder: Ladder
+    rung: Version | None
+
+    @property
+    def edited(self) -> bool:
+        """Whether somebody changed the file since its last rung."""
+        return self.rung is None and bool(self.ladder.rungs)
+
+    @property
+    def below(self) -> Version | None:
+        """The rung on which it stands, or from which it was edited."""
+        if self.rung is not None or self.ladder.current is None:
+            return self.rung
+        return self.ladder.rung(self.ladder.current)
+
+
+def history_position(path: Path) -> HistoryPosition:
+    """Where the model file `path` stands.
+
+    Raises
+    ------
+    BadInput : there is no such file, it is no text, or its ladder cannot be read (see `validation.history.history.read`).
+    OSError : one of them cannot be read.
+    """
+    text, beside = read_text(path), path_beside(path)
+    ladder = read(beside) if beside.exists() else Ladder()
+    return HistoryPosition(path=path, text=text, ladder=ladder, rung=ladder.of_text(text))
+
+
+def read_text(path: Path) -> str:
+    """What the file `path` holds, ends of lines as they are.
+
+    Raises
+    ------
+    BadInput : no such file, a folder, or not UTF-8.
+    """
+    remedy = "Name a model file; `massline model ARTICLE` writes one to start from"
+    if not path.is_file():
+        problem = "this is a folder" if path.is_dir() else "there is no such file"
+        raise BadInput(source=str(path), problem=problem, remedy=remedy)
+    try:
+        return path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError:
+        raise BadInput(source=str(path), problem="it is not text in UTF-8", remedy=remedy) from None
+
+
+def next_rung(at: HistoryPosition) -> Version:
+    """The rung, still without figures, that the model of `at` is as it stands: the first, or one that was edited by hand."""
+    below = at.below
+    if at.rung is not None and at.rung.errors is None:
+        return at.rung
+    parent = None if below is None else below.number
+    return Version(number=len(at.ladder.rungs), parent=parent, cause=EDITED if at.edited else START, model=at.text)
+
+
+def kept(at: HistoryPosition, rung: Version) -> HistoryPosition:
+    """`at` with `rung` on its ladder, written at once, and standing on it where it is the model as it is; no other file changes.
+
+    A rung that waits for its figures gets them, and one that is there already is not made twice. Whatever other rungs were made
+    meanwhile stay, and `rung` is numbered after them.
+
+    Raises
+    ------
+    BadInput, OSError : see `standing`; the ladder cannot be written.
+    """
+    with locked(at.path):
+        return _kept(at, rung)[0]
+
+
+def _kept(at: HistoryPosition, rung: Version) -> tuple[HistoryPosition, int]:
+    """As `kept`, the ladder being ours alone, and the number of the rung."""
+    now = history_position(at.path).ladder
+    one = _numbered(now, stamped(rung))
+    rungs = [*now.rungs]
+    rungs[one.number : one.number + 1] = [one]
+    here = one.model == at.text
+    ladder = Ladder(rungs=tuple(rungs), current=one.number if here or now.current is None else now.current)
+    write(path_beside(at.path), ladder, at.path.name)
+    return replace(at, ladder=ladder, rung=one if here else at.rung), one.number
+
+
+def _numbered(now: Ladder, rung: Version) -> Version:
+    """`rung` in the place that waits for it, or as it is there already, or behind all others."""
+    if rung.number < len(now.rungs) and _is_waiting(now.rung(rung.number), rung):
+        return rung
+    there = next((one for one in now.rungs if _is_same(one, rung)), None)
+    return there or replace(rung, number=len(now.rungs))
+
+
+def _is_same(there: Version, rung: Version) -> bool:
+    """Whether another process made the very rung: the same step to the same model, on the same data, by the same programs."""
+    step = ("parent", "cause", "effect", "model", "versions", "verdict")
+    return (
+        rung.stands_on(there.conditions)
+        and there.errors is not None
+        and all(getattr(there, name) == getattr(rung, name) for name in step)
+    )
+
+
+def _is_waiting(there: Version, rung: Version) -> bool:
+    return there.errors is None and there.model == rung.model and there.parent == rung.parent
+
+
+def stamped(rung: Version) -> Version:
+    """`rung` with the time and the versions of the programs, where it has none."""
+    if rung.when:
+        return rung
+    versions = {"python": python_version(), **{name: version(name) for name in PROGRAMS}}
+    return replace(rung, when=datetime.now(UTC).isoformat(timespec="seconds"), versions=versions)
+
+
+def climbed(at: HistoryPosition, rung: Version) -> HistoryPosition:
+    """`at` on the new `rung`: on its ladder first, then in its model file.
+
+    A model file that somebody edited since `at` was read is left alone; the rung is kept all the same, to go to.
+
+    Raises
+    ------
+    BadInput, OSError : see `kept`.
+    """
+    with locked(at.path):
+        there, number = _kept(at, rung)
+        untouched = read_text(at.path) == at.text
+        return _gone_to(there, number) if untouched else history_position(at.path)
+
+
+def gone_to(at: HistoryPosition, number: int) -> HistoryPosition:
+    """`at` on the rung with `number`, its model file byte by byte; a text that was on no rung becomes one first.
+
+    Raises
+    ------
+    BadInput : there is no such rung, or no ladder.
+    OSError : a file cannot be written.
+    """
+    with locked(at.path):
+        return _gone_to(at, number)
+
+
+def _gone_to(at: HistoryPosition, number: int) -> HistoryPosition:
+    """As `gone_to`, the ladder being ours alone; rungs that others made since `at` was read stay."""
+    _require_rungs(at)
+    at = replace(at, ladder=history_position(at.path).ladder)
+    if not 0 <= number < len(at.ladder.rungs):
+        numbers = f"0 to {len(at.ladder.rungs) - 1}" if len(at.ladder.rungs) > 1 else "0"
+        raise BadInput(source=str(path_beside(at.path)), problem=f"there is no rung {number}", remedy=f"It has {numbers}")
+    if at.edited:
+        at, _ = _kept(at, next_rung(at))
+    ladder = replace(at.ladder, current=number)
+    write(path_beside(at.path), ladder, at.path.name)
+    rung = ladder.rung(number)
+    if rung.model != at.text:
+        _write_model(at.path, rung.model)
+    return replace(at, ladder=ladder, text=rung.model, rung=rung)
+
+
+def undone(at: HistoryPosition) -> HistoryPosition:
+    """`at` on the parent of its rung; one that was edited by hand, on the rung that it was edited from.
+
+    Raises
+    ------
+    BadInput : there is no ladder, or nothing below.
+    OSError : a file cannot be written.
+    """
+    _require_rungs(at)
+    if at.rung is None:
+        return gone_to(at, at.below.number if at.below is not None else 0)
+    if at.rung.parent is None:
+        problem = f"it stands on rung {at.rung.number}, the first; there is nothing to undo"
+        raise BadInput(source=str(at.path), problem=problem, remedy="`massline ladder MODEL --go RUNG` goes to any other")
+    return gone_to(at, at.rung.parent)
+
+
+def _require_rungs(at: HistoryPosition) -> None:
+    if not at.ladder.rungs:
+        problem = f"it has no ladder: there is no {path_beside(at.path).name} beside it"
+        raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
+
+
+def _write_model(path: Path, text: str) -> None:
+    write_with(path, lambda temporary: temporary.write_bytes(text.encode("utf-8")))
+
+
+# A model file has an effect of the user's own, and nobody said where it is: its ladder remembers the folder.
+
+
+OPTION = "--effects-from"
+
+
+@contextmanager
+def reminded(path: Path) -> Iterator[None]:
+    """Refusals of unknown effects in the model file `path` name the folders from which its ladder had effects.
+
+    Raises
+    ------
+    BadInput : as within, its remedy changed where the ladder knows one.
+    """
+    try:
+        yield
+    except BadInput as error:
+        if OPTION not in error.remedy or not (folders := _folders(path)):
+            raise
+        remedy = f"Say {' '.join(f'{OPTION} {folder}' for folder in folders)}, as when it was added"
+        raise BadInput(source=error.source, field=error.field, problem=error.problem, remedy=remedy) from None
+
+
+def _folders(path: Path) -> tuple[str, ...]:
+    """Folders of own effects in any rung beside the model file `path`; none where the ladder cannot be read."""
+    try:
+        rungs = read(path_beside(path)).rungs
+    except (BadInput, OSError):
+        return ()
+    stated = [one.settings.get("effects_from") for one in rungs]
+    return tuple(dict.fromkeys(str(folder) for some in stated if isinstance(some, list) for folder in some))
+
+
+# Where a ladder's data lie and whether they are what they were: paths from its folder, and digests of what they hold.
+
+
+def sources(paths: Sequence[str], folder: Path) -> tuple[Source, ...]:
+    """The data at `paths`, seen from the `folder` of a ladder.
+
+    Raises
+    ------
+    BadInput : a folder that is no campaign.
+    OSError : a file cannot be read.
+    """
+    return tuple(Source(path=_from(path, folder), digest=digest(path)) for path in paths)
+
+
+def paths(known: Conditions, folder: Path, ladder: str) -> tuple[str, ...]:
+    """Where the data of a rung are now, `folder` being that of the `ladder`.
+
+    Raises
+    ------
+    BadInput : one of them is not there any more.
+    """
+    return tuple(_there(one.path, folder, ladder) for one in known.data)
+
+
+def changed(known: Conditions, now: Conditions) -> tuple[str, ...]:
+    """Sentences about data of `known` that hold something else `now`."""
+    digests = {one.path: one.digest for one in known.data}
+    return tuple(
+        f"{one.path} is not what it was when the ladder met it: its digest changed. The model is held against it anew"
+        for one in now.data
+        if digests.get(one.path, one.digest) != one.digest
+    )
+
+
+def digest(path: str) -> str:
+    """SHA-256 of a file, or of the description and the signals of a campaign.
+
+    Raises
+    ------
+    BadInput : a folder that is no campaign.
+    OSError : a file cannot be read.
+    """
+    if not Path(path).is_dir():
+        return _of_file(Path(path)) if Path(path).exists() else _shipped(path)
+    described = campaign_file.read_description(path)
+    names = sorted({campaign_file.NAME, *(run.file for run in described.runs)})
+    whole = sha256()
+    for name in names:
+        if (Path(path) / name).is_file():
+            whole.update(f"{name}\0{_of_file(Path(path) / name)}\n".encode())
+    return whole.hexdigest()
+
+
+def _of_file(path: Path) -> str:
+    with path.open("rb") as stream:
+        return file_digest(stream, "sha256").hexdigest()
+
+
+def _shipped(name: str) -> str:
+    held = files("validation").joinpath("published").joinpath(f"{name.removesuffix('.toml')}.toml")
+    return sha256(held.read_bytes()).hexdigest()
+
+
+def _from(path: str, folder: Path) -> str:
+    """`path` from `folder`, with forward slashes; the name of shipped data stays one."""
+    if not Path(path).exists():
+        return path
+    return Path(os.path.relpath(Path(path).resolve(), folder.resolve())).as_posix()
+
+
+def _there(path: str, folder: Path, ladder: str) -> str:
+    if (folder / path).exists():
+        return os.path.normpath(folder / path)
+    if path.removesuffix(".toml") in classical_files.shipped():
+        return path
+    problem = f"its rung stands on {path}, which is not there any more"
+    raise BadInput(
+        source=ladder, field="data", problem=problem, remedy="Put it back, or name the data again: MODEL EFFECT DATA ..."
+    )

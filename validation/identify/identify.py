@@ -1,0 +1,776 @@
+"""From the options of `massline identify` to a `Request`: every one checked before the first signal is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import repeat
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from geometry.dynamic_mass import DynamicMass
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, Pose
+from geometry.inertia import PARAMETERS, Inertia, judge, six_from_tensor
+from geometry.sensors import Tolerances
+from geometry.toml_file import nearest, quantity
+from identification import base_motion, campaign_file, consistency
+from identification import identify as identification_identify
+from identification.base_motion import Loss
+from identification.campaign import METHODS, Campaign, Processing
+from identification.consistency import Finding
+from identification.dynamic_mass import CrossMotion
+from identification.elastic.fit import fit
+from identification.elastic.model import dynamic_mass
+from identification.elastic.study import LIMIT, NARROWEST, BandStudy, study
+from identification.identify import Identification, identify
+from identification.quality import NORMAL_95, Quality, half_widths, quality
+from identification.request import CONDITION_LIMIT, QUANTITIES, Fact, Identified, Request, Tare, counts
+from identification.setup import CHAIN_ERROR
+from identification.spectra.line_spectra import Spectra
+from validation.classical import files, pendulum, weigh
+from validation.classical.files import Fields, Reduction, read
+from validation.model.setups import above_fmd, known, stated, takes_fmd_off
+from validation.output import percent, stages
+from validation.reference.statement import Stated, Statement, about_cog, read_frame
+
+
+def identified(asked: IdentifyOptions, frame: str | None = None, *, quiet: bool = True) -> IdentificationFindings:
+    """The findings that `asked` leads to, reported in `frame`, the user's own seen from the article's.
+
+    Raises
+    ------
+    BadInput : something that was asked cannot be used.
+    CheckFailed : an estimate that does not settle, or without positive mass.
+    """
+    pose = None if frame is None else read_frame(frame)
+    with stages("reading", quiet=quiet) as told:
+        made = ready(asked, told)
+    with percent(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
+        found = identify(made.request, share)
+    if not made.request.study:
+        return gathered(made, found, pose)
+    with percent("band study", quiet=quiet) as share:
+        of = studied(found, share)
+    return gathered(made, found, pose, of)
+
+
+# Weighing, CoG and pendulum results as data of an identification, the combined approach of the paper's conclusions.
+#
+# A result is reduced as `massline weigh`, `cog` and `pendulum` do it and carried into the frame of the campaign. Its tolerance
+# is taken for the half-width of a 95 % interval, as everywhere in massline; results of one file count as independent.
+
+
+REDUCED: dict[str, Callable[[Fields], Reduction]] = {
+    "weighing": weigh.reduce,
+    "crane-cog": weigh.crane_cog_reduce,
+    "pendulum": pendulum.reduce,
+    "results": files.reduce,
+}
+"""What reduces a file of each kind."""
+
+ALONG = 1e-9
+"""How far an axis of the article may lie off one of the campaign's and still be it."""
+
+
+def facts(files: Iterable[str], campaign: Campaign, *, tared: bool) -> tuple[tuple[Fact, ...], tuple[str, ...]]:
+    """What the measurement `files` say about the article of `campaign`, in its frame, the CoG from F; and what was assumed.
+
+    `tared` says whether a tare takes the FMD off: what was measured must be what is identified.
+
+    Raises
+    ------
+    BadInput : a file that cannot be used, is about another article, or says nothing that can be carried into that frame.
+    """
+    found: list[Fact] = []
+    words: list[str] = []
+    for name in files:
+        reduction = _reduced(name)
+        words += _about(reduction, name, campaign, above_fmd(campaign.article) if tared else campaign.article)
+        found += [fact for key, value in reduction.results.items() for fact in _facts(key, value, name, campaign)]
+    return tuple(found), tuple(words)
+
+
+def _reduced(name: str) -> Reduction:
+    file = read(name, tuple(REDUCED))
+    return REDUCED[file.text("kind")](file)
+
+
+def _about(reduction: Reduction, name: str, campaign: Campaign, article: str) -> list[str]:
+    """Refuse a result about another body than the `article` identified; say what is assumed about it."""
+    words = [f"{name}: its tolerances are assumed, and so is its weight in the result"] if reduction.assumed else []
+    if not reduction.article:
+        return [*words, f"{name}: it does not say which article it is about; {article} is taken"]
+    if reduction.article == article:
+        return words
+    raise BadInput(
+        source=name,
+        field="article.name",
+        problem=f"it is about {reduction.article}, what is identified from {campaign.source} is {article}",
+        remedy="A tare takes the FMD off: --tare CAMPAIGN" if article == f"fmd+{reduction.article}" else "Leave the file out",
+    )
+
+
+def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]:
+    """One result, SI in the frame of the article, as a fact in that of the campaign; none of a quantity that is no inertia."""
+    size, sd = float(value.nominal_value), float(value.std_dev) / NORMAL_95  # type: ignore[attr-defined]
+    if key == "mass":
+        return [Fact(quantity="mass_kg", value=size, sd=sd, source=name)]
+    if key.startswith("cog_"):
+        pose = _pose(campaign, name)
+        axis, sign = _axis("xyz".index(key[-1]), pose, name, key)
+        origin = float(pose.position[axis])
+        return [Fact(quantity=f"cog_{'xyz'[axis]}_mm", value=sign * size + origin, sd=sd, source=name)]
+    if key.startswith("I"):
+        pose = campaign.mounting or Pose()
+        pair = [_axis("xyz".index(letter), pose, name, key) for letter in key[1:]]
+        letters = "".join(sorted("xyz"[axis] for axis, _ in pair))
+        kind = "moi" if letters[0] == letters[1] else "poi"
+        return [Fact(quantity=f"{kind}_{letters}_cog_kgm2", value=pair[0][1] * pair[1][1] * size, sd=sd, source=name)]
+    return []
+
+
+def _pose(campaign: Campaign, name: str) -> Pose:
+    pose = stated(campaign)
+    if pose is None:
+        raise BadInput(
+            source=f"{campaign.source}/campaign.toml",
+            field="mounting",
+            problem=f"is missing, and {name} states the CoG from the article's own origin",
+            remedy="State where that origin is mounted, [mounting] with origin",
+        )
+    return pose
+
+
+def _axis(k: int, pose: Pose, name: str, key: str) -> tuple[int, float]:
+    """Along which axis of the campaign, and with which sign, axis `k` of the article lies."""
+    along: Array = pose.rotation[:, k]
+    axis = int(np.argmax(np.abs(along)))
+    if abs(along[axis]) < 1 - ALONG:
+        raise BadInput(
+            source=name,
+            field=key,
+            problem=f"axis {'xyz'[k]} of the article lies askew in the campaign, along {np.round(along, 4).tolist()}",
+            remedy="Use results about the turning axis, or a mounting turned by a multiple of 90 deg",
+        )
+    return axis, float(np.sign(along[axis]))
+
+
+MOST_MODES = 40
+"""More elastic terms than that no band of six sweeps can tell apart."""
+
+FEWEST = 5
+"""Lines that a band must hold."""
+
+DIMENSIONS = {"delay": "time", "position": "length", "angle": "angle"}
+"""Of a tolerance; every other is a ratio."""
+
+Progress = Callable[[str], Callable[[float], None]]
+
+
+KNOWN = "0.03 %"
+"""Standard deviation of an article that was weighed and measured with care, as a share of its parameters."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentifyOptions:
+    """The options as typed.
+
+    Attributes
+    ----------
+    campaign, tares, known, classical : folders, articles, files
+    band : [Hz]; None for that of the campaign
+    spectra : of `METHODS`
+    known_tolerance : standard deviation of the known articles' parameters, a share
+    modes : "auto" or a number
+    condition_limit, tolerances, cell_stiffness, fmd : see `identification.request.Request`
+    """
+
+    campaign: str
+    tares: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()
+    known_tolerance: str = KNOWN
+    classical: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    spectra: str = METHODS[0]
+    modes: str = "auto"
+    condition_limit: float = CONDITION_LIMIT
+    tolerances: tuple[str, ...] = ()
+    cell_stiffness: tuple[float, float, float] | None = None
+    fmd: str | None = None
+    any_hardware: bool = False
+    robust: bool = False
+    study: bool = True
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PreparedRequest:
+    """A request and what was assumed on the way to it, sentences without their full stop."""
+
+    request: Request
+    warnings: tuple[str, ...] = field(default=())
+
+
+def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None = None) -> PreparedRequest:
+    """The request that `asked` comes to, campaigns read.
+
+    `progress` hears which campaign is read and the share of it.
+
+    Raises
+    ------
+    BadInput : an option, a campaign, a known article or a classical result that cannot be used.
+    OSError : a file cannot be read.
+    """
+    modes, tolerances, stiffness = _modes(asked.modes), tolerances_of(asked.tolerances), _stiffness(asked.cell_stiffness)
+    _require_limit(asked.condition_limit)
+    share = _share(asked.known_tolerance)
+    _require_band(asked.band, study=asked.study)
+    names = _known_names(asked)
+    described = campaign_file.read_description(asked.campaign)
+    below = [campaign_file.read_description(folder) for folder in asked.tares]
+    words: list[str] = []
+    if not asked.any_hardware:
+        _require_same_hardware(described, below)
+    for tare, name in zip(below, names, strict=True):
+        _require_other(tare, described)
+        words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
+    data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
+    words += [*said, *_band_within(asked.band, described)]
+    campaign = _read(asked.campaign, progress)
+    _require_lines(asked.band, campaign)
+    tares = [_tare(folder, name, share, progress) for folder, name in zip(asked.tares, names, strict=True)]
+    request = Request(
+        campaign=campaign,
+        tares=tuple(tares),
+        facts=data,
+        band=asked.band,
+        method=asked.spectra,
+        modes=modes,
+        condition_limit=asked.condition_limit,
+        tolerances=tolerances,
+        fmd=None if asked.fmd is None else _fmd(asked.fmd),
+        cell_stiffness=stiffness,
+        any_hardware=asked.any_hardware,
+        robust=asked.robust,
+        study=asked.study,
+    )
+    return PreparedRequest(request=request, warnings=tuple(words))
+
+
+def _read(folder: str, progress: Callable[[str, float], None] | None) -> Campaign:
+    return campaign_file.read(folder, progress=None if progress is None else lambda share: progress(folder, share))
+
+
+def _tare(folder: str, name: str, share: float, progress: Callable[[str, float], None] | None) -> Tare:
+    campaign = _read(folder, progress)
+    inertia, _ = known(name or above_fmd(campaign.article) or "fmd", campaign, _source(name, campaign))
+    return Tare(campaign=campaign, known=inertia, relative_sd=share)
+
+
+def _share(text: str) -> float:
+    """The share behind ``--known-tolerance``.
+
+    Raises
+    ------
+    BadInput : no number, or one that is not between 0 and 1, both left out.
+    """
+    share = float(quantity(text, "ratio", source="--known-tolerance", field="").nominal_value)
+    if not 0 < share < 1:
+        problem = f"a share above 0 and below 1 is expected, found {text}"
+        raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
+    return share
+
+
+def _source(name: str, tare: Campaign) -> str:
+    """Who named the known article: the option, or the campaign itself."""
+    return "--known" if name else f"{tare.source}/{campaign_file.NAME}: campaign.article"
+
+
+def _known_names(asked: IdentifyOptions) -> Sequence[str]:
+    """The known article of every tare; empty for the one that the tare's campaign says."""
+    if asked.known and not asked.tares:
+        problem = f"{asked.known[0]} is known, but there is no tare"
+        raise BadInput(source="--known", problem=problem, remedy="Name its campaign, --tare CAMPAIGN")
+    if not asked.known:
+        return list(repeat("", len(asked.tares)))
+    if len(asked.known) != len(asked.tares):
+        problem = f"one known article for each of {len(asked.tares)} tares is needed, found {len(asked.known)}"
+        raise BadInput(source="--known", problem=problem, remedy="Repeat it in the order of --tare, or leave it out")
+    return asked.known
+
+
+def _modes(text: str) -> int | None:
+    if text == "auto":
+        return None
+    if not text.isdecimal() or int(text) > MOST_MODES:
+        problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
+        raise BadInput(source="--modes", problem=problem, remedy="0 takes the article for rigid; auto lets the data choose")
+    return int(text)
+
+
+def _require_limit(limit: float) -> None:
+    if not (isfinite(limit) and limit > 1):
+        raise BadInput(
+            source="--condition-limit",
+            problem=f"a condition number is above 1, found {limit:g}",
+            remedy=f"The default is {CONDITION_LIMIT:g}",
+        )
+
+
+def _require_band(band: tuple[float, float] | None, *, study: bool) -> None:
+    if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
+        problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
+        raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
+    if band is not None and study and band[1] < NARROWEST * band[0]:
+        problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
+        raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
+
+
+def _stiffness(values: tuple[float, float, float] | None) -> np.ndarray | None:
+    if values is None:
+        return None
+    if not all(isfinite(k) and k > 0 for k in values):
+        problem = f"three stiffnesses above 0 N/m are expected, found {' '.join(f'{k:g}' for k in values)}"
+        raise BadInput(source="--cell-stiffness", problem=problem, remedy="One load cell along x, y and z, in N/m")
+    return np.array(values)
+
+
+def tolerances_of(settings: Sequence[str]) -> Tolerances:
+    """The ordinary tolerances with those of `settings`, ``KEY=VALUE``, in their place."""
+    known_keys = tuple(Tolerances.__dataclass_fields__)
+    changed: dict[str, float] = {}
+    for text in settings:
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or key not in known_keys:
+            raise BadInput(
+                source="--tolerance",
+                problem=f"KEY=VALUE with a tolerance's name is expected, found {text!r}",
+                remedy=f"{nearest(key, known_keys)}Known are {', '.join(known_keys)}",
+            )
+        dimension = DIMENSIONS.get(key, "ratio")
+        changed[key] = float(quantity(value, dimension, source="--tolerance", field=key).nominal_value)
+    return Tolerances(**changed)
+
+
+def _require_other(tare: Campaign, campaign: Campaign) -> None:
+    if Path(tare.source).resolve() == Path(campaign.source).resolve():
+        raise BadInput(
+            source="--tare", problem=f"{tare.source} is the campaign itself", remedy="Name the campaign of the known article"
+        )
+
+
+def _require_same_hardware(campaign: Campaign, tares: Sequence[Campaign]) -> None:
+    for tare in tares:
+        if tare.hardware and campaign.hardware and tare.hardware != campaign.hardware:
+            raise BadInput(
+                source=f"{tare.source}/{campaign_file.NAME}",
+                field="campaign.hardware",
+                problem=f"is {tare.hardware}, that of {campaign.source} is {campaign.hardware}: another FMD, other sensors",
+                remedy="Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so",
+            )
+
+
+def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[str]:
+    """Refuse a band that no run drives; say which part of it is not driven."""
+    driven = [of for run in campaign.runs if run.excitation is not None and (of := run.excitation.band) is not None]
+    if band is None or len(driven) < len(campaign.runs):
+        return []
+    low, high = max(of[0] for of in driven), min(of[1] for of in driven)
+    if band[1] <= low or band[0] >= high:
+        problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
+        raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
+    if band[0] < low or band[1] > high:
+        return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
+    return []
+
+
+def _require_lines(band: tuple[float, float] | None, campaign: Campaign) -> None:
+    """Refuse a band that holds too few lines to tell anything."""
+    if band is None or not campaign.recordings:
+        return
+    there, grid = next(iter(campaign.recordings.values())).frequency, campaign.processing or Processing()
+    lines = np.arange(band[0], band[1], grid.step) if there is None else there[(there >= band[0]) & (there <= band[1])]
+    if len(lines) < FEWEST:
+        raise BadInput(
+            source="--band",
+            problem=f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}",
+            remedy=f"Choose a band of {FEWEST} lines or more",
+        )
+
+
+def _fmd(name: str) -> Inertia:
+    """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
+    from validation.reference.reference import result_file_read
+
+    said = result_file_read(name, article="fmd").statement
+    try:
+        return said.inertia
+    except ValueError as error:
+        remedy = "State mass, CoG and moments of the FMD"
+        raise BadInput(source=name, field="inertia", problem=str(error), remedy=remedy) from None
+
+
+# `Reported`: one way's result as it is printed: mass, CoG and the tensor about the CoG in a frame, with their intervals.
+
+
+NOTHING = 1e-3
+"""A share of the variance below which an input is not worth a word."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reported:
+    """A result and what is to be thought of it.
+
+    Attributes
+    ----------
+    identified : about F
+    quality : in the frame in which it is reported
+    """
+
+    identified: Identified
+    quality: Quality
+
+    @property
+    def inertia(self) -> Inertia:
+        """In the axes and about the origin of the frame."""
+        return self.quality.inertia
+
+    @property
+    def values(self) -> Array:
+        """(10,) mass [kg], CoG [m] from the frame's origin, moments and products [kg m²] about the CoG."""
+        return self.quality.values
+
+    @property
+    def half_width(self) -> Array:
+        """(10,) distance to the farther end of each 95 % interval."""
+        low, high = self.quality.intervals.T
+        return np.asarray(np.maximum(high - self.values, self.values - low))
+
+    def statement(self) -> Statement:
+        """The result as a column of a reference table."""
+        values = tuple(Stated(value=float(v), tolerance=float(t)) for v, t in zip(self.values, self.half_width, strict=True))
+        return Statement(name=self.identified.way, values=values, source="massline identify", tolerance_note="95 % intervals")
+
+    def dominating(self, k: int) -> tuple[tuple[str, float], ...]:
+        """Inputs by their share of the variance of value `k`, the largest first; none where nothing is known."""
+        shares = [(name, float(share[k])) for name, share in self.quality.shares.items()]
+        return tuple(sorted((one for one in shares if one[1] > NOTHING), key=lambda one: -one[1]))
+
+
+def reported(identified: Identified, frame: Pose) -> Reported:
+    """`identified` seen from `frame`, whose pose is seen from F, along the axes of the campaign.
+
+    Raises
+    ------
+    CheckFailed : the mass is not positive, so that there is no CoG.
+    """
+    if identified.inertia.mass <= 0:
+        raise CheckFailed(
+            f"the {identified.way} result has a mass of {identified.inertia.mass:.6g} kg: is the polarity of the load cells "
+            "inverted, or more taken off than was mounted? `massline check` shows what the channels read",
+            mass=identified.inertia.mass,
+        )
+    return Reported(identified=identified, quality=quality(identified, frame))
+
+
+# `Findings`: all that `massline identify` shows, whichever way it is shown - on paper, as JSON, in pictures.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UsedLines:
+    """The lines of the spectra and what became of them.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    condition : (n,) scaled condition number of the base motions [1]
+    limit : above which a line is left out
+    kept : (n,) 1 for a line that is used, 0 for one that is not
+    reasons : why lines were left out, sentences
+    """
+
+    frequency: Array
+    condition: Array
+    limit: float
+    kept: Array
+    reasons: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Study:
+    """The band study: results of Eqs. 9 to 11 over start and stop frequency.
+
+    Attributes
+    ----------
+    start, stop : (a,), (b,) [Hz]
+    maps : by what was fitted ("5 elastic terms", "rigid"), the one that counts first: (a, b, 10) as a statement has them, in the
+        frame of the result; NaN where a band is too short
+    chosen : (start, stop) [Hz]
+    half_widths : by the same names (a, b, 10), of the 95 % intervals of each from noise and model error; empty when not known
+    """
+
+    start: Array
+    stop: Array
+    maps: Mapping[str, Array]
+    chosen: tuple[float, float]
+    half_widths: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def reference(self) -> Array:
+        """(10,) of the map that counts in the chosen band."""
+        at = (np.argmin(np.abs(self.start - self.chosen[0])), np.argmin(np.abs(self.stop - self.chosen[1])))
+        return np.asarray(next(iter(self.maps.values()))[at])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IdentificationFindings:
+    """An identification to be shown.
+
+    Attributes
+    ----------
+    article : what the result is about: the stack, without the FMD when a tare took it off
+    origin : "article" or "F", from where the CoG is given; with the user's own frame it is that frame's origin that counts
+    frame : the user's own frame, seen from the article's or from F; None without one
+    request : what was asked
+    results : plain, then self-calibrated when there is one; `identification.request.counts` says which is the result
+    rigid : (6, 6) mass matrix about F of all that the load cells carry, FMD included
+    lines, dynamic_mass, crossed, spectra, residuals, study : evidence; None where it does not exist
+    checks : findings of the closed checks
+    losses : what the base motion would be without each of its accelerometers
+    verdict : by PARAMETER about F and by name in `identification.request.QUANTITIES`, in words
+    doubts : what says that the figures are not to be trusted, the gravest first; sentences without their full stop
+    warnings : sentences without their full stop
+    """
+
+    article: str
+    origin: str
+    request: Request
+    results: tuple[Reported, ...]
+    verdict: Mapping[str, str] = field(default_factory=dict)
+    frame: Pose | None = None
+    rigid: Array | None = None
+    lines: UsedLines | None = None
+    dynamic_mass: DynamicMass | None = None
+    spectra: Spectra | None = None
+    crossed: CrossMotion | None = None
+    residuals: DrawnResiduals | None = None
+    study: Study | None = None
+    checks: tuple[Finding, ...] = ()
+    losses: tuple[Loss, ...] = ()
+    doubts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def result(self) -> Reported:
+        """The one that counts."""
+        return self.results[counts([one.identified for one in self.results])]
+
+
+# The band study of an identification: does the result know where its band begins and ends?
+
+
+RIGID = "no elastic terms"
+
+FITTED = 0.3
+"""Share of the work that is done with the fit of the whole band."""
+
+
+def studied(found: Identification, progress: Callable[[float], None]) -> BandStudy | None:
+    """Every band and number of poles, on the lines that are used; with as many poles as were asked for, or as the data want.
+
+    None where the lines that a rigid body was left with are too few to vary the band.
+    """
+    H = found.estimate.dynamic_mass
+    kept = np.asarray(found.exclusions.kept, dtype=bool)
+    used = DynamicMass(frequency=H.frequency[kept], matrix=H.matrix[kept], reference_point=H.reference_point)
+    if found.request.band is None and used.frequency[-1] < NARROWEST * used.frequency[0]:
+        return None
+    whole = fit(used, modes=found.request.modes or None, floor=CHAIN_ERROR, progress=lambda share: progress(FITTED * share))
+    return study(used, fitted=whole, floor=CHAIN_ERROR, progress=lambda share: progress(FITTED + (1 - FITTED) * share))
+
+
+def maps(found: Identification, of: BandStudy, frame: Pose) -> Study:
+    """The study as it is drawn: of the article in `frame`, seen from F, the FMD taken off as the plain way did."""
+    parameters, rigid = of.map(), found.request.modes == 0
+    whole = parameters[0, -1, 0] if rigid else of.fitted.parameters
+    fmd = whole - found.plain.inertia.parameters
+    drawn = {RIGID: _reported(parameters[:, :, 0] - fmd, frame)}
+    spread = of.map("covariance")
+    known = {RIGID: _half_widths(parameters[:, :, 0] - fmd, spread[:, :, 0], frame)}
+    counts = [] if rigid else sorted(filter(None, of.counts), key=lambda count: abs(count - of.fitted.modes))
+    for count in counts[:1]:
+        elastic = parameters[:, :, of.counts.index(count)]
+        what = f"{count} elastic terms"
+        drawn = {what: _reported(elastic - fmd, frame), **drawn}
+        known = {what: _half_widths(elastic - fmd, spread[:, :, of.counts.index(count)], frame), **known}
+    return Study(start=of.starts, stop=of.stops, maps=drawn, half_widths=known, chosen=of.fitted.band)
+
+
+def _reported(parameters: Array, frame: Pose) -> Array:
+    """(a, b, 10) as a statement has them; NaN where there is no fit, or none with a positive mass."""
+    values = np.full(parameters.shape, np.nan)
+    for at in np.argwhere(parameters[..., 0] > 0):
+        values[tuple(at)] = about_cog(Inertia(parameters=parameters[tuple(at)]).placed(frame.inverse))
+    return values
+
+
+def _half_widths(parameters: Array, covariance: Array, frame: Pose) -> Array:
+    """(a, b, 10) of the 95 % intervals of `_reported`, from noise and model error alone; NaN where there is no result."""
+    values = np.full(parameters.shape, np.nan)
+    for at in np.argwhere(parameters[..., 0] > 0):
+        here = parameters[tuple(at)]
+        values[tuple(at)] = half_widths(Inertia(parameters=here), covariance[tuple(at)], frame)
+    return values
+
+
+def verdicts(told: Mapping[str, str], of: BandStudy, *, rigid: bool) -> dict[str, str]:
+    """The verdicts `told` of a result; where fits of the plain way over narrower bands lead elsewhere, they say so."""
+    shares = of.spread(rigid=rigid) / of.scale
+    moved = {name: float(share) for names in (PARAMETERS, QUANTITIES) for name, share in zip(names, shares, strict=True)}
+    return {name: f"{said}; {_moved(moved[name])}" if moved[name] > LIMIT else said for name, said in told.items()}
+
+
+def _moved(share: float) -> str:
+    return f"plain fits over narrower bands and with other numbers of terms move it by {100 * share:.2g} % of that size"
+
+
+# From the driver's `Identification` to `Findings`: results in the frame of the article, evidence as it is drawn.
+
+
+SMALLEST = np.finfo(np.float64).tiny
+
+
+def gathered(
+    made: PreparedRequest, found: Identification, frame: Pose | None = None, study: BandStudy | None = None
+) -> IdentificationFindings:
+    """What `found` shows, in the user's own `frame`, seen from the article's.
+
+    Raises
+    ------
+    CheckFailed : a result without positive mass.
+    """
+    request = made.request
+    off = takes_fmd_off(request)
+    mount = stated(request.campaign) if off else None
+    pose = (mount or Pose()) @ (frame or Pose())
+    both = tuple(one for one in (found.plain, found.self_calibrated) if one is not None)
+    best = both[counts(both)]
+    results = tuple(reported(one, pose) for one in both if one is best or one.inertia.mass > 0)
+    checked = _checks(found)
+    chosen = next(one for one in results if one.identified is best)
+    said = [*made.warnings, *found.warnings, *(text for one in both for text in one.warnings), *_said(chosen, both)]
+    against = (*identification_identify.contradictions(checked), *_of_tares(found))
+    failed = identification_identify.failures(best)
+    return IdentificationFindings(
+        article=above_fmd(request.campaign.article) if off else request.campaign.article,
+        origin="F" if mount is None else "article",
+        frame=frame,
+        request=request,
+        results=results,
+        verdict=identification_identify.judged(_verdict(chosen, study, rigid=request.modes == 0), against, failed),
+        doubts=(*against, *failed),
+        study=None if study is None else maps(found, study, pose),
+        checks=checked,
+        losses=base_motion.without_each(found.article, gravity=request.campaign.gravity),
+        rigid=rigid(found, best),
+        lines=_lines(found),
+        dynamic_mass=found.estimate.dynamic_mass,
+        crossed=found.crossed,
+        spectra=found.article,
+        residuals=residuals(found),
+        warnings=tuple(dict.fromkeys(text.rstrip(".") for text in said)),
+    )
+
+
+def _said(chosen: Reported, both: Sequence[Identified]) -> Iterator[str]:
+    """Why the better way is not the result, and what a body cannot quite have."""
+    last = both[-1]
+    if chosen.identified is not last:
+        why = "blames the sensors for what is elastic" if last.converged else "did not converge"
+        yield f"the {chosen.identified.way} result is the one that counts: the {last.way} one {why}"
+    body = judge(chosen.inertia)
+    if not body.physical:
+        yield f"within their intervals only can a body have these moments: {body.text}"
+
+
+def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[str, str]:
+    told = one.quality.verdict
+    return told if study is None else verdicts(told, study, rigid=rigid)
+
+
+def _checks(found: Identification) -> tuple[Finding, ...]:
+    request = found.request
+    return consistency.checks(found.estimate.dynamic_mass, found.article, request.tolerances, gravity=request.campaign.gravity)
+
+
+def _of_tares(found: Identification) -> Iterator[str]:
+    """What contradicts itself in the tares, each with the tare's name."""
+    request = found.request
+    for tare, read in zip(request.tares, found.tares, strict=True):
+        checks = consistency.of_spectra(read, request.tolerances, gravity=tare.campaign.gravity)
+        yield from (f"{text}, in the tare {tare.campaign.article}" for text in identification_identify.contradictions(checks))
+
+
+def rigid(found: Identification, one: Identified) -> Array:
+    """Mass matrix (6, 6) about F of all that the load cells carry, FMD included: what is measured less elastic terms of `one`.
+
+    The median of all lines that are used, brought to the form of Eq. 1.
+    """
+    H = found.estimate.dynamic_mass
+    kept = np.asarray(found.exclusions.kept, dtype=bool)
+    elastic = 0.0 if one.elastic is None else dynamic_mass(np.zeros((6, 6)), one.elastic, H.frequency)
+    left = np.median((H.matrix - elastic)[kept].real, axis=0)
+    mass, S = np.trace(left[:3, :3]) / 3, (left[3:, :3] - left[:3, 3:]) / 2
+    first = (S - S.T)[[2, 0, 1], [1, 2, 0]] / 2
+    tensor = (left[3:, 3:] + left[3:, 3:].T) / 2
+    return Inertia(parameters=np.concatenate([[mass], first, six_from_tensor(tensor)])).mass_matrix
+
+
+def residuals(found: Identification) -> DrawnResiduals:
+    """What pick-ups and load cells contradict each other by, as a share of the readings of their kind at each line."""
+    motion, load, article = found.motion, found.load, found.article
+    back = load.parity @ load.combinations
+    parts = [(motion.channels, motion.residual), (load.channels, back)]
+    shares = [np.abs(values) / _level(article, names) for names, values in parts]
+    return DrawnResiduals(
+        frequency=article.frequency,
+        runs=article.runs,
+        channels=(*motion.channels, *load.channels),
+        share=np.concatenate(shares, axis=2),
+    )
+
+
+def _level(article: Spectra, names: tuple[str, ...]) -> Array:
+    """(r, n, 1) rms of the readings of the channels `names`."""
+    chosen = [article.table.names.index(name) for name in names]
+    level = np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True))
+    return np.asarray(np.maximum(level, SMALLEST))
+
+
+def _lines(found: Identification) -> UsedLines:
+    return UsedLines(
+        frequency=found.estimate.dynamic_mass.frequency,
+        condition=found.estimate.condition,
+        limit=found.request.condition_limit,
+        kept=np.asarray(found.exclusions.kept, dtype=np.float64),
+        reasons=found.exclusions.reasons,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnResiduals:
+    """What redundant channels disagree by.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    runs, channels : names
+    share : (r, n, c) residual over the level of the channel's kind in that run
+    """
+
+    frequency: Array
+    runs: tuple[str, ...]
+    channels: tuple[str, ...]
+    share: Array

@@ -1,0 +1,524 @@
+"""What `massline pretest` was asked, checked at the door: from options to plans of the article's campaign and of the tare."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from fem.base_excitation.rig import dynamic_mass
+from fem.modes import Modes
+from geometry import routes
+from geometry.articles import NAMES, built_in, changes_of
+from geometry.articles.locations import locations
+from geometry.dynamic_mass import MOTIONS, DynamicMass
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose, rigid_transformation_6
+from geometry.inertia import of_motions, of_resultants
+from geometry.sensors import Channel, ChannelTable, Tolerances
+from identification import campaign_file
+from identification.base_motion import base_motion, groups_used
+from identification.campaign import Processing
+from identification.chain import chain
+from identification.dynamic_mass import from_runs
+from identification.identify import Expected, expected
+from identification.request import Evidence, Known, Settings, TareSpectra
+from identification.resultants import resultants
+from identification.spectra import noise
+from identification.spectra.line_spectra import Spectra, full_record
+from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part
+from validation.flexible.modes import displacement
+from validation.identify.identify import Reported, reported, tolerances_of
+from validation.virtual_test import simulate
+from validation.virtual_test.plan import BEAM, NOISE, Plan, Scatter
+from validation.virtual_test.shaker import nominal_fmd
+from validation.virtual_test.simulate import DrivenRun, ShakerLaboratory, cross_motion, laboratory, runs
+
+FMD = "fmd"
+
+NO_TARE = "none"
+
+TARE = "fmd+disc+cuboid"
+"""The paper's."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PretestOptions:
+    """What was asked.
+
+    Attributes
+    ----------
+    plan : of the article's campaign
+    tare : of the tare's; None where there is none
+    table : the user's own sensors; None for those of the virtual shaker
+    tolerances : of the laboratory
+    condition_limit : scaled condition number above which a line is left out
+    rigid : elastic share up to which a place counts as rigid
+    lost : whether every channel is left out in turn
+    """
+
+    plan: Plan
+    tare: Plan | None
+    table: ChannelTable | None
+    tolerances: Tolerances
+    condition_limit: float
+    rigid: float
+    lost: bool
+
+    @property
+    def above(self) -> str:
+        """What stands on the FMD."""
+        return self.plan.on_fmd
+
+
+def question(
+    *,
+    article: str,
+    tare: str,
+    sensors: Path | None,
+    pattern: str,
+    runs: int | None,
+    level: float,
+    band: tuple[float, float],
+    octaves_per_minute: float,
+    cross: float,
+    seed: int,
+    tolerances: Sequence[str],
+    noise: str,
+    damping_ratio: float | None,
+    condition_limit: float,
+    rigid_percent: float,
+    lost: bool,
+    settings: Sequence[str],
+) -> PretestOptions:
+    """The options, checked.
+
+    Raises
+    ------
+    BadInput : one of them cannot be; what was found, and what to write.
+    """
+    known = tolerances_of(tolerances)
+    _require(condition_limit, "--condition-limit", "a condition number is above 1", above=1.0)
+    _require(rigid_percent, "--rigid", "a share above 0 % is expected", above=0.0)
+    stacks = [_on_fmd(article), *([] if tare == NO_TARE else [_on_fmd(tare)])]
+    _require_two(article, stacks)
+    plans = simulate.question(
+        articles=stacks,
+        out=Path("out"),
+        effects=(),
+        seed=seed,
+        levels=f"{level:g}",
+        sealed=None,
+        pattern=pattern,
+        runs=runs,
+        band=band,
+        octaves_per_minute=octaves_per_minute,
+        cross=cross,
+        tolerances=simulate.OFF,
+        noise=noise,
+        mains=simulate.OFF,
+        model=BEAM,
+        damping_ratio=damping_ratio,
+        rate=564.0,
+        form="h5",
+        units=(),
+        settings=settings,
+    ).plans
+    return PretestOptions(
+        plan=plans[0],
+        tare=plans[1] if len(plans) > 1 else None,
+        table=None if sensors is None else _sensors(sensors, plans[0].noise_rms),
+        tolerances=known,
+        condition_limit=condition_limit,
+        rigid=rigid_percent / 100,
+        lost=lost,
+    )
+
+
+def _on_fmd(article: str) -> str:
+    """The stack with the FMD below it: what is tested here always stands on one."""
+    return article if article.split("+")[0] not in NAMES or article.split("+")[0] == FMD else f"{FMD}+{article}"
+
+
+def _require_two(article: str, stacks: Sequence[str]) -> None:
+    if len(set(stacks)) < len(stacks):
+        problem = f"the tare is the article itself, {article}"
+        raise BadInput(source="--tare", problem=problem, remedy=f"Name another known article, or --tare {NO_TARE}")
+
+
+def _sensors(folder: Path, floors: Mapping[str, float]) -> ChannelTable:
+    """The channel table of a campaign, which must tell six motions and six resultants; ordinary noise where it states none."""
+    table = campaign_file.read_description(folder).table
+    groups_used(table)
+    verdict = of_resultants(table)
+    if not verdict.complete:
+        problem = f"the load cells of {folder} do not tell the six resultants: {verdict.text}"
+        raise BadInput(source="--sensors", problem=problem, remedy=f"Add a cell that sees {', '.join(verdict.missing)}")
+    return ChannelTable(channels=tuple(_noisy(one, floors) for one in table.channels), origin=table.origin)
+
+
+def _noisy(channel: Channel, floors: Mapping[str, float]) -> Channel:
+    """`channel` with its floor times the factor that was asked for."""
+    ordinary, asked = NOISE.get(channel.quantity, 0.0), floors.get(channel.quantity, 0.0)
+    factor = asked / ordinary if ordinary else 1.0
+    return replace(channel, noise_rms=factor * (ordinary if channel.noise_rms is None else channel.noise_rms))
+
+
+def _require(value: float, option: str, words: str, *, above: float) -> None:
+    if not (isfinite(value) and value > above):
+        raise BadInput(source=option, problem=f"{words}, found {value:g}", remedy="Leave it out for the ordinary one")
+
+
+# A planned campaign as the spectra that an exact laboratory would get: the base motions of the pattern, the model, the channels.
+#
+# The table's motion, cross motion included, is sampled and transformed as a record would be; what the channels read of it
+# follows from the nominal measurement chain and the model of what stands on the load cells. Noise is what the plan states, over
+# the length of the record. The table's motion is taken for that of the cover plate: the cells' give changes no interval.
+
+
+REST = 8.0
+"""[s] recorded behind the drive."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlannedCampaign:
+    """A planned campaign.
+
+    Attributes
+    ----------
+    spectra : of exact channels, with the noise that is planned
+    dynamic_mass : of all that stands on the load cells, about F
+    seat : (3,) [m] of the origin of what stands on the FMD, from F
+    stiffness : (3,) [N/m] of one load cell
+    """
+
+    spectra: Spectra
+    dynamic_mass: DynamicMass
+    seat: Array
+    stiffness: Array
+
+
+def planned(plan: Plan, table: ChannelTable | None = None) -> PlannedCampaign:
+    """The campaign of `plan`, its structure as drawn, with the sensors of `table` (by default those of the virtual shaker).
+
+    Raises
+    ------
+    BadInput : an article that cannot be built, channels that the chain cannot predict, a drive that cannot be.
+    """
+    lab = _nominal(plan)
+    channels = lab.layout.table if table is None else table
+    lines = _lines(plan)
+    H = dynamic_mass(replace(lab.rig, cells=()), lines)
+    driven = runs(plan)
+    motions, durations = zip(*(_motion(plan, run, lines) for run in driven), strict=True)
+    values = _read(channels, np.asarray(lab.rig.cells[0].stiffness), H, np.stack(motions), plan.gravity)
+    floors = np.array([one.noise_rms or 0.0 for one in channels.channels])
+    density = np.broadcast_to(floors**2 / plan.rate, values.shape)
+    spectra = Spectra(
+        table=channels,
+        frequency=lines,
+        values=values,
+        noise=noise.of_full_record(density, np.array(durations)),
+        quality=np.ones(values.shape[:2]),
+        runs=tuple(run.name for run in driven),
+        axes=tuple(run.axis for run in driven),
+    )
+    return PlannedCampaign(
+        spectra=spectra, dynamic_mass=H, seat=np.asarray(lab.rig.seat), stiffness=np.asarray(lab.rig.cells[0].stiffness)
+    )
+
+
+def _nominal(plan: Plan) -> ShakerLaboratory:
+    return laboratory(replace(plan, tolerances=Tolerances().scaled(0.0), scatter=Scatter().scaled(0.0)))
+
+
+def _lines(plan: Plan) -> Array:
+    low, high = plan.band
+    return np.asarray(low + Processing().step * np.arange(round((high - low) / Processing().step) + 1), dtype=np.float64)
+
+
+def _motion(plan: Plan, run: DrivenRun, lines: Array) -> tuple[np.ndarray, float]:
+    """Spectra (n, 6) of the table's accelerations in `run`, and the length of its record [s]."""
+    motion = run.pattern.motion(  # type: ignore[attr-defined]
+        plan.rate, ring_down=REST + plan.quiet, cross=cross_motion(plan, run.name)
+    )
+    return full_record(motion.acceleration, plan.rate, lines), len(motion.acceleration) / plan.rate
+
+
+def _read(table: ChannelTable, stiffness: Array, H: DynamicMass, motions: np.ndarray, gravity: float) -> np.ndarray:
+    """(r, n, c): what the nominal chain reads of `motions` (r, n, 6); 0 in channels on the structure."""
+    of = chain(table, stiffness=stiffness, gravity=gravity)
+    A0, A1 = of.rows(np.zeros(len(of.parameters)), H.frequency)
+    values = np.zeros((*motions.shape[:2], len(table)), dtype=np.complex128)
+    values[:, :, list(of.columns)] = np.einsum("nck,rnk->rnc", A0 + A1 @ H.matrix, motions)
+    return values
+
+
+# Where on an article a pick-up moves with the base alone: how large its elastic motion is, place by place.
+#
+# Relative to a base that accelerates along axis k, a point moves in the fixed-base modes by
+#
+#     a_el(omega) = sum_r phi_r L_rk omega² / (omega_r² - omega² + 2 i zeta_r omega_r omega)            (Eq. 8b's factor)
+#
+# The *elastic share* is |a_el| over what a rigid article would do there: the base's acceleration, of rotations times the
+# distance from F. A pick-up is meant for places where it stays below a per cent or so over the band. The cover plate is rigid in
+# all models here, and so is every place of an article without modes.
+
+
+NEAREST = 0.05
+"""[m] Distance from F below which a rotation is not taken to move less."""
+
+STEPS = 400
+"""Points on the axis of an article."""
+
+COARSE = 0.2
+"""[Hz] between the lines at which whole surfaces are judged; eigenfrequencies are added."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rigidity:
+    """How rigid one place is.
+
+    Attributes
+    ----------
+    name : of the place
+    position : (3,) [m] from F
+    at_start : the largest elastic share of the six axes at the lowest line [1]
+    largest : the same over the band
+    axis, frequency : where it is reached: of `MOTIONS`, [Hz]
+    up_to : [Hz] below which the share stays under the limit on every axis; None where it is above from the start
+    within : share of the lines at which it stays under the limit on every axis
+    """
+
+    name: str
+    position: Array
+    at_start: float
+    largest: float
+    axis: str
+    frequency: float
+    up_to: float | None
+    within: float
+
+
+def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency: Array, limit: float) -> tuple[Rigidity, ...]:
+    """Every one of `places` (3,) [m] in the article's own frame, the most rigid first; `seat` (3,) [m] of that frame from F."""
+    if not places:
+        return ()
+    points = np.array(list(places.values()))
+    moved = _displacement(model, points)
+    share = elastic_share(moved, points + seat, model.modes, seat, frequency)
+    found = [_one(name, point + seat, own, frequency, limit) for name, point, own in zip(places, points, share, strict=True)]
+    return tuple(sorted(found, key=lambda one: (one.largest, one.position[2])))
+
+
+def elastic_share(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> Array:
+    """(p, n, 6) elastic shares of `points` (p, 3) [m] from F whose displacement in the modes is `moved` (p, 3, m)."""
+    return np.stack(list(_by_line(moved, points, modes, seat, frequency)), axis=1)
+
+
+def largest_share(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> tuple[Array, Array]:
+    """(p,) and (p,): the largest of the six elastic shares at the first line, and over all lines; in the memory of one line."""
+    lines = (share.max(axis=1) for share in _by_line(moved, points, modes, seat, frequency))
+    first = next(lines)
+    most = first.copy()
+    for share in lines:
+        np.maximum(most, share, out=most)
+    return first, most
+
+
+def _by_line(moved: Array, points: Array, modes: Modes, seat: Array, frequency: Array) -> Iterator[Array]:
+    """Line by line the elastic shares (p, 6)."""
+    L = modes.participation.T @ rigid_transformation_6(seat)  # (m, 6) about F
+    omega, omega_r = 2 * np.pi * frequency[:, None], 2 * np.pi * modes.frequency
+    factor = omega**2 / (omega_r**2 - omega**2 + 2j * modes.damping_ratio * omega_r * omega)  # (n, m)
+    arm = np.maximum(np.linalg.norm(points, axis=1), NEAREST)[:, None]
+    flat = moved.reshape(-1, moved.shape[2])
+    for row in factor:
+        answer = row[:, None] * L
+        parts = (flat @ np.hstack([answer.real, answer.imag])).reshape(len(points), 3, 2, 6)
+        share = np.sqrt(np.sum(parts**2, axis=(1, 2)))
+        share[:, 3:] /= arm
+        yield share
+
+
+def rigid_height(model: Flexible, top: float, seat: Array, frequency: Array, limit: float) -> float | None:
+    """[m] above F up to which the article's axis, x = y = 0 of its frame from 0 to `top` [m], stays within `limit` over the band.
+
+    None where all of it does.
+    """
+    points = np.zeros((STEPS + 1, 3))
+    points[:, 2] = np.linspace(0.0, top, STEPS + 1)
+    lines = coarse_lines(frequency, model.modes)
+    _, most = largest_share(_displacement(model, points), points + seat, model.modes, seat, lines)
+    soft = np.flatnonzero(most > limit)
+    return float(seat[2] + points[max(soft[0] - 1, 0), 2]) if len(soft) else None
+
+
+def coarse_lines(frequency: Array, modes: Modes) -> Array:
+    """Fewer lines over the same band, with every eigenfrequency in it."""
+    low, high = float(frequency[0]), float(frequency[-1])
+    own = modes.frequency[(modes.frequency > low) & (modes.frequency < high)]
+    even = np.linspace(low, high, max(round((high - low) / COARSE), 1) + 1)
+    return np.unique(np.concatenate([even, own]))
+
+
+def _displacement(model: Flexible, points: Array) -> Array:
+    """(p, 3, m): nothing moves in the modes of a model that is not there."""
+    if model.structure is None:
+        return np.zeros((len(points), 3, len(model.modes.frequency)))
+    article = model.article_of_primitives
+    parts = np.zeros(len(points), dtype=np.intp) if article is None else nearest_part(article, points)
+    return displacement(model.structure, model.modes.shapes, article, points, parts)
+
+
+def _one(name: str, position: Array, share: Array, frequency: Array, limit: float) -> Rigidity:
+    line, axis = np.unravel_index(int(np.argmax(share)), share.shape)
+    under = np.all(share <= limit, axis=1)
+    first = int(np.argmin(under)) if not under.all() else len(under)
+    return Rigidity(
+        name=name,
+        position=position,
+        at_start=float(share[0].max()),
+        largest=float(share[line, axis]),
+        axis=MOTIONS[int(axis)],
+        frequency=float(frequency[line]),
+        up_to=float(frequency[first - 1]) if first else None,
+        within=float(under.mean()),
+    )
+
+
+# The answer of a pretest: condition of every line, expected intervals, what dominates them, rigid places.
+
+
+MODES = 40
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PretestFindings:
+    """What a pretest found.
+
+    Attributes
+    ----------
+    question : that it answers
+    spectra : planned, of the article's campaign
+    condition : (n,) scaled condition number of its base motions at every line
+    best, plain : expected results with their intervals, in the article's own frame
+    untared : (10,) half-widths without a tare; None where none is planned
+    without : by channel (10,) half-widths when it is lost
+    lost : by channel, what the plain way cannot tell without it, in words; empty where it still can
+    places : the named places of the article, the most rigid first
+    rigid_height : [m] above F up to which the axis of the article is rigid; None where all of it is
+    model : of what stands on the FMD; None for the FMD alone
+    seat : (3,) [m] of its frame from F
+    warnings : sentences
+    """
+
+    question: PretestOptions
+    spectra: Spectra
+    condition: Array
+    best: Reported
+    plain: Reported
+    untared: Array | None
+    without: Mapping[str, Array]
+    lost: Mapping[str, str]
+    places: tuple[Rigidity, ...]
+    rigid_height: float | None
+    model: Flexible | None
+    seat: Array
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def left_out(self) -> Array:
+        """(n,) bool: lines whose condition number is above the limit."""
+        return np.asarray(self.condition > self.question.condition_limit)
+
+
+def findings(question: PretestOptions, progress: Callable[[float], None] | None = None) -> PretestFindings:
+    """The answer to `question`.
+
+    Raises
+    ------
+    BadInput : an article that cannot be built, runs that leave a base motion undriven, channels that do not tell six motions.
+    """
+    article = planned(question.plan, question.table)
+    tare = None if question.tare is None else planned(question.tare, question.table)
+    condition = _condition(article.spectra)
+    settings = Settings(tolerances=question.tolerances, stiffness=article.stiffness, gravity=question.plan.gravity)
+    fmd = Known.within(nominal_fmd(question.plan), question.tolerances.fmd_inertia or 1e-6)
+    tares = () if tare is None or question.tare is None else (_known(tare, question.tare),)
+    evidence = Evidence(article=article.spectra, tares=tares, fmd=None if tares else fmd)
+    found = expected(evidence, settings, fmd, lost=question.lost, progress=progress)
+    pose = Pose(position=article.seat) if question.above else Pose()
+    best = reported(found.best, pose)
+    model = _model(question.plan)
+    places, height = ((), None) if model is None else _rigid(model, question, article)
+    return PretestFindings(
+        question=question,
+        spectra=article.spectra,
+        condition=condition,
+        best=best,
+        plain=reported(found.plain, pose),
+        untared=None if found.untared is None else _half(best, found.untared, pose),
+        without={name: _half(best, covariance, pose) for name, covariance in found.without.items()},
+        lost={name: _lost(article.spectra.table, name) for name in found.without},
+        places=places,
+        rigid_height=height,
+        model=model,
+        seat=article.seat,
+        warnings=_warnings(found, condition, question),
+    )
+
+
+def _condition(spectra: Spectra) -> Array:
+    motion, loads = base_motion(spectra).values, resultants(spectra).values
+    return from_runs(loads, motion, spectra.frequency).condition
+
+
+def _known(tare: PlannedCampaign, plan: Plan) -> TareSpectra:
+    if not plan.on_fmd:
+        return TareSpectra(spectra=tare.spectra, known=Known.nothing(), name=plan.article)
+    own = routes.inertia(built_in(plan.on_fmd, changes_of(plan.on_fmd, plan.dimensions)))
+    return TareSpectra(spectra=tare.spectra, known=Known.within(own.placed(Pose(position=tare.seat))), name=plan.article)
+
+
+def _half(best: Reported, covariance: Array, pose: Pose) -> Array:
+    return reported(replace(best.identified, covariance=covariance), pose).half_width
+
+
+def _model(plan: Plan) -> Flexible | None:
+    """The beam model of what stands on the FMD; None for the FMD alone."""
+    if not plan.on_fmd:
+        return None
+    changes = changes_of(plan.on_fmd, plan.dimensions)
+    return flexible(plan.on_fmd, plan.model, FlexibleOptions(count=MODES, damping=plan.damping, changes=changes))
+
+
+def _rigid(model: Flexible, question: PretestOptions, article: PlannedCampaign) -> tuple[tuple[Rigidity, ...], float | None]:
+    plan = question.plan
+    named = locations(plan.on_fmd, changes_of(plan.on_fmd, plan.dimensions))
+    found = judged(model, named, article.seat, article.spectra.frequency, question.rigid)
+    top = max(float(point[2]) for point in named.values())
+    return found, rigid_height(model, top, article.seat, article.spectra.frequency, question.rigid)
+
+
+def _lost(table: ChannelTable, gone: str) -> str:
+    """What the plain way (Eqs. 6 and 7, six resultants) has without the channel `gone`; empty where it has all it needs."""
+    if table.channels[table.names.index(gone)].group == "fmd":
+        return "no resultants: what its cells carry is not seen"
+    left = table.subset([k for k, name in enumerate(table.names) if name != gone])
+    try:
+        groups = groups_used(left)
+    except BadInput:
+        return f"no base motion: {', '.join(of_motions(left, groups_used(table)).missing)} cannot be told"
+    return "" if groups == groups_used(table) else f"the base motion of the {groups[0]} only"
+
+
+def _warnings(found: Expected, condition: Array, question: PretestOptions) -> tuple[str, ...]:
+    over = int(np.sum(condition > question.condition_limit))
+    unfinished = () if found.best.converged else ("the joint fit of the planned data did not converge: its intervals are rough",)
+    limit = question.condition_limit
+    many = f"at {over} of {len(condition)} lines the condition number is above {limit:g}: drive the axes in runs of their own"
+    return (*unfinished, *([many] if over else []))

@@ -1,0 +1,361 @@
+"""`Model`: what a model file says. One model serves a whole series: a campaign's `article` picks the set-up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from geometry.articles import NAMES
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen
+from geometry.inertia import Inertia
+from geometry.sensors import Channel, Tolerances
+from geometry.toml_file import nearest
+from identification.campaign import Campaign
+from identification.campaign_file import NAME
+from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
+from validation.effects.effect import ACCELEROMETER, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.model.setups import above_fmd
+
+BEAM, RIGID, USER = KINDS = ("beam", "rigid", "own")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureTolerances:
+    """How well the structure is known beforehand; standard deviations, relative but for `damping_law` and `mode_coupling`.
+
+    Attributes
+    ----------
+    modulus : of every part's moduli
+    frequency : of every mode's frequency, beside the moduli
+    damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
+    mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
+    damping_law : share of what parts lose that follows the velocity instead of the displacement
+    participation : of every mode's participation, along each axis, as a share of its largest
+    mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs
+    """
+
+    modulus: float = 0.025
+    frequency: float = 0.0015
+    damping: float = 0.35
+    mode_damping: float = 0.1
+    damping_law: float = 0.5
+    participation: float = 0.02
+    mode_coupling: float = 0.5
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Added:
+    """An effect of the model.
+
+    Attributes
+    ----------
+    named : what it is, where it acts, and its size
+    deviation : standard deviation by key of its values, as its fit left it; empty for one that was never fitted
+    fixed : whether its size is given and not to be fitted
+    """
+
+    named: Named
+    deviation: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    fixed: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Model:
+    """A model.
+
+    Attributes
+    ----------
+    source : the file, for messages
+    title : in a few words
+    article : the set-up it was written for, and whose parts it may describe
+    hardware : id of FMD and sensors for which it holds; empty for any
+    gravity : [m/s²]
+    fmd : inertia of the FMD's moving part about F; None for that of the drawing
+    fmd_tolerance : standard deviation of its parameters, as a share
+    cell_stiffness : (3,) [N/m] of one load cell along x, y, z; None where it is not known
+    tolerances : of the measurement chain
+    kind : of `KINDS`, how the articles are modelled
+    modes : how many are kept
+    changes : a user's own dimensions of built-in articles, as `geometry.articles.dimensions` names them
+    damping_ratio : of every mode; None for the loss factors of the parts
+    own : by article, the path of a user's own model (`fem.user_model`)
+    structure : tolerances of the structure
+    effects : in the order in which they act
+    """
+
+    source: str
+    title: str
+    article: str
+    hardware: str = ""
+    gravity: float = 9.81
+    fmd: Inertia | None = None
+    fmd_tolerance: float = 0.05
+    cell_stiffness: Array | None = None
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    kind: str = BEAM
+    modes: int = 30
+    changes: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    damping_ratio: float | None = None
+    own: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    structure: StructureTolerances = field(default_factory=StructureTolerances)
+    effects: tuple[Added, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.cell_stiffness is not None:
+            object.__setattr__(self, "cell_stiffness", frozen(self.cell_stiffness, (3,), "cell_stiffness"))
+            if np.any(self.cell_stiffness <= 0):
+                raise ValueError("`cell_stiffness` must be positive")
+
+
+# Do two channel tables say the same of one hardware? Positions count as seen from F: a frame is everyone's own.
+
+
+SAME = 1e-6
+"""[m], and of unit vectors: what two files may differ by that mean the same place."""
+
+MOUNTED = "article"
+"""The group that goes with what is tested, and not with the hardware."""
+
+SAYS = {"quantity": "measures", "group": "belongs to the group", "senses_gravity": "senses gravity:"}
+
+
+def difference(one: Campaign, other: Campaign) -> str:
+    """The first thing in which the channel tables of two campaigns differ, in words; empty where there is none."""
+    differences = (*_missing(one, other), *_missing(other, one))
+    return next(iter(differences), "") or next(_said_otherwise(one, other), "") or _placed_otherwise(one, other)
+
+
+def _channels(campaign: Campaign) -> dict[str, Channel]:
+    return {channel.name: channel for channel in campaign.table.channels if channel.group != MOUNTED}
+
+
+def _missing(one: Campaign, other: Campaign) -> list[str]:
+    names = [name for name in _channels(one) if name not in _channels(other)]
+    return [f"{names[0]} is a channel of {one.source} and not of {other.source}"] if names else []
+
+
+def _said_otherwise(one: Campaign, other: Campaign) -> Iterator[str]:
+    there = _channels(other)
+    for name, a in _channels(one).items():
+        for key, says in SAYS.items():
+            here, said = getattr(a, key), getattr(there[name], key)
+            if here != said:
+                yield f"{name} {says} {here} in {one.source} and {said} in {other.source}"
+        if len(a.places) != len(there[name].places):
+            yield f"{name} adds up {len(a.places)} places in {one.source} and {len(there[name].places)} in {other.source}"
+        for first, second in zip(a.places, there[name].places, strict=False):
+            if _apart(first.direction, second.direction):
+                ways = _vector(first.direction), _vector(second.direction)
+                yield f"{name} points along {ways[0]} in {one.source} and along {ways[1]} in {other.source}"
+
+
+def _placed_otherwise(one: Campaign, other: Campaign) -> str:
+    there = _channels(other)
+    places = [
+        (name, a.position - one.table.origin, b.position - other.table.origin)
+        for name, channel in _channels(one).items()
+        for a, b in zip(channel.places, there[name].places, strict=True)
+    ]
+    moved = [(name, a, b) for name, a, b in places if _apart(a, b)]
+    if not moved:
+        return ""
+    name, a, b = moved[0]
+    if len(moved) == len(places) and not any(_apart(y - x, b - a) for _, x, y in moved):
+        shift = _vector(b - a)
+        return f"every channel lies {shift} m farther from F than in {one.source}: one `frame.origin` is not that of F"
+    return f"{name} lies at {_vector(a)} m from F in {one.source} and at {_vector(b)} m in {other.source}"
+
+
+def _apart(a: Array, b: Array) -> bool:
+    return bool(np.abs(a - b).max() > SAME)
+
+
+def _vector(values: Array) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in np.round(values, 9) + 0.0) + ")"
+
+
+# Do a model and campaigns belong together? Article, hardware, gravity, channels and the effects' targets, each by its name.
+
+
+GRAVITY = 0.05
+"""[m/s²]: from the equator to the poles it varies by this much."""
+
+OF_CHANNELS = (CHANNEL, FORCE, ACCELEROMETER)
+
+
+def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
+    """Refuse a `model` and `campaigns` that do not belong together.
+
+    Raises
+    ------
+    BadInput : an article of which the model knows nothing; none of which the model speaks; other hardware, gravity or channels;
+        an effect that acts on a channel, a place or a part that none of the campaigns has.
+    """
+    if not campaigns:
+        problem = "there is no campaign to hold it against"
+        raise BadInput(source=model.source, problem=problem, remedy="Name at least one campaign folder")
+    for campaign in campaigns:
+        _require_known(model, campaign)
+        _require_same_hardware(model, campaign, campaigns[0])
+        _require_same_gravity(model, campaign)
+    _require_common_part(model, campaigns)
+    for one, other in _of_one_hardware(campaigns):
+        _require_same_channels(one, other)
+    for added in model.effects:
+        require_target(model, campaigns, added.named, model.source)
+
+
+def require_target(model: Model, campaigns: Sequence[Campaign], named: Named, source: str) -> None:
+    """Refuse an effect that acts on nothing that the `campaigns` have; `source` is where it was named.
+
+    Raises
+    ------
+    BadInput : its channel, place or part is in none of them, with the nearest.
+    """
+    if on_article(named) and not any(above_fmd(campaign.article) for campaign in campaigns):
+        problem = f"nothing stands on the cover plate: {_articles(campaigns)}"
+        raise BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy="Name the campaign of an article")
+    words = vocabulary(model, campaigns)
+    for kind, target in zip(FAMILIES[named.family].targets, named.targets, strict=False):
+        legal = words.parts if of_parts(named) else words.legal(kind) if kind in (*OF_CHANNELS, PLACE) else None
+        if legal is not None and target not in legal:
+            raise _nowhere(model, campaigns, named, kind, legal, source)
+
+
+def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
+    """The channels of `campaigns`, and the places and parts of their articles as `model` describes them."""
+    own = any(_own(model, campaign) for campaign in campaigns)
+    return Vocabulary(
+        accelerometers=_pairing_channels(campaigns, ("acceleration",)),
+        forces=_pairing_channels(campaigns, ("force", "moment")),
+        places=None if own else _places(model, campaigns),
+        parts=None if own and model.kind != RIGID else _parts(model, campaigns),
+    )
+
+
+def _pairing_channels(campaigns: Sequence[Campaign], quantities: tuple[str, ...]) -> tuple[str, ...]:
+    tables = [campaign.table for campaign in campaigns]
+    return tuple(dict.fromkeys(table.names[k] for table in tables for k in table.select(quantity=quantities)))
+
+
+def _places(model: Model, campaigns: Sequence[Campaign]) -> tuple[str, ...]:
+    from geometry.articles import changes_of
+    from geometry.articles.locations import locations
+
+    stacks = [above for campaign in campaigns if (above := above_fmd(campaign.article))]
+    return tuple(dict.fromkeys(place for stack in stacks for place in locations(stack, changes_of(stack, model.changes))))
+
+
+def _parts(model: Model, campaigns: Sequence[Campaign]) -> tuple[str, ...]:
+    from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
+
+    if model.kind == RIGID:
+        return ()
+    known = {"clumod-1": ("mast", *ONE_BLADE), "clumod-4": ("mast", *FOUR_BLADES)}
+    return tuple(dict.fromkeys(part for c in campaigns for name in c.article.split("+") for part in known.get(name, ())))
+
+
+def _nowhere(
+    model: Model, campaigns: Sequence[Campaign], named: Named, kind: str, legal: tuple[str, ...], source: str
+) -> BadInput:
+    """The refusal of `named`, which acts on a `kind` of which only the `legal` ones are there."""
+    target = next(one for one in named.targets if one not in legal)
+    near = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave the effect out"
+    if of_parts(named) and model.kind == RIGID:
+        problem, near = "acts on a part, and the parts of a rigid model do not give", 'Choose kind = "beam" in [structure]'
+    elif kind in OF_CHANNELS:
+        other = ", where one of another kind is" if any(target in campaign.table.names for campaign in campaigns) else ""
+        problem = f"no campaign has the {kind} {target!r}{other}: {', '.join(campaign.source for campaign in campaigns)}"
+    else:
+        problem = f"no article here has the {PART if of_parts(named) else kind} {target!r}: {_articles(campaigns)}"
+        near = f"{near}, or add the campaign of the article that has it"
+    return BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy=near)
+
+
+def _articles(campaigns: Sequence[Campaign]) -> str:
+    return ", ".join(dict.fromkeys(campaign.article for campaign in campaigns))
+
+
+def _own(model: Model, campaign: Campaign) -> bool:
+    """Whether `model` names a file for what stands in `campaign`, by the whole stack or by what is on the FMD, or that is one."""
+    from fem.user_model.reading import is_model
+
+    above = above_fmd(campaign.article)
+    return campaign.article in model.own or above in model.own or (bool(above) and is_model(above))
+
+
+def _require_known(model: Model, campaign: Campaign) -> None:
+    if _own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES):
+        return
+    near = nearest(campaign.article, (*model.own, model.article))
+    raise BadInput(
+        source=str(Path(campaign.source) / NAME),
+        field="campaign.article",
+        problem=f"is {campaign.article}, which is not built in, and {model.source} has no model of it",
+        remedy=f"{near}Name its file in [structure.own] of {model.source}, or correct the article",
+    )
+
+
+def _require_common_part(model: Model, campaigns: Sequence[Campaign]) -> None:
+    wanted = _families(model.article)
+    if not wanted or any(_families(campaign.article) & wanted for campaign in campaigns):
+        return
+    articles = ", ".join(f"{campaign.article} ({campaign.source})" for campaign in campaigns)
+    raise BadInput(
+        source=model.source,
+        field="model.article",
+        problem=f"is {model.article}, of which no campaign has a part: {articles}",
+        remedy="Name the campaign of this article, or the model of these",
+    )
+
+
+def _families(article: str) -> set[str]:
+    """The parts above the FMD; Clumod with any blades is one."""
+    return {part.split("-")[0] if part in NAMES else part for part in above_fmd(article).split("+") if part}
+
+
+def _require_same_hardware(model: Model, campaign: Campaign, first: Campaign) -> None:
+    source = str(Path(campaign.source) / NAME)
+    if model.hardware and campaign.hardware and campaign.hardware != model.hardware:
+        problem = f"is {campaign.hardware}, and {model.source} describes {model.hardware}: another FMD, other sensors"
+        remedy = "Use the model of this hardware, or correct `laboratory.hardware`"
+        raise BadInput(source=source, field="campaign.hardware", problem=problem, remedy=remedy)
+    if campaign.hardware and first.hardware and campaign.hardware != first.hardware:
+        problem = f"is {campaign.hardware}, and that of {first.source} is {first.hardware}: one model describes one hardware"
+        raise BadInput(source=source, field="campaign.hardware", problem=problem, remedy="Compare them one after the other")
+
+
+def _require_same_gravity(model: Model, campaign: Campaign) -> None:
+    if abs(campaign.gravity - model.gravity) <= GRAVITY:
+        return
+    raise BadInput(
+        source=str(Path(campaign.source) / NAME),
+        field="environment.gravity",
+        problem=f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}",
+        remedy="Correct the one that is wrong; 0 is a test without gravity",
+    )
+
+
+def _of_one_hardware(campaigns: Sequence[Campaign]) -> list[tuple[Campaign, Campaign]]:
+    """Each campaign with the first that has its hardware."""
+    first: dict[str, Campaign] = {}
+    return [(first.setdefault(campaign.hardware, campaign), campaign) for campaign in campaigns]
+
+
+def _require_same_channels(one: Campaign, other: Campaign) -> None:
+    """Refuse two campaigns of one hardware whose channel tables, seen from F, say different things of it."""
+    problem = difference(one, other)
+    if not problem:
+        return
+    what = f"hardware {other.hardware}" if other.hardware else "hardware, as none is stated"
+    raise BadInput(
+        source=str(Path(other.source) / NAME),
+        field="channel",
+        problem=f"{problem}; both have the same {what}",
+        remedy="Correct the table that is wrong, or give what was changed between the tests a `campaign.hardware` of its own",
+    )

@@ -1,0 +1,849 @@
+"""From a model file to a `Model`: every key known, every size with its unit, every effect one of the catalogue.
+
+``docs/model-file.md`` shows the file, `validation.model.model_file` writes it.
+"""
+
+from __future__ import annotations
+
+import json
+import os.path
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import lru_cache, partial
+from math import degrees, inf, isfinite, nextafter, radians
+from operator import add
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry import routes, toml_file
+from geometry.articles import NAMES, built_in, changes_of, dimension_files
+from geometry.articles.dimensions import load
+from geometry.errors import BadInput
+from geometry.frames import Array
+from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, tensor_from_six
+from geometry.sensors import Tolerances
+from geometry.toml_file import nearest
+from geometry.user_article import DESCRIPTION
+from identification.chain import assumed_stiffness
+from validation.classical.files import Fields
+from validation.effects.catalogue import FAMILIES, Named, parse
+from validation.effects.effect import Vocabulary, built_in_places
+from validation.model.model import BEAM, KINDS, USER, Added, Model, StructureTolerances
+from validation.model.setups import FMD as KNOWN_FMD
+from validation.model.setups import above_fmd, is_file, is_stack
+
+# TOML as a person would write it: numbers in the fewest digits that say the same, comments below each other.
+
+
+Line = tuple[str, str, str]
+"""Key, value, comment."""
+
+
+def string(value: str) -> str:
+    """A basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def block(head: str, lines: Sequence[Line]) -> str:
+    """A table with its comments below each other."""
+    width = max(len(f"{key} = {value}") for key, value, note in lines if note) if any(note for *_, note in lines) else 0
+    return "\n".join([head, *(_line(key, value, note, width) for key, value, note in lines)])
+
+
+def _line(key: str, value: str, note: str, width: int) -> str:
+    pair = f"{key} = {value}"
+    return f"{pair:{width}}  # {note}" if note else pair
+
+
+def number(value: float) -> str:
+    """The fewest digits that give `value` back exactly."""
+    plain, short = repr(float(value) + 0.0), f"{value:g}"
+    return short if "e" in short and len(short) < len(plain) and float(short) == value else plain
+
+
+def numbers(values: Iterable[float]) -> str:
+    return "[" + ", ".join(map(number, values)) + "]"
+
+
+def shortest(target: float, read: Callable[[float], float], near: float) -> float:
+    """The number of fewest digits about `near` that is read as `target`; the nearest where none is, by the last bit."""
+    for digits in range(1, 18):
+        if read(rounded := float(f"{near:.{digits}g}")) == target:
+            return rounded
+    beside = [nextafter(near, -inf), near, nextafter(near, inf)]
+    return min(beside, key=lambda one: abs(read(one) - target))
+
+
+# Numbers of a model file, each within what is physics.
+
+
+LARGEST = 1e15
+
+
+def model_number(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGEST, above: bool = False) -> float:
+    """The number under `key` of `table`, from `low` to `high`; `above` leaves `low` itself out.
+
+    Raises
+    ------
+    BadInput : it is missing, no number, or outside.
+    """
+    if key not in table.table:
+        raise table.refused(key, "is missing", "Add it, or leave its whole table out")
+    return checked(table, key, table.table[key], low=low, high=high, above=above)
+
+
+def three(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGEST, above: bool = False) -> list[float]:
+    """Three numbers under `key`, each as `number` has it.
+
+    Raises
+    ------
+    BadInput : they are missing, not three, no numbers, or outside.
+    """
+    value = table.table.get(key)
+    if not isinstance(value, list) or len(value) != 3:
+        problem = "is missing" if value is None else f"three numbers are expected, found {value!r}"
+        raise table.refused(key, problem, "Write [x, y, z]")
+    return [checked(table, key, one, low=low, high=high, above=above) for one in value]
+
+
+def checked(table: Fields, key: str, value: object, *, low: float, high: float, above: bool = False) -> float:
+    """`value`, which stands under `key`, if it is such a number.
+
+    Raises
+    ------
+    BadInput : it is not.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise table.refused(key, f"a number is expected, found {value!r}", "Write it without unit and quotes; the key names it")
+    if not isfinite(value) or not low <= value <= high or (above and value == low):
+        least = f"above {low:g}" if above else f"from {low:g}"
+        raise table.refused(key, f"must be {least} to {high:g}, found {value!r}", "Check the number and the unit of the key")
+    return float(value)
+
+
+# The tables [[effect]] of a model file: an id of the catalogue, its value, what a fit left of its uncertainty.
+#
+# [[effect]]
+# id = "appendage:z"
+# value = { m = 0.05, f = 21.0, zeta = 0.01 }     # or one number, or text as on the command line
+# sd = { m = 0.004 }                              # in the unit of the value
+# fixed = false
+
+
+EFFECT = ("id", "value", "sd", "fixed")
+
+
+def effects_of(whole: Fields, *, anywhere: bool) -> tuple[Added, ...]:
+    """The effects of the file, in its order; `anywhere` allows places and parts that no built-in article has.
+
+    Channels are those of a campaign, of which the file knows nothing: any name will do here.
+
+    Raises
+    ------
+    BadInput : an unknown key or id, with the nearest; a size that is no physics; an id that stands there twice.
+    """
+    if "effect" not in whole.table or whole.table["effect"] == []:
+        return ()
+    words = words_of(anywhere=anywhere)
+    found: dict[str, Added] = {}
+    for entry in whole.each("effect"):
+        added = _effect(entry, words)
+        if added.named.id in found:
+            problem = f"{added.named.id} stands there twice"
+            raise entry.refused("id", problem, "Keep one of them, with the whole size")
+        found[added.named.id] = added
+    return tuple(found.values())
+
+
+def words_of(*, anywhere: bool) -> Vocabulary:
+    """What an effect of a model file may act on."""
+    if anywhere:
+        return Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
+    return Vocabulary(accelerometers=None, forces=None, places=built_in_places())
+
+
+def effect_text(added: Added) -> str:
+    """The table [[effect]] of `added`, the family in words above it."""
+    what = f"# {FAMILIES[added.named.family].what}"
+    return "\n".join([what, "[[effect]]", *(f"{key} = {value}" for key, value in entries(added).items())])
+
+
+def entries(added: Added) -> dict[str, str]:
+    """By key, what [[effect]] says of `added`."""
+    found = {"id": string(added.named.id)}
+    for key, values in (("value", added.named.values), ("sd", added.deviation)):
+        if values:
+            found[key] = _values(values)
+    return found | ({"fixed": "true"} if added.fixed else {})
+
+
+def _values(values: Mapping[str, float]) -> str:
+    if tuple(values) == ("",):
+        return number(values[""])
+    if "" in values:  # a number of its own and others with a name: as on the command line
+        return string(",".join(f"{key}:{number(one)}" if key else number(one) for key, one in values.items()))
+    return "{ " + ", ".join(f"{key} = {number(one)}" for key, one in values.items()) + " }"
+
+
+def _effect(entry: Fields, words: Vocabulary) -> Added:
+    entry.only(EFFECT)
+    name = entry.text("id")
+    if not name or "=" in name:
+        problem = "is missing" if not name else f"an id without its value is expected, found {name!r}"
+        raise entry.refused("id", problem, 'Write for example id = "force-gain:fmd-z2" and value = 0.08')
+    value = _written(entry, "value")
+    try:
+        named = parse(f"{name}={value}" if value else name, words, source=entry.source)
+    except BadInput as error:
+        at = f"{entry.path('value' if name == error.field and value else 'id')}, {name}"
+        raise BadInput(source=entry.source, field=at, problem=error.problem, remedy=error.remedy) from None
+    return Added(named=named, deviation=_deviation(entry, named), fixed=entry.switch("fixed", False))
+
+
+def _written(entry: Fields, key: str) -> str:
+    """The value under `key` as it is typed on the command line; empty where there is none."""
+    value = entry.table.get(key, "")
+    if isinstance(value, str):
+        return value
+    if isinstance(value, dict):
+        return ",".join(f"{inner}:{_typed(entry, key, one)}" for inner, one in value.items())
+    return _typed(entry, key, value)
+
+
+def _typed(entry: Fields, key: str, value: object) -> str:
+    return repr(checked(entry, key, value, low=-LARGEST, high=LARGEST))
+
+
+def _deviation(entry: Fields, named: Named) -> Mapping[str, float]:
+    text = _written(entry, "sd")
+    found: dict[str, float] = {}
+    for part in text.split(",") if text else ():
+        key, _, size = (piece.strip() for piece in part.rpartition(":"))
+        if key not in named.values or key in found:
+            known = ", ".join(one or "a number" for one in named.values) or "none"
+            raise entry.refused("sd", f"it goes with the value, which has {known}, found {part.strip()!r}", "Correct it")
+        try:
+            found[key] = checked(entry, "sd", float(size), low=0.0, high=LARGEST)
+        except ValueError as error:
+            if isinstance(error, BadInput):
+                raise
+            raise entry.refused("sd", f"a number is expected, found {size!r}", "Write it in the unit of the value") from None
+    return found
+
+
+# The tables [laboratory] and [tolerances] of a model file: gravity, the FMD, its cells, and what is not known of the chain.
+
+
+LABORATORY = ("hardware", "gravity_m_s2", "fmd", "cell_stiffness_N_m")
+INERTIA = ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2")
+DRAWING = "drawing"
+FMD = ("inertia", "tolerance", *INERTIA)
+
+SCALES = {
+    "gain": ("gain", 1.0),
+    "table_gain": ("table_gain", 1.0),
+    "delay": ("delay_s", 0.01),
+    "position": ("position_mm", 100.0),
+    "angle": ("angle_deg", 30.0),
+    "cell_stiffness": ("cell_stiffness", 5.0),
+    "crosstalk": ("crosstalk", 1.0),
+}
+"""Fields of `Tolerances`, how the file calls them, and beyond what a unit was mistaken."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Laboratory:
+    """What [laboratory] says; see `Model`."""
+
+    hardware: str
+    gravity: float
+    fmd: Inertia | None
+    fmd_tolerance: float
+    cell_stiffness: Array | None
+
+
+def laboratory_read(table: Fields) -> Laboratory:
+    """[laboratory].
+
+    Raises
+    ------
+    BadInput : an unknown key, a wrong type or size, an inertia that no body has.
+    """
+    table.only(LABORATORY)
+    fmd = table.inner("fmd").only(FMD)
+    stiff = "cell_stiffness_N_m" in table.table
+    return Laboratory(
+        hardware=table.text("hardware"),
+        gravity=model_number(table, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in table.table else 9.81,
+        fmd=_inertia(fmd),
+        fmd_tolerance=model_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05,
+        cell_stiffness=np.array(three(table, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
+    )
+
+
+def tolerances(table: Fields, fmd: float) -> Tolerances:
+    """[tolerances], with the share `fmd` by which the FMD's inertia is known.
+
+    Raises
+    ------
+    BadInput : an unknown key, a wrong type or size.
+    """
+    names = {key: name for name, (key, _) in SCALES.items()}
+    table.only(names)
+    given = {
+        name: si(name, model_number(table, key, low=0.0, high=SCALES[name][1]))
+        for key, name in names.items()
+        if key in table.table
+    }
+    return Tolerances(**given, fmd_inertia=fmd)
+
+
+def si(name: str, written: float) -> float:
+    """The tolerance `name` in SI of the number `written` in the file."""
+    return {"position_mm": written / 1e3, "angle_deg": radians(written)}.get(SCALES[name][0], written)
+
+
+def fmd_of(mass: float, cog_mm: list[float], moi: list[float], poi: list[float]) -> Inertia:
+    """The inertia about F of the four figures in the file."""
+    return Inertia.from_cog(mass, [one / 1e3 for one in cog_mm], tensor_from_six([*moi, *poi]))
+
+
+def _inertia(table: Fields) -> Inertia | None:
+    stated = [key for key in INERTIA if key in table.table]
+    if "inertia" in table.table:
+        table.choice("inertia", (DRAWING,))
+        if stated:
+            problem = f"the drawing is asked for, and {stated[0]} is stated"
+            raise table.refused("inertia", problem, "Keep one of them")
+    if not stated:
+        return None
+    found = fmd_of(
+        model_number(table, "mass_kg", low=0.0, high=1e6, above=True),
+        three(table, "cog_mm", low=-1e5, high=1e5),
+        three(table, "moi_cog_kgm2", low=0.0, high=1e9),
+        three(table, "poi_cog_kgm2", low=-1e9, high=1e9) if "poi_cog_kgm2" in table.table else [0.0, 0.0, 0.0],
+    )
+    verdict = judge(found)
+    if not verdict.physical:
+        raise table.refused(
+            "moi_cog_kgm2", f"no body has this inertia: {verdict.text}", "Give moments and products about the CoG"
+        )
+    return found
+
+
+TABLES = ("format", "model", "laboratory", "tolerances", "structure", "effect")
+MODEL = ("title", "article")
+STRUCTURE = ("kind", "modes", "damping_ratio", "dimensions", "own", "tolerances")
+
+MOST_MODES = 500
+LARGEST_SHARE = 10.0
+"""A tolerance of more than ten times the value was meant in per cent."""
+
+
+def read(path: str | Path) -> Model:
+    """The model in the file at `path`.
+
+    Raises
+    ------
+    BadInput : no such file, not TOML, an unknown or missing key, a wrong type, unit or size, an effect that is not in the
+        catalogue or stands there twice; with the file, the field, what was found and what to do.
+    OSError : the file cannot be read.
+    """
+    return of_table(toml_file.read(path, remedy="Write one with `massline model ARTICLE --out FILE`"), str(path))
+
+
+def of_text(text: str, source: str) -> Model:
+    """The model that `text` says; `source` is the file that it comes from or will go to.
+
+    Raises
+    ------
+    BadInput : see `read`.
+    """
+    return of_table(toml_file.parse(text, source), source)
+
+
+def of_table(table: dict[str, Any], source: str) -> Model:
+    """The model in the `table` of the file `source`.
+
+    Raises
+    ------
+    BadInput : see `read`.
+    """
+    _require_model(table, source)
+    toml_file.require_format(table, source)
+    whole = Fields(source=source, place="", table=table).only(TABLES)
+    about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
+    own = _own(structure.inner("own"))
+    kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
+    known = laboratory_read(whole.inner("laboratory"))
+    return Model(
+        source=source,
+        title=about.text("title"),
+        article=_article(about, own, kind),
+        hardware=known.hardware,
+        gravity=known.gravity,
+        fmd=known.fmd,
+        fmd_tolerance=known.fmd_tolerance,
+        cell_stiffness=known.cell_stiffness,
+        tolerances=tolerances(whole.inner("tolerances"), known.fmd_tolerance),
+        kind=kind,
+        modes=_modes(structure),
+        changes=_changes(structure.inner("dimensions")),
+        damping_ratio=model_number(structure, "damping_ratio", low=0.0, high=0.99)
+        if "damping_ratio" in structure.table
+        else None,
+        own=own,
+        structure=_tolerances(structure.inner("tolerances")),
+        effects=effects_of(whole, anywhere=bool(own)),
+    )
+
+
+def _require_model(table: Mapping[str, Any], source: str) -> None:
+    if "model" in table:
+        return
+    kinds = {"campaign": "a campaign.toml", "fe_model": "an FE model", "kind": "a measurement file", "inertia": "a result file"}
+    what = next((f"this is {what}" for key, what in kinds.items() if key in table), "the table [model] is missing")
+    near = nearest("model", list(table))
+    problem = f"{what}, where a model file is needed"
+    raise BadInput(source=source, field="model", problem=problem, remedy=f"{near}`massline model ARTICLE --out FILE` writes one")
+
+
+def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
+    name = about.text("article")
+    if not name:
+        raise about.refused("article", "the set-up is missing", 'Write for example article = "fmd+clumod-1"')
+    if name in own or above_fmd(name) in own:
+        return name
+    if kind == USER:
+        problem = f"{name!r} has no model of its own, and `structure.kind` is {USER!r}"
+        raise about.refused("article", problem, "Name its file in [structure.own], or choose another kind")
+    try:
+        _require_built(name, ())
+    except BadInput as error:
+        remedy = f"{error.remedy}; what is your own has its file in [structure.own]"
+        raise about.refused("article", error.problem, remedy) from None
+    return name
+
+
+def _modes(structure: Fields) -> int:
+    count = structure.integer("modes", Model.modes, 1)
+    if count > MOST_MODES:
+        problem = f"must lie between 1 and {MOST_MODES}, found {count}"
+        raise structure.refused("modes", problem, "What the modes beyond the last one kept contribute is in the residual mass")
+    return count
+
+
+def _tolerances(table: Fields) -> StructureTolerances:
+    keys = tuple(one.name for one in fields(StructureTolerances))
+    table.only(keys)
+    return StructureTolerances(
+        **{key: model_number(table, key, low=0.0, high=LARGEST_SHARE) for key in keys if key in table.table}
+    )
+
+
+def _changes(table: Fields) -> dict[str, float]:
+    """A user's own dimensions by dotted key, however the dots were written; checked against the dimension files."""
+    found = _flat(table)
+    known = tuple(dict.fromkeys(file for name in NAMES for file in dimension_files(name)))
+    for key, value in found.items():
+        file = key.split(".")[0]
+        if file not in known:
+            raise table.refused(key, f"no part is called {file!r}", f"{nearest(file, known)}Keys begin with {', '.join(known)}")
+        _checked(table, key, partial(load, file, {key: value}))
+    for name in NAMES if found else ():
+        if own := changes_of(name, found):
+            _checked(table, next(iter(own)), partial(_require_built, name, tuple(own.items())))
+    return found
+
+
+@lru_cache(maxsize=64)
+def _require_built(name: str, changes: tuple[tuple[str, float], ...]) -> None:
+    """Build an article once; what can be built is not built again, since texts are read over and over while they are edited."""
+    built_in(name, dict(changes))
+
+
+def _flat(table: Fields) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for key, value in table.table.items():
+        if isinstance(value, dict):
+            inner = _flat(Fields(source=table.source, place=table.path(key), table=value))
+            found |= {f"{key}.{rest}": size for rest, size in inner.items()}
+        else:
+            found[key] = model_number(table, key)
+    return found
+
+
+def _checked(table: Fields, key: str, attempt: Callable[[], object]) -> None:
+    try:
+        attempt()
+    except BadInput as error:
+        raise table.refused(key, error.problem, error.remedy) from None
+
+
+def _own(table: Fields) -> dict[str, str]:
+    """By article, the path of the file with its model, relative paths from the folder of the model file."""
+    found = {}
+    for article in table.table:
+        name = table.text(article)
+        if not name:
+            raise table.refused(article, "a path is missing", 'Write "my-model.h5", from the folder of this file')
+        path = os.path.normpath(Path(table.source).parent / name)
+        _require_usable(table, article, path)
+        found[article] = path
+    return found
+
+
+def _require_usable(table: Fields, article: str, path: str) -> None:
+    from fem.user_model.reading import is_model
+    from geometry.user_article import require_file
+
+    if not Path(path).exists():
+        raise table.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
+    if not is_model(path):
+        _checked(table, article, partial(require_file, path))
+
+
+# A model file to start from: an article as it is drawn, in an ordinary laboratory, with nothing added.
+
+
+def draft(article: str, out: Path | None = None) -> Model:
+    """The model to start from for `article`, which is to be written to the file `out`.
+
+    `article` is a built-in stack on the FMD; a file with a model or a drawing of the user's own, which is put on the FMD; or a
+    model file, which is written anew.
+
+    Raises
+    ------
+    BadInput : no such article, one that does not stand on the FMD, a file that is neither.
+    OSError : a file cannot be read.
+    """
+    if _is_model_file(article):
+        return read(article)
+    if is_stack(article) or not _is_own(article):
+        built_in(article)
+        _require_on_fmd(article)
+        return _ordinary(
+            article, f"{above_fmd(article) or KNOWN_FMD} on the FMD" if article != KNOWN_FMD else "the FMD alone", out, {}
+        )
+    path = _usable(article)
+    name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
+    return _ordinary(f"{KNOWN_FMD}+{name}", f"{name} on the FMD", out, {f"{KNOWN_FMD}+{name}": str(path)})
+
+
+def _ordinary(article: str, title: str, out: Path | None, own: dict[str, str]) -> Model:
+    fmd_tolerance = Tolerances().fmd_inertia
+    return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
+
+
+def _is_model_file(name: str) -> bool:
+    path = Path(name)
+    if path.suffix.lower() not in (".toml", ".json") or not path.is_file():
+        return False
+    try:
+        return "model" in toml_file.read(path)
+    except BadInput:
+        return path.name != DESCRIPTION  # `reading` says what is wrong with it
+
+
+def _is_own(name: str) -> bool:
+    from fem.user_model.reading import is_model
+
+    return is_file(name) or is_model(name)
+
+
+def _usable(name: str) -> Path:
+    from fem.user_model.reading import is_model
+    from geometry.user_article import require_file
+
+    if is_model(name):
+        if not Path(name).is_file():
+            raise BadInput(source=name, problem="there is no such file", remedy="Check the path")
+        return Path(name)
+    return require_file(name)
+
+
+def _require_on_fmd(article: str) -> None:
+    if article.split("+")[0] != KNOWN_FMD:
+        problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
+        raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
+
+
+# The text of a model file with an effect more or less: every other line, and every comment, stays as its author wrote it.
+#
+# An effect is its ``[[effect]]`` line, the comment right above it, and all down to its last key. What an edit came to is read
+# again and held against what was meant, so that a layout that these lines do not foresee is refused and never damaged.
+
+
+HEADER = re.compile(r"\s*\[\[\s*(effect|'effect'|\"effect\")\s*\]\]")
+INNER = re.compile(r"\s*\[\s*effect\s*\.")
+TABLE = re.compile(r"\s*\[")
+KEY = re.compile(r"(?P<key>\s*(?P<name>value|sd|fixed)\s*=\s*)(?P<value>[^#]*?)(?P<rest>\s*(?:#.*)?)$")
+EDITED = ("value", "sd", "fixed")
+SOURCE = "model file"
+
+
+def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
+    """`text` of the file `source` with `added`: in the place of the effect of the same id, else as the last one.
+
+    Raises
+    ------
+    BadInput : `text` is no model file, or its effects do not stand as [[effect]].
+    """
+    before = _read(text, source)
+    ids = [one.named.id for one in before.effects]
+    if added.named.id not in ids:
+        return _verified(f"{text.rstrip()}\n\n{effect_text(added)}\n", [*before.effects, added], before)
+    place = ids.index(added.named.id)
+    meant = [*before.effects[:place], added, *before.effects[place + 1 :]]
+    lines = text.split("\n")
+    _, header, end = _span(lines, place, before)
+    for body in (_changed(lines[header:end], entries(added)), effect_text(added).splitlines()[1:]):
+        edited = "\n".join([*lines[:header], *body, *lines[end:]])
+        if _says(edited, meant, before):
+            return edited
+    raise _laid_out_otherwise(before.source)
+
+
+def without_effect(text: str, id: str, source: str = SOURCE) -> str:
+    """`text` of the file `source` without the effect `id`.
+
+    Raises
+    ------
+    BadInput : `text` is no model file, has no such effect, or its effects do not stand as [[effect]].
+    """
+    before = _read(text, source)
+    ids = [one.named.id for one in before.effects]
+    if id not in ids:
+        known = f"it has {', '.join(ids)}" if ids else "it has none"
+        raise BadInput(source=source, field=id, problem="the model has no such effect", remedy=f"{nearest(id, ids)}{known}")
+    place = ids.index(id)
+    lines = text.split("\n")
+    first, _, end = _span(lines, place, before)
+    if first and not lines[first - 1].strip():  # one empty line between what stays is enough
+        first -= 1
+    edited = "\n".join([*lines[:first], *lines[end:]])
+    return _verified(edited, [*before.effects[:place], *before.effects[place + 1 :]], before)
+
+
+def _read(text: str, source: str) -> Model:
+    if source.lower().endswith(".json"):
+        problem = "it is JSON, which is read but not edited: it has no comments to keep"
+        raise BadInput(source=source, problem=problem, remedy=f"massline model {source} --out FILE.toml writes it as TOML")
+    return of_text(text, source)
+
+
+def _span(lines: Sequence[str], place: int, before: Model) -> tuple[int, int, int]:
+    """Of the effect at `place`: its first line of comment, its header, and the line after its last key."""
+    headers = [k for k, line in enumerate(lines) if HEADER.match(line)]
+    if len(headers) != len(before.effects):
+        raise _laid_out_otherwise(before.source)
+    first = header = headers[place]
+    while first and lines[first - 1].lstrip().startswith("#"):
+        first -= 1
+    following = (k for k in range(header + 1, len(lines)) if TABLE.match(lines[k]) and not INNER.match(lines[k]))
+    end = next(following, len(lines))
+    while not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#"):
+        end -= 1
+    return first, header, end
+
+
+def _changed(body: Sequence[str], says: Mapping[str, str]) -> list[str]:
+    """The lines of one effect with its value, sd and fixed replaced, their comments kept; what is new comes last."""
+    left = {key: says[key] for key in EDITED if key in says}
+    lines: list[str] = []
+    for line in body:
+        found = KEY.match(line)
+        if found is None:
+            lines.append(line)
+        elif found["name"] in left:
+            lines.append(f"{found['key']}{left.pop(found['name'])}{found['rest']}")
+        elif found["name"] == "fixed":
+            lines.append(f"{found['key']}false{found['rest']}")
+    return [*lines, *(f"{key} = {value}" for key, value in left.items())]
+
+
+def _verified(text: str, meant: Sequence[Added], before: Model) -> str:
+    if not _says(text, meant, before):
+        raise _laid_out_otherwise(before.source)
+    return text
+
+
+def _says(text: str, meant: Sequence[Added], before: Model) -> bool:
+    """Whether `text` is the model `before` with the effects that were `meant`."""
+    try:
+        after = of_text(text, before.source)
+    except BadInput:
+        return False
+    return _facts(after, after.effects) == _facts(before, meant)
+
+
+def _facts(model: Model, effects: Sequence[Added]) -> tuple[object, ...]:
+    """All that a model says, in a form that can be compared."""
+    stiffness = None if model.cell_stiffness is None else tuple(model.cell_stiffness)
+    fmd = None if model.fmd is None else tuple(model.fmd.parameters)
+    same = (model.title, model.article, model.hardware, model.gravity, model.fmd_tolerance, model.tolerances, model.structure)
+    more = (model.kind, model.modes, model.damping_ratio, dict(model.changes), dict(model.own), stiffness, fmd)
+    added = [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in effects]
+    return (*same, *more, added)
+
+
+def _laid_out_otherwise(source: str) -> BadInput:
+    problem = "its effects are not laid out so that one can be changed alone"
+    return BadInput(source=source, field="effect", problem=problem, remedy="Write each as a table of its own, [[effect]]")
+
+
+# A `Model` as the text of its file, with comments; and a file's own text with an effect more or less, its comments kept.
+#
+# What is read back from `text` is the same model, bit for bit where it came from a file.
+
+
+TOLERANCE_NOTES = {
+    "gain": "relative, load cells and accelerometers on cover plate and article",
+    "table_gain": "relative, accelerometers below the FMD",
+    "delay": "of every channel",
+    "position": "of a pick-up along each axis",
+    "angle": "of a pick-up about the two axes across its direction",
+    "cell_stiffness": "relative, of each load cell along each axis",
+    "crosstalk": "relative, of each resultant in the others of its kind",
+}
+STRUCTURE_NOTES = {
+    "modulus": "of every part's moduli",
+    "frequency": "of every mode's frequency, beside the moduli",
+    "damping": "of every part's loss factor; of the logarithm of every mode's damping where damping_ratio gives it",
+    "mode_damping": "of the logarithm of every mode's damping, beside the loss factors of the parts",
+    "damping_law": "share of what parts lose that follows the velocity instead of the displacement",
+    "participation": "of every mode's participation, as a share of its largest",
+    "mode_coupling": "of the damping between two modes, as a share of the geometric mean of theirs",
+}
+
+
+def text(model: Model) -> str:
+    """The text of the model file of `model`."""
+    blocks = [_head(model), *_laboratory(model), *_model_tolerances(model), *_structure(model), _about_effects()]
+    return "\n\n".join([*blocks, *(effect_text(one) for one in model.effects)]) + "\n"
+
+
+def _head(model: Model) -> str:
+    return block(
+        "# A model file of massline: a laboratory, a structure, and the effects that were added so far.\n"
+        "# Units are in the names; what has none is a share, or SI.\n"
+        f"format = {toml_file.FORMAT}\n\n[model]",
+        [
+            ("title", string(model.title), ""),
+            ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
+        ],
+    )
+
+
+def _laboratory(model: Model) -> list[str]:
+    stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
+    unknown = "# " if model.cell_stiffness is None else ""
+    lines = [
+        ("hardware", string(model.hardware), "FMD and sensors, as `campaign.hardware` calls them; empty: any"),
+        ("gravity_m_s2", number(model.gravity), ""),
+        (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
+    ]
+    return [block("[laboratory]", lines), block(_FMD, _fmd(model))]
+
+
+_FMD = """\
+# The FMD's moving part: its inertia as a tare or a drawing says, never assumed to be exact. `tolerance` is one standard deviation
+# of every parameter, as a share. inertia = "drawing" takes that of the built-in reconstruction; or state your own figures.
+[laboratory.fmd]"""
+
+
+def _fmd(model: Model) -> list[Line]:
+    known = _drawn(model) if model.fmd is None else _model_inertia(model.fmd)
+    return [*known, ("tolerance", number(model.fmd_tolerance), "")]
+
+
+def _drawn(model: Model) -> list[Line]:
+    """The drawing asked for, and its figures as a comment to write one's own over."""
+    drawn = routes.inertia(built_in(KNOWN_FMD, changes_of(KNOWN_FMD, model.changes)))
+    rounded = Inertia.from_cog(float(f"{drawn.mass:.4g}"), np.round(drawn.cog, 5), np.diag(np.round(drawn.moments_cog, 4)))
+    return [("inertia", string(DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _model_inertia(rounded))]
+
+
+def _model_inertia(inertia: Inertia) -> list[Line]:
+    """Mass, CoG, moments and products, in digits that give the same ten parameters about F when they are read."""
+    about_f = inertia.about((0.0, 0.0, 0.0))
+    mass = about_f.mass
+    cog = [shortest(first, lambda mm: mass * (mm / 1e3), 1e3 * first / mass) for first in map(float, about_f.first_moment)]
+    steiner = six_from_tensor(parallel_axis(mass, [one / 1e3 for one in cog]))
+    six = [
+        shortest(target, partial(add, more), target - more)
+        for target, more in zip(about_f.parameters[4:].tolist(), steiner.tolist(), strict=True)
+    ]
+    return [
+        ("mass_kg", number(mass), ""),
+        ("cog_mm", numbers(cog), "from F, the centre of the force-measuring plane"),
+        ("moi_cog_kgm2", numbers(six[:3]), "xx, yy, zz about the CoG"),
+        ("poi_cog_kgm2", numbers(six[3:]), "xy, xz, yz: entries of the tensor, -∫xy dm"),
+    ]
+
+
+def _model_tolerances(model: Model) -> list[str]:
+    lines = [
+        (key, number(shortest(size, partial(si, name), _as_written(key, size))), TOLERANCE_NOTES[name])
+        for name, (key, _) in SCALES.items()
+        for size in [getattr(model.tolerances, name)]
+    ]
+    return [block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", lines)]
+
+
+def _as_written(key: str, size: float) -> float:
+    return {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
+
+
+def _structure(model: Model) -> list[str]:
+    ratio = model.damping_ratio
+    lines = [
+        ("kind", string(model.kind), "beam, rigid (does not give), or own: every article has its own model below"),
+        ("modes", str(model.modes), "kept; what the others contribute is in the residual mass"),
+        (
+            "# damping_ratio" if ratio is None else "damping_ratio",
+            number(0.003 if ratio is None else ratio),
+            "of every mode; left out, the loss factors of the parts hold",
+        ),
+    ]
+    own = [(string(article), string(_relative(path, model.source)), "") for article, path in model.own.items()]
+    changes = [(string(key), number(value), "") for key, value in model.changes.items()]
+    spread = [
+        (one.name, number(getattr(model.structure, one.name)), STRUCTURE_NOTES[one.name]) for one in fields(StructureTolerances)
+    ]
+    return [
+        block("[structure]", lines),
+        *(
+            [
+                block(
+                    "# Your own dimensions of built-in parts, as in their file in geometry/articles.\n[structure.dimensions]",
+                    changes,
+                )
+            ]
+            if changes
+            else []
+        ),
+        *(
+            [
+                block(
+                    "# Your own model by article: K and M, modal data or CAD, from the folder of this file.\n[structure.own]", own
+                )
+            ]
+            if own
+            else []
+        ),
+        block("# How well it is known beforehand, one standard deviation as a share.\n[structure.tolerances]", spread),
+    ]
+
+
+def _relative(path: str, source: str) -> str:
+    return os.path.relpath(path, Path(source).parent)
+
+
+def _about_effects() -> str:
+    return (
+        "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out."
+    )

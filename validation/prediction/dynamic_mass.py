@@ -1,0 +1,386 @@
+"""From reduced matrices to what is measured: the dynamic mass of a moving base, the accelerances of a held structure.
+
+With D = M - (K + i (omega C + S)) / omega², the dynamic stiffness over -omega², b the base and q the rest, the answer to unit
+accelerations of the base is T = [1; -D_qq^-1 D_qb] and
+
+    H = T^T D T = D_bb - D_bq D_qq^-1 D_qb,                  dH = T^T dD T,
+
+because H is stationary in the answer (Fox & Kapoor, AIAA Journal 6, 1968, for eigenvalues): a derivative costs two thin products,
+and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d, with dA = -(D^-1 phi_r)^T dD (D^-1 phi_d).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.frames import Array, Pose, frozen, rigid_transformation_6
+from geometry.inertia import PARAMETERS, UNITS, Inertia
+from identification.campaign import Campaign, Excitation, Processing, Run
+from identification.self_calibration.problem import ten_matrices
+from validation.effects.stages import Matrices, MountedDynamicMass
+from validation.estimation.problem import IDENTIFIED, Offsets, Parameter
+from validation.model.model import Added
+from validation.prediction import effects as prediction_effects
+from validation.prediction import nuisances
+from validation.prediction.nuisances import Nuisances, Tangent
+from validation.prediction.structure import MountedArticle
+
+FEW = 3
+"""Up to so many coordinates a sum of outer products is the quicker way."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CondensedTransfer:
+    """Transfer at every line, and the answers of all coordinates that its derivatives are made of.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    matrix : (n, r, d) complex: dynamic mass (n, 6, 6) about the article's origin, or accelerance [1/kg]
+    left, right : (k, n, r), (k, n, d), by coordinate: d matrix = sign * left^T dD right
+    sign : +1 of a dynamic mass, -1 of an accelerance
+    """
+
+    frequency: Array
+    matrix: ComplexArray
+    left: ComplexArray
+    right: ComplexArray
+    sign: float
+
+
+def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
+    """Blocked dynamic mass (n, 6, 6) about the article's origin at `frequency` (n,) [Hz], above zero.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError : a line lies on an undamped mode.
+    """
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    b = matrices.base
+    D = _dynamic(matrices, lines)
+    answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
+    H = D[:, :b, :b] + D[:, :b, b:] @ answer
+    moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
+    T = _by_coordinate(np.concatenate([moved, answer], axis=1))
+    return CondensedTransfer(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
+
+
+def accelerance(
+    matrices: Matrices, frequency: npt.ArrayLike, responses: npt.ArrayLike, drive: npt.ArrayLike
+) -> CondensedTransfer:
+    """Accelerations (n, r, d) [m/s² per N] of a held structure along `responses` for forces along `drive`.
+
+    Parameters
+    ----------
+    frequency : (n,) [Hz], above zero
+    responses, drive : (r, k), (d, k) what each coordinate moves along them, see `along`
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError : a line lies on an undamped mode.
+    """
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
+    loads = np.vstack([rows, forces]).T.astype(np.complex128)
+    whole = np.broadcast_to(loads, (len(lines), *loads.shape))
+    both = np.asarray(np.linalg.solve(_dynamic(matrices, lines), whole), dtype=np.complex128)
+    left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
+    return CondensedTransfer(
+        frequency=lines, matrix=rows @ right, left=_by_coordinate(left), right=_by_coordinate(right), sign=-1.0
+    )
+
+
+def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
+    """(k,) what each coordinate moves `place` along `direction` (3,), a unit vector.
+
+    Raises
+    ------
+    KeyError : no such place.
+    """
+    return np.asarray(np.asarray(direction, dtype=np.float64) @ matrices.places[place])
+
+
+def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
+    """By parameter d matrix / d offset, (n, r, d)."""
+    return {name: _tangent(answered, change) for name, change in changes.items()}
+
+
+def _by_coordinate(answer: ComplexArray) -> ComplexArray:
+    return np.ascontiguousarray(answer.transpose(1, 0, 2))
+
+
+def _tangent(answered: CondensedTransfer, change: Tangent) -> ComplexArray:
+    """Each field by itself: those that do not change cost nothing, nor do coordinates that do not."""
+    left, right = (side if len(change.at) == len(side) else side[change.at] for side in (answered.left, answered.right))
+    omega = (2 * np.pi * answered.frequency)[:, None, None]
+    found = np.zeros_like(answered.matrix)
+    fields = (
+        (change.mass, 1.0),
+        (change.stiffness, -1 / omega**2),
+        (change.viscous, -1j / omega),
+        (change.structural, -1j / omega**2),
+    )
+    for matrix, factor in fields:
+        if np.any(matrix):
+            found += factor * _product(left, matrix, right, change.crossing)
+    return answered.sign * found
+
+
+def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
+    """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
+    if crossing is not None:
+        return _crossed(left, matrix[crossing], right, crossing)
+    k, n, d = right.shape
+    pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
+    if k <= FEW:
+        return np.asarray(np.sum(left[:, :, :, None] * pulled[:, :, None, :], axis=0))
+    return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
+
+
+def _crossed(left: ComplexArray, row: Array, right: ComplexArray, r: int) -> ComplexArray:
+    """The same of a matrix of which row and column `r` alone are there, alike: two sums over the coordinates."""
+    half = np.array(row)
+    half[r] /= 2
+    over_left, over_right = (np.tensordot(half, side, axes=1) for side in (left, right))
+    return np.asarray(left[r][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[r][:, None])
+
+
+def _dynamic(matrices: Matrices, lines: Array) -> ComplexArray:
+    """D (n, k, k) at `lines` (n,) [Hz]."""
+    omega = (2 * np.pi * lines)[:, None, None]
+    D = np.empty((len(lines), *matrices.mass.shape), dtype=np.complex128)
+    D.real = matrices.mass - matrices.stiffness / omega**2
+    D.imag = -(omega * matrices.viscous + matrices.structural) / omega**2
+    return D
+
+
+# How strongly a run was driven, for what depends on it: friction, gaps, saturation, and how fast a sweep passed.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BaseDrive:
+    """What one run did to the base.
+
+    Attributes
+    ----------
+    amplitude : (6,) [m/s², rad/s²] of its motion, zeros where it is not stated
+    nominal : (6,) the same of the strongest run along the same axes, the one driven at nominal level
+    sweep_rate : [octaves/s], 0 where it is not stated
+    block : [s] of the blocks of peak-reference-hold, 0 for other spectra
+    """
+
+    amplitude: Array = field(default_factory=lambda: np.zeros(6))
+    nominal: Array = field(default_factory=lambda: np.zeros(6))
+    sweep_rate: float = 0.0
+    block: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "nominal"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+
+
+def drives(campaign: Campaign, method: str) -> dict[str, BaseDrive]:
+    """By name of the run; `method` by which its spectra were made."""
+    amplitudes = {
+        run.name: np.zeros(6) if run.excitation is None else _amplitude(run.excitation, run.axis) for run in campaign.runs
+    }
+    return {
+        run.name: BaseDrive(
+            amplitude=amplitudes[run.name],
+            nominal=_strongest(amplitudes[run.name], list(amplitudes.values())),
+            sweep_rate=_rate(run),
+            block=_block(campaign, run, method),
+        )
+        for run in campaign.runs
+    }
+
+
+def _strongest(one: Array, every: Sequence[Array]) -> Array:
+    """The largest of `every` that lies along `one`."""
+    alike = [other for other in every if np.array_equal(other > 0, one > 0)]
+    return max(alike, key=lambda other: float(np.linalg.norm(other)))
+
+
+def _rate(run: Run) -> float:
+    return (run.excitation.figure("octaves_per_minute") or 0.0) / 60 if run.excitation else 0.0
+
+
+def _amplitude(excitation: Excitation, axis: str) -> Array:
+    """Of a sine; the level of a noise is no amplitude."""
+    levels, level = excitation.figures.get("levels"), excitation.figure("level")
+    if isinstance(levels, tuple):
+        return np.array(levels, dtype=np.float64)
+    if excitation.kind != "sine-sweep" or level is None or axis not in MOTIONS:
+        return np.zeros(6)
+    return np.asarray(level * np.eye(6)[MOTIONS.index(axis)])
+
+
+def _block(campaign: Campaign, run: Run, method: str) -> float:
+    """[s], where records became spectra block by block."""
+    recorded = campaign.recordings.get(run.name)
+    rate = recorded.sampling_rate if recorded is not None else None
+    held = method == "peak-reference-hold" and rate
+    return (campaign.processing or Processing()).block_size / rate if held and rate else 0.0
+
+
+# The FMD's moving part as parameters: ten of them about F, known beforehand to a share.
+#
+# A share of an inertia means the same for all ten when it is that of the pseudo-inertia P (4x4), whose diagonal holds the mass
+# and the three second moments: the standard deviation of an entry P_ij is the share times sqrt(P_ii P_jj), so that a mass known
+# to 5 % goes with a centre of gravity known to 5 % of the radius of gyration.
+#
+# The moving part is nearly a plate: its second moment across the plane is a small difference of moments that are known to 5 % of
+# their own. So a fit may pass through what no density has (P not definite); only a mass matrix that does not resist is refused.
+# No fit goes `FARTHEST` beyond what is known beforehand: where a grave fault would have the FMD swallow it, the FMD would end as
+# no body at all, and a fit on the brink of that finds no way down.
+
+
+FMD = "fmd"
+
+FARTHEST = 5.0
+"""Standard deviations."""
+
+
+def names() -> tuple[str, ...]:
+    """Of the ten parameters."""
+    return tuple(f"{FMD}:{one}" for one in PARAMETERS)
+
+
+def parameters(nominal: Inertia, tolerance: float) -> tuple[Parameter, ...]:
+    """The ten, of a moving part that is `nominal` about F within `tolerance`; none of one that is known exactly."""
+    if tolerance == 0:
+        return ()
+    ten = zip(names(), UNITS, nominal.parameters.tolist(), (tolerance * scales(nominal)).tolist(), strict=True)
+    return tuple(
+        Parameter(name=name, unit=unit, tolerance=sd, kind=IDENTIFIED, nominal=value, low=-FARTHEST * sd, high=FARTHEST * sd)
+        for name, unit, value, sd in ten
+    )
+
+
+def scales(nominal: Inertia) -> Array:
+    """(10,) of each parameter: what a share of it is a share of."""
+    m, xx, yy, zz = (nominal.pseudo_inertia[k, k] for k in (3, 0, 1, 2))
+    first = np.sqrt(m * np.array([xx, yy, zz]))
+    moments = np.hypot.reduce(np.array([[yy, zz, 0.0], [xx, zz, 0.0], [xx, yy, 0.0]]), axis=1)
+    return np.concatenate([[m], first, moments, np.sqrt([xx * yy, xx * zz, yy * zz])])
+
+
+def at(nominal: Inertia, offsets: Offsets) -> Inertia:
+    """The moving part at `offsets`, about F.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError : its mass matrix is not positive definite; a fit then steps back.
+    """
+    ten = nominal.parameters + np.array([offsets.get(name, 0.0) for name in names()])
+    made = Inertia(parameters=ten)
+    np.linalg.cholesky(made.mass_matrix)
+    return made
+
+
+# The dynamic mass of all that the load cells carry, about F: the article with its effects, mounted, and the FMD beside it.
+
+
+Tangents = dict[str, ComplexArray]
+"""By parameter, d dynamic mass / d offset (n, 6, 6)."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SupportedDynamicMass:
+    """What the cells carry, before anything is measured.
+
+    Attributes
+    ----------
+    standing : on the cover plate
+    moving : the FMD's moving part beforehand, about F
+    exact : whether it is known exactly
+    nuisances : what is not known of the structure; None where nothing stands there
+    """
+
+    standing: MountedArticle
+    moving: Inertia
+    exact: bool
+    nuisances: Nuisances | None
+
+    def at(
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+    ) -> tuple[ComplexArray, Tangents]:
+        """Dynamic mass (n, 6, 6) about F, and how it answers to every parameter.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError : no such body, or a line on an undamped mode.
+        """
+        base = at(self.moving, offsets).mass_matrix
+        H = np.broadcast_to(base.astype(np.complex128), (len(frequency), 6, 6))
+        found: Tangents = {}
+        if derivatives and not self.exact:
+            found = {name: _constant(E, len(frequency)) for name, E in zip(names(), ten_matrices(), strict=True)}
+        if self.nuisances is None:
+            return H, found
+        mounted, changes = self._mounted(self.nuisances, offsets, effects, frequency, drive, derivatives=derivatives)
+        T = rigid_transformation_6(mounted.seat)
+        return H + T.T @ mounted.matrix @ T, {**found, **{name: T.T @ change @ T for name, change in changes.items()}}
+
+    def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
+        """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
+        beyond those of a rigid article.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError : no such body, or a line on an undamped mode.
+        """
+        if self.nuisances is None:
+            return {}
+        matrices, _ = structure(self.nuisances, offsets, effects, derivatives=False)
+        answer = dynamic_mass(matrices, frequency).right.transpose(1, 0, 2)
+        turn, b = self.standing.pose.rotation, matrices.base
+        back = _turned(self.standing.pose).T @ rigid_transformation_6(self.standing.pose.position)
+        return {
+            name: (turn @ rows @ answer @ back, turn @ rows[:, b:] @ answer[:, b:] @ back)
+            for name, rows in matrices.places.items()
+        }
+
+    def _mounted(
+        self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+    ) -> tuple[MountedDynamicMass, Tangents]:
+        matrices, tangents = structure(of, offsets, effects, derivatives=derivatives)
+        answered = dynamic_mass(matrices, frequency)
+        changes = transfer_tangents(answered, tangents) if derivatives else {}
+        R = _turned(self.standing.pose)
+        mounted = MountedDynamicMass(
+            frequency=frequency,
+            matrix=R @ answered.matrix @ R.T,
+            seat=self.standing.pose.position,
+            cog=self.standing.pose.rotation @ matrices.cog,
+            amplitude=drive.amplitude,
+            sweep_rate=drive.sweep_rate,
+            block=drive.block,
+        )
+        turned = {name: R @ change @ R.T for name, change in changes.items()}
+        return prediction_effects.body(mounted, turned, effects, derivatives=derivatives)
+
+
+def structure(
+    of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: bool
+) -> tuple[Matrices, dict[str, Tangent]]:
+    """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
+    matrices, tangents = of.at(offsets, derivatives=derivatives)
+    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
+    if of.has_law:
+        return nuisances.applied(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
+    return matrices, tangents
+
+
+def _turned(pose: Pose) -> Array:
+    """(6, 6) motions and loads in the axes of F from those in the article's own."""
+    return np.asarray(np.kron(np.eye(2), pose.rotation), dtype=np.float64)
+
+
+def _constant(matrix: Array, count: int) -> ComplexArray:
+    return np.broadcast_to(matrix.astype(np.complex128), (count, 6, 6))

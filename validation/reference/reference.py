@@ -1,0 +1,698 @@
+"""From a name on the command line to its reference: the table with every column, or one column to hold a result against."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import hypot
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry import toml_file
+from geometry.article import Article
+from geometry.articles import NAMES, built_in, changes_of, dimension_files
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, Pose
+from geometry.inertia import Inertia, judge
+from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, rounding, tessellation_error
+from validation.model.setups import is_file, is_stack
+from validation.reference import published as reference_published
+from validation.reference import statement
+from validation.reference.published import published
+from validation.reference.statement import QUANTITIES, Quantity, Row, Stated, Statement, about_cog, jacobian, pose_of, seen_from
+
+# The user's own dimensions of built-in articles, ``--set KEY=VALUE``: read, and said wherever a figure rests on them.
+
+
+OPTION = "--set"
+
+LARGEST = 1e6
+"""In the dimension files' own units (mm, degrees, counts): a kilometre."""
+
+
+def read(settings: Sequence[str]) -> dict[str, float]:
+    """The changes that ``KEY=VALUE`` texts ask for, by key, in the unit of the dimension file; keys are not checked here.
+
+    Raises
+    ------
+    BadInput : no "=", a value that is no finite number of a thinkable size, a key that is set twice.
+    """
+    changes: dict[str, float] = {}
+    for text in settings:
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not key:
+            raise _refused("", f"KEY=VALUE is expected, found {text!r}", "Write for example fmd.load_cell.moving_fraction=0.6")
+        if key in changes:
+            raise _refused(key, f"it is set twice, to {changes[key]:g} and {value}", "Keep one of them")
+        changes[key] = _number(key, value)
+    return changes
+
+
+def require_used(names: Collection[str], changes: Mapping[str, float]) -> None:
+    """Refuse a change that speaks of a part that none of the built-in articles `names` has.
+
+    Raises
+    ------
+    BadInput : such a change, or an article that does not exist.
+    """
+    known = sorted({file for name in names for file in dimension_files(name)})
+    for key in changes:
+        file = key.split(".")[0]
+        if file not in known:
+            remedy = f"{toml_file.nearest(file, known)}Keys begin with {', '.join(known)}" if known else "Name a built-in article"
+            raise _refused(key, f"no article here has a part {file!r}", remedy)
+
+
+def footnote(name: str, changes: Mapping[str, float], in_print: bool) -> str:
+    """A sentence on what `changes` do to the article `name`, of which something is published or not; empty without any."""
+    own = changes_of(name, changes)
+    if not own:
+        return ""
+    idle = [key for key in own if not _acts(name, own, key)]
+    words = [f"Dimensions changed: {', '.join(f'{key} = {value:g}' for key, value in own.items())}"]
+    words += [f"without effect on its inertia: {', '.join(idle)}"] if idle else []
+    words += ["published and measured values are those of the unchanged article"] if in_print else []
+    return f"{'; '.join(words)}."
+
+
+def _acts(name: str, changes: Mapping[str, float], key: str) -> bool:
+    from geometry import routes
+
+    without = routes.inertia(built_in(name, {k: v for k, v in changes.items() if k != key}))
+    difference = np.abs(routes.inertia(built_in(name, changes)).parameters - without.parameters)
+    return bool(np.any(difference > rounding(without)))
+
+
+def _number(key: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise _refused(key, f"a number is expected, found {text!r}", "Write it alone, in the unit that the key names") from None
+    if not math.isfinite(value) or abs(value) > LARGEST:
+        raise _refused(key, f"no dimension has this size, found {text}", "Check the number and the unit that the key names")
+    return value
+
+
+def _refused(key: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=OPTION, field=key, problem=problem, remedy=remedy)
+
+
+# `ReferenceTable`: what the routes, print, balance, pendulum and identification say about one article, side by side.
+#
+# Ten quantities by columns. Every column but one is held against the *reference* of its quantity: the published value (for
+# Clumod that of the FE model) where one is printed, as in the paper's Tables 1 and 2; the exact route where none is. A deviation
+# is given in per cent of the reference, in its own unit where the reference is zero, and in units of the combined tolerance
+# (both in quadrature). A quantity's verdict names the columns that lie outside.
+
+
+PUBLISHED, MEASURED, IDENTIFIED = "published", "measured", "identified"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReferenceTable:
+    """One article's table.
+
+    Attributes
+    ----------
+    article : its name
+    note : what its geometry rests on
+    columns : statements by column, the routes first; all in one frame
+    agree : whether the routes agree
+    agreement : that verdict in a sentence
+    chord : largest chord error of the mesh route [m]; 0 where a mesh is taken as it is
+    changes : the user's own dimensions that the routes rest on, by key, in the unit of the dimension file
+    footnotes : what must be known to read it
+    warnings : what was noticed on the way, in words; each is among the footnotes too
+    """
+
+    article: str
+    columns: Mapping[str, Statement]
+    note: str = ""
+    agree: bool = True
+    agreement: str = ""
+    chord: float = 0.0
+    changes: Mapping[str, float] = field(default_factory=dict)
+    footnotes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def reference_columns(self) -> tuple[str | None, ...]:
+        """For each of the ten quantities the column that it is held against; None where nobody states it."""
+        order = (PUBLISHED, *self.columns)
+        return tuple(next((c for c in order if self.stated(c, k) is not None), None) for k in range(len(QUANTITIES)))
+
+    def stated(self, column: str, k: int) -> Stated | None:
+        """What `column` says about quantity `k`."""
+        return self.columns[column].values[k] if column in self.columns else None
+
+
+def row(table: ReferenceTable, column: str, k: int) -> Row | None:
+    """Quantity `k` of `column` beside its reference, in printed units; None where either is not stated or both are the same."""
+    against = table.reference_columns[k]
+    said = table.stated(column, k)
+    if said is None or against is None or against == column:
+        return None
+    known = table.stated(against, k)
+    return None if known is None else held_against(QUANTITIES[k], said, known, (table.columns[column].name, against))
+
+
+def held_against(quantity: Quantity, said: Stated, known: Stated | None, names: tuple[str, str]) -> Row:
+    """One stated value beside a known one, in printed units; `names` of the two say which tolerance dominates."""
+    result = _shown(said.tolerance, quantity)
+    limit = None if known is None else _shown(known.tolerance, quantity)
+    return Row(
+        quantity=quantity.label,
+        value=said.value * quantity.per_si,
+        tolerance=result,
+        unit=quantity.unit,
+        reference=None if known is None else known.value * quantity.per_si,
+        reference_tolerance=limit,
+        dominated_by=names[0] if (result or 0.0) >= (limit or 0.0) else names[1],
+    )
+
+
+def rows(table: ReferenceTable, k: int) -> Iterator[tuple[str, Row]]:
+    """Every column that is held against the reference of quantity `k`."""
+    for column in table.columns:
+        if (one := row(table, column, k)) is not None:
+            yield column, one
+
+
+def verdict(table: ReferenceTable, k: int) -> str:
+    """Quantity `k` in words."""
+    held = list(rows(table, k))
+    if not held:
+        return "nothing to compare"
+    outside = [f"{column} outside{_by(one)}" for column, one in held if not one.within]
+    return "; ".join(outside) if outside else "all within"
+
+
+def route_statement(name: str, inertia: Inertia, error: Array | None = None) -> Statement:
+    """A route's `inertia` with what it may be off by: rounding, and `error` (10,) of its parameters about the origin, Eq. 4.
+
+    A CoG coordinate or product that does not rise above rounding is zero: it is the symmetry of the body that it fails to show.
+    """
+    least = _spread(inertia, rounding(inertia))
+    tolerance = least if error is None else np.hypot(least, _spread(inertia, error))
+    values = about_cog(inertia)
+    return Statement(
+        name=name,
+        values=tuple(
+            Stated(value=0.0 if abs(v) <= zero else float(v), tolerance=float(t))
+            for v, zero, t in zip(values, least, tolerance, strict=True)
+        ),
+        source=f"route {name}",
+        tolerance_note="rounding" if error is None else "rounding and tessellation",
+    )
+
+
+def _spread(inertia: Inertia, error: Array) -> Array:
+    """What `error` (10,) of the parameters about the origin, Eq. 4, makes of the values about the CoG, (10,)."""
+    J = jacobian(lambda parameters: about_cog(Inertia(parameters=parameters)), inertia.about(np.zeros(3)).parameters)
+    return np.asarray(np.sqrt(J**2 @ error**2))
+
+
+def seen(table: ReferenceTable, frame: Pose) -> ReferenceTable:
+    """`table` from the user's own `frame`, whose pose is given in the article's frame."""
+    return replace(table, columns={column: seen_from(said, frame) for column, said in table.columns.items()})
+
+
+def _shown(tolerance: float | None, quantity: Quantity) -> float | None:
+    return None if tolerance is None else tolerance * quantity.per_si
+
+
+def _by(one: Row) -> str:
+    words = in_tolerances(one.deviation_in_tolerances)
+    return f" ({words})" if words else ""
+
+
+def in_tolerances(many: float | None, before: str = "") -> str:
+    """A deviation in tolerances as words after `before`; empty without any."""
+    if many is None:
+        return ""
+    return f"{before}{abs(many):.1f} tolerances" if abs(many) < 1000 else f"{before}over 999 tolerances"
+
+
+DEFAULT_ARTICLES = ("cuboid", "disc", "fmd", "clumod-1", "clumod-4")
+"""The four articles of the paper, Clumod in both configurations."""
+
+REFERENCES = (PUBLISHED, MEASURED, *ROUTES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArticleOptions:
+    """How the articles of a command are to be read.
+
+    Attributes
+    ----------
+    chord : chord error of the mesh route [m]; None for `DEFAULT_CHORD`, and for a share of each solid's size in a user's file
+    unit, material : of user's files
+    changes : the user's own dimensions of built-in articles, see `validation.reference.reference`
+    """
+
+    chord: float | None = None
+    unit: str | None = None
+    material: str | None = None
+    changes: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Routes:
+    """Inertia by every route asked for, what each may be off by (10,) about the origin, and what was said on the way.
+
+    `chord` [m] is the largest chord error of the meshes, 0 where a mesh is taken as it is.
+    """
+
+    inertias: Mapping[str, Inertia]
+    errors: Mapping[str, Array]
+    agree: bool = True
+    text: str = ""
+    note: str = ""
+    chord: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    def statements(self) -> dict[str, Statement]:
+        return {route: route_statement(route, inertia, self.errors.get(route)) for route, inertia in self.inertias.items()}
+
+
+def require_use(names: Sequence[str], asked: ArticleOptions) -> None:
+    """Refuse a unit, a material or a change of dimensions that no article of `names` could use.
+
+    Raises
+    ------
+    BadInput : unit or material are given, and every article is built in; a change, and no article has that part.
+    """
+    given = [option for option, value in (("--unit", asked.unit), ("--material", asked.material)) if value is not None]
+    if given and all(map(is_stack, names)):
+        raise BadInput(source=given[0], problem="a built-in article states its own", remedy="Leave it out, or name a file")
+    if asked.changes:
+        require_used([name for name in names if not is_file(name)], asked.changes)
+
+
+def reference_table(name: str, asked: ArticleOptions) -> ReferenceTable:
+    """The table of the article `name`, in its own frame.
+
+    Raises
+    ------
+    BadInput : no such article, or a file of which no body can be made.
+    """
+    routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked)
+    print_ = published(name)
+    notes = [note] if (note := changes_note(name, asked)) else []
+    return ReferenceTable(
+        article=name,
+        columns={**routes.statements(), **print_.statements},
+        note=routes.note,
+        agree=routes.agree,
+        agreement=f"{routes.text}; chord error of the mesh {_length(routes.chord)}" if routes.chord else routes.text,
+        chord=routes.chord,
+        changes=_own_changes(name, asked),
+        footnotes=(*notes, *print_.footnotes, *(f"{warning}." for warning in routes.warnings)),
+        warnings=routes.warnings,
+    )
+
+
+def changes_note(name: str, asked: ArticleOptions) -> str:
+    """What the user's own dimensions mean for the figures of the article `name`, a sentence; empty without any."""
+    return "" if is_file(name) else footnote(name, asked.changes, in_print=bool(published(name).statements))
+
+
+def _own_changes(name: str, asked: ArticleOptions) -> Mapping[str, float]:
+    return {} if is_file(name) else changes_of(name, asked.changes)
+
+
+def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose) -> tuple[str, Statement]:
+    """What a result about the article `name` is held against, seen from `frame`: `choice` of `REFERENCES`, and its name.
+
+    Without a choice it is the exact route, or the mesh where there is no other. A route's values carry the tolerance of the
+    published values where there are any: the geometry was solved from these, and is not known better.
+
+    Raises
+    ------
+    BadInput : no such article, or nothing of that choice is known of it.
+    CheckFailed : the routes disagree about a file or about changed dimensions.
+    """
+    printed = {} if is_file(name) else published(name).statements
+    if choice is not None and choice in printed:
+        if asked.changes:
+            raise BadInput(source=OPTION, problem=f"{choice} values are those of the unchanged article", remedy="Leave it out")
+        return choice, seen_from(printed[choice], frame)
+    only = None if asked.changes else choice or ROUTES[0]
+    routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=only)
+    if not routes.agree:
+        raise CheckFailed(f"{name}: {routes.text}")
+    chosen = choice or next(iter(routes.inertias))
+    if chosen not in routes.inertias:
+        raise BadInput(
+            source=f"article {name}",
+            field="--reference",
+            problem=f"nothing {chosen} is known of it",
+            remedy=f"Choose one of {', '.join((*(c for c in (PUBLISHED, MEASURED) if c in printed), *_possible(name, routes)))}",
+        )
+    return chosen, seen_from(_as_well_as(routes.statements()[chosen], printed), frame)
+
+
+def _length(metres: float) -> str:
+    return f"{metres * 1e3:.3g} mm" if metres >= 1e-3 else f"{metres * 1e6:.3g} µm"
+
+
+def _possible(name: str, routes: _Routes) -> tuple[str, ...]:
+    return tuple(routes.inertias) if is_file(name) else ROUTES
+
+
+def _of_built_in(name: str, asked: ArticleOptions, only: str | None = None) -> _Routes:
+    """By all routes, held against each other, or by `only` one of them (none when it is no route)."""
+    article, chord = _article(name, asked), asked.chord or DEFAULT_CHORD
+    errors = {"trimesh": tessellation_error(article, chord)}
+    if only is not None:
+        found = {only: _BY_ROUTE[only](article, chord)} if only in _BY_ROUTE else {}
+        return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)
+    inertias = _by_routes(article, chord, changed_by_user=bool(asked.changes))
+    verdict = agreement(article, inertias, chord)
+    shared = _overlaps(article) if asked.changes or "+" in name else ""
+    text = f"{shared}; {verdict.text}" if shared else verdict.text
+    return _Routes(
+        inertias=inertias, errors=errors, agree=verdict.agree and not shared, text=text, note=article.note, chord=chord
+    )
+
+
+def _overlaps(article: Article) -> str:
+    """What no route can see, since each adds bodies up: two that share volume. Empty where none do."""
+    from geometry import cad
+
+    pairs = [f"{a} and {b} share {1e9 * volume:.4g} mm³" for (a, b), volume in cad.overlaps(article).items()]
+    more = f" and {len(pairs) - 3} pairs more" if len(pairs) > 3 else ""
+    return f"bodies overlap: {', '.join(pairs[:3])}{more}" if pairs else ""
+
+
+def _by_routes(article: Article, chord: float, *, changed_by_user: bool) -> Mapping[str, Inertia]:
+    try:
+        return by_routes(article, chord)
+    except BadInput:
+        raise
+    except Exception as error:  # OCC and the mesh routines raise errors of every kind on bodies that cannot be
+        if not changed_by_user:
+            raise
+        problem = f"no body of {article.name} can be made with these dimensions ({type(error).__name__})"
+        raise BadInput(source=OPTION, problem=problem, remedy="Check the sizes and their unit") from error
+
+
+def _article(name: str, asked: ArticleOptions) -> Article:
+    return built_in(name, changes_of(name, asked.changes))
+
+
+def _of_file(name: str, asked: ArticleOptions) -> _Routes:
+    from geometry import user_article
+
+    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
+    inertias = user_article.inertias(article)
+    verdict = user_article.agreement(article, inertias)
+    return _Routes(
+        inertias=inertias,
+        errors={"trimesh": verdict.tolerance} if "occ" in inertias else {},
+        agree=verdict.agree,
+        text=verdict.text,
+        note=article.note,
+        chord=max(part.chord for part in article.parts),
+        warnings=article.warnings,
+    )
+
+
+def file_name(title: str) -> str:
+    """`title` as the name of a file that stays in its folder: letters, digits and ``+ - _ .``, everything else a dash."""
+    return re.sub(r"[^\w.+-]+", "-", title).strip(".-") or "article"
+
+
+def _as_well_as(exact: Statement, statements: Mapping[str, Statement]) -> Statement:
+    if PUBLISHED not in statements:
+        return exact
+    pairs = zip(exact.values, statements[PUBLISHED].values, strict=True)
+    note = "that of the published values, where there are any, and rounding"
+    return replace(exact, values=tuple(mine and _widened(mine, theirs) for mine, theirs in pairs), tolerance_note=note)
+
+
+def _widened(mine: Stated, theirs: Stated | None) -> Stated:
+    return mine if theirs is None else replace(mine, tolerance=hypot(mine.tolerance or 0.0, theirs.tolerance or 0.0))
+
+
+def _occ(article: Article, chord: float) -> Inertia:
+    from geometry import cad
+
+    return cad.inertia(article)
+
+
+def _pinocchio(article: Article, chord: float) -> Inertia:
+    from geometry import routes
+
+    return routes.inertia(article)
+
+
+_BY_ROUTE: Mapping[str, Callable[[Article, float], Inertia]] = {"occ": _occ, "trimesh": by_mesh, "pinocchio": _pinocchio}
+
+
+# A result against its reference, row by row, and what to say about the whole.
+#
+# *Within* means that a value differs from its reference by no more than the tolerance of the result and that of the reference,
+# in quadrature. A value that the result does not state, or that has no reference, is not judged but named.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CrossCheck:
+    """What came of it.
+
+    Attributes
+    ----------
+    rows : one for each value that both state
+    not_stated : labels of the values that the result does not state
+    not_known : labels of the values that it states and the reference does not
+    physical : whether a body can have the stated parameters; None when too few are stated to tell
+    physics : that verdict in words
+    """
+
+    rows: tuple[Row, ...]
+    not_stated: tuple[str, ...]
+    not_known: tuple[str, ...]
+    physical: bool | None
+    physics: str
+
+    @property
+    def outside(self) -> tuple[Row, ...]:
+        """The rows that lie outside."""
+        return tuple(row for row in self.rows if not row.within)
+
+    @property
+    def passed(self) -> bool:
+        """Every row within, at least one of them, and no law of physics broken."""
+        return bool(self.rows) and not self.outside and self.physical is not False
+
+
+def cross_check(result: Statement, reference: Statement) -> CrossCheck:
+    """Hold `result` against `reference`, both in one frame."""
+    triples = list(zip(QUANTITIES, result.values, reference.values, strict=True))
+    physical, physics = _physics(result)
+    return CrossCheck(
+        rows=tuple(
+            held_against(q, said, known, ("result", f"reference ({reference.name})"))
+            for q, said, known in triples
+            if said is not None and known is not None
+        ),
+        not_stated=tuple(q.label for q, said, _ in triples if said is None),
+        not_known=tuple(q.label for q, said, known in triples if said is not None and known is None),
+        physical=physical,
+        physics=physics,
+    )
+
+
+def summary(check: CrossCheck, against: str) -> str:
+    """The verdict in a sentence."""
+    if not check.rows:
+        return f"nothing could be compared with {against}"
+    if not check.outside:
+        held = f"all {len(check.rows)} stated values agree with {against} within the combined tolerance"
+    else:
+        held = f"outside the combined tolerance of {against}: {', '.join(_named(row) for row in check.outside)}"
+    return held if check.physical is not False else f"{held}; and {check.physics}"
+
+
+def _named(row: Row) -> str:
+    percent, many = row.deviation_percent, row.deviation_in_tolerances
+    size = f"{row.deviation:+.3g} {row.unit}" if percent is None else f"{percent:+.2f} %"
+    return f"{row.quantity} ({size}{in_tolerances(many, ', ')})"
+
+
+def _physics(result: Statement) -> tuple[bool | None, str]:
+    """The judgement on all ten values; on fewer only what no products could mend, for they leave the diagonal as it is."""
+    if None in result.values[:7] or result.values[0] is None or result.values[0].value == 0:
+        return None, "too few values are stated to judge whether a body can have them"
+    verdict = judge(result.inertia, rounding=1e-9)
+    if not verdict.physical:
+        return False, f"no body has these parameters: {verdict.text}"
+    if not result.complete:
+        return None, "nothing speaks against a body with these parameters; without the products it cannot be proven"
+    return True, f"a body can have these parameters: {verdict.text}"
+
+
+# Somebody's identified ten parameters, from a file: our own format, what `massline identify --json` prints, or a bare INERTIA.
+#
+# `validation.reference.statement` documents the tables that hold the values. Around them stand
+#
+# - ``format = 1``;
+# - `article`, optional: what was identified; a result about another article than the one at hand is refused;
+# - `frame`, optional: where the file's own frame sits in the article's (see `validation.reference.statement`); left out, the file is taken
+#   to be in the frame in which it is to be shown, by default the article's.
+#
+# The same may be written in JSON. Missing values are allowed and come out as not stated.
+
+
+_PRINTED = {"mass_kg": (1.0, 1), "cog_mm": (1e-3, 3), "moi_cog_kgm2": (1.0, 3), "poi_cog_kgm2": (1.0, 3)}
+"""Keys of INERTIA: factor to SI and length."""
+
+_IDENTIFY = ("inertia", "origin", "interval95")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StatedResult:
+    """A result as read.
+
+    Attributes
+    ----------
+    statement : in the frame in which it is to be shown
+    warnings : what is odd about the file, in words
+    """
+
+    statement: Statement
+    warnings: tuple[str, ...] = ()
+
+
+def result_file_read(name: str, *, article: str, frame: Pose | None = None, way: str = "") -> StatedResult:
+    """The result in the file `name`, or in print under that name, about `article`, seen from `frame` (its pose in the article's).
+
+    `way` picks one of the results of an identification, "plain" or "self-calibrated"; by default it is the one that counts.
+
+    Raises
+    ------
+    BadInput : not TOML or JSON, about another article, none of the forms, unknown keys, missing units, a frame that is not known.
+    OSError : the file cannot be read.
+    """
+    table = _table(name)
+    warnings = _about_another(table.get("article", article), name, article)
+    return StatedResult(statement=_statement(_of_way(table, way, name), name, article, frame), warnings=warnings)
+
+
+def _of_way(table: dict[str, Any], way: str, name: str) -> dict[str, Any]:
+    """An identification's `table` with the result of `way` in the place of the one that counts."""
+    if not way:
+        return table
+    key = way.replace("-", "_")
+    if not isinstance(table.get(key), dict):
+        raise BadInput(source=name, field=key, problem=f"there is no {way} result", remedy="Give the JSON of `massline identify`")
+    return {**table, **{part: table[key].get(part) for part in ("inertia", "interval95")}}
+
+
+def _about_another(about: object, name: str, article: str) -> tuple[str, ...]:
+    """Refuse a result about another article; between a user's own names, which may mean the same, it is only said."""
+    path = Path(article)
+    if isinstance(about, str) and _plain(about) in map(_plain, (article, path.name, path.stem)):
+        return ()
+    problem = f"it says that it is about {about if isinstance(about, str) else repr(about)}, held against {article}"
+    if isinstance(about, str) and not _is_built_in(about) and not _is_built_in(article):
+        return (f"{name}: {problem}",)
+    raise BadInput(source=name, field="article", problem=problem, remedy="Name the same article, or correct the file")
+
+
+def _plain(article: str) -> str:
+    return "".join(article.split()).lower()
+
+
+def _is_built_in(article: str) -> bool:
+    return set(article.split("+")) <= set(NAMES)
+
+
+def _table(name: str) -> dict[str, Any]:
+    if name in reference_published.RESULTS and not Path(name).exists():
+        return reference_published.result_table(name)
+    remedy = f"{toml_file.nearest(name, reference_published.RESULTS)}Give a result file, or one that ships: {', '.join(reference_published.RESULTS)}"
+    return toml_file.read(name, remedy=remedy)
+
+
+def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
+    if "format" in table:
+        return _own_format(table, name, frame or Pose())
+    if "mass_kg" in table:
+        return _from_inertia(table, name)
+    if any(key in table for key in _IDENTIFY[1:]) and "inertia" in table:
+        return _identified(table, name, article, frame)
+    raise BadInput(
+        source=name,
+        field="format",
+        problem=f"is none of the forms that can be read, found the keys {', '.join(table) or '(none)'}",
+        remedy=("Did you mean format? " if difflib.get_close_matches("format", list(table)) else "")
+        + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`",
+    )
+
+
+def _own_format(table: dict[str, Any], name: str, shown: Pose) -> Statement:
+    toml_file.require_format(table, name)
+    toml_file.require_known(table, ("format", "article", "frame", *statement.TABLES), source=name)
+    own = shown.inverse @ pose_of(table["frame"], name) if "frame" in table else Pose()
+    return statement.read(table, name, own)
+
+
+def _identified(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
+    if table.get("origin") == "F" and frame is None and not article.startswith("fmd"):
+        raise BadInput(
+            source=name,
+            field="origin",
+            problem=f"the CoG is stated from F, and {article} does not say where F is",
+            remedy='Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"',
+        )
+    inertia = toml_file.require_table(table["inertia"], source=name, where="inertia")
+    intervals = toml_file.require_table(table.get("interval95") or {}, source=name, where="interval95")
+    said = _from_inertia(inertia, name, intervals)
+    if not table.get("frame"):
+        return said
+    return seen_from(said, pose_of(table["frame"], name).inverse @ (frame or Pose()))
+
+
+def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] | None = None) -> Statement:
+    toml_file.require_present(inertia, _PRINTED, source=name)
+    if inertia.get("about", "cog") != "cog":
+        problem = f'INERTIA is about "cog", found {inertia["about"]!r}'
+        raise BadInput(source=name, field="about", problem=problem, remedy="State another point in a file of format = 1")
+    values: list[Stated | None] = []
+    for key, (factor, length) in _PRINTED.items():
+        ends = _list((intervals or {}).get(key), length, name, f"interval95.{key}")
+        for value, pair in zip(_list(inertia[key], length, name, key), ends, strict=True):
+            values.append(_one(value, pair, factor, name, key))
+    note = "95 % intervals" if intervals else "none stated"
+    return Statement(name="identified", values=tuple(values), source=name, tolerance_note=note)
+
+
+def _list(value: Any, length: int, name: str, field: str) -> list[Any]:
+    if value is None:
+        return [None] * length
+    listed = [value] if length == 1 else value
+    if not isinstance(listed, list) or len(listed) != length:
+        raise BadInput(source=name, field=field, problem=f"must be a list of {length}, found {value!r}", remedy="See INERTIA")
+    return listed
+
+
+def _one(value: Any, pair: Any, factor: float, name: str, field: str) -> Stated | None:
+    if value is None:
+        return None
+    stated = Stated(value=_finite(value, name, field) * factor)
+    if pair is None:
+        return stated
+    low, high = (_finite(end, name, f"interval95.{field}") * factor for end in _list(pair, 2, name, f"interval95.{field}"))
+    return statement.with_interval(stated, low, high, name, f"interval95.{field}")
+
+
+def _finite(value: Any, name: str, field: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < float("inf"):
+        raise BadInput(source=name, field=field, problem=f"must be a finite number, found {value!r}", remedy="Correct it")
+    return float(value)

@@ -1,0 +1,574 @@
+"""Pictures of an identification: its lines, residuals of redundant channels, shares of the uncertainty, the stability map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.frames import Array
+from identification.spectra.peak_hold import SweepBias
+from validation.identify.identify import DrawnResiduals, UsedLines
+from validation.report.charts.style import (
+    ASIDE,
+    CURVES,
+    FAINT,
+    INK,
+    PAPER,
+    PREDICTED,
+    THRESHOLD,
+    Axes,
+    decades,
+    dressed,
+    finish,
+    grid_lines,
+    new_figure,
+    require_format,
+    save,
+)
+from validation.report.scenes.motion import DPI, MovingBody, blank, colour_map, displaced, write
+from validation.report.scenes.scene import colours, fitted, off_screen
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+
+RUNS = ("#c8283c", "#1f8a4c", "#2456c4", "#d9541e", "#8e6fc0", "#c9a227", "#33373d", "#5f9ea0", "#b5838d")
+"""Of runs in turn."""
+
+LIMIT = "#c8283c"
+LEFT_OUT = "#f6d9dc"
+EMPTY = "#e9ebef"
+"""Of a band that is too short to say anything."""
+
+OTHERS = "#c9ced6"
+SMALL = 0.03
+"""An input whose share is smaller everywhere goes to the others."""
+
+MOST_INPUTS = 9
+
+FLOOR, CEILING = 1e-4, 1e-1
+"""Shares from which a residual is white, and from which it is darkest."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnLines:
+    """The lines of the spectra.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    condition : (n,) scaled condition number
+    limit : above which a line is left out
+    left_out : (n,) bool
+    runs : names
+    unexplained : (r, n) share of what the channels read that no rigid base motion and no resultant load explains
+    """
+
+    frequency: Array
+    condition: Array
+    limit: float
+    left_out: np.ndarray
+    runs: tuple[str, ...]
+    unexplained: Array
+
+
+def draw_lines(title: str, drawn: DrawnLines, path: Path, note: str = "") -> None:
+    """Write condition number and quality over frequency.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(13.0, 8.2)
+    grid = figure.add_gridspec(2, 1, hspace=0.12, left=0.075, right=0.84, top=0.895, bottom=0.1)
+    upper = figure.add_subplot(grid[0])
+    lower = figure.add_subplot(grid[1], sharex=upper)
+    f = drawn.frequency
+    for axes in (upper, lower):
+        _spans(axes, f, drawn.left_out)
+    upper.semilogy(f, drawn.condition, color=RUNS[2], linewidth=1.4, label="condition number")
+    upper.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
+    upper.set_ylabel("condition of the scaled base motions", fontsize=10)
+    upper.set_ylim(min(1.0, float(drawn.condition.min())), 2 * max(float(drawn.condition.max()), drawn.limit))
+    for name, colour, share in zip(drawn.runs, _turns(len(drawn.runs)), drawn.unexplained, strict=True):
+        lower.semilogy(f, np.maximum(share, 1e-8), color=colour, linewidth=1.1, label=f"run {name}")
+    lower.set_ylabel("share that rigid motion\nand resultants leave unexplained", fontsize=10)
+    lower.set_xlabel("frequency [Hz]", fontsize=10)
+    upper.set_xlim(f[0], f[-1])
+    upper.tick_params(labelbottom=False)
+    for axes in (upper, lower):
+        grid_lines(axes)
+        axes.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
+        _legend(axes, bool(np.any(drawn.left_out)))
+    finish(figure, title, note, path)
+
+
+def _spans(axes: Axes, f: Array, out: np.ndarray) -> None:
+    """Shade every stretch of lines that were left out, half a line to either side."""
+    half = 0.5 * float(np.median(np.diff(f))) if len(f) > 1 else 0.5
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(int), [0]])))
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        axes.axvspan(f[first] - half, f[last - 1] + half, color=LEFT_OUT, linewidth=0, zorder=0)
+
+
+def _legend(axes: Axes, with_spans: bool) -> None:
+    from matplotlib.patches import Patch
+
+    handles, labels = axes.get_legend_handles_labels()
+    if with_spans:
+        handles, labels = [*handles, Patch(color=LEFT_OUT)], [*labels, "left out"]
+    axes.legend(handles, labels, fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
+
+
+def _turns(count: int) -> list[str]:
+    return [RUNS[k % len(RUNS)] for k in range(count)]
+
+
+def draw_residuals(title: str, drawn: DrawnResiduals, path: Path, note: str = "") -> None:
+    """Write one panel a run, channels over frequency, coloured by the residual.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+    require_format(path)
+    columns = 3 if len(drawn.runs) > 1 else 1
+    rows = -(-len(drawn.runs) // columns)
+    height = 1.7 + rows * (0.8 + 0.19 * len(drawn.channels))
+    figure = new_figure(15.5, height)
+    room = {"left": 0.075, "right": 0.915, "top": 1 - 1.0 / height, "bottom": 0.85 / height}
+    grid = figure.add_gridspec(rows, columns, hspace=0.22, wspace=0.06, **room)
+    colours = LinearSegmentedColormap.from_list("residual", (PAPER, "#dfe7f6", "#9db6e6", "#f2c14e", "#d9541e", "#7d1220"))
+    mesh = None
+    for k, name in enumerate(drawn.runs):
+        axes = figure.add_subplot(grid[k // columns, k % columns])
+        share = np.clip(drawn.share[k].T, FLOOR, CEILING)
+        places = np.arange(len(drawn.channels))
+        mesh = axes.pcolormesh(
+            drawn.frequency, places, share, cmap=colours, norm=LogNorm(FLOOR, CEILING), shading="nearest", rasterized=True
+        )
+        axes.set_yticks(places, drawn.channels if k % columns == 0 else [""] * len(places))
+        axes.invert_yaxis()
+        axes.tick_params(labelsize=8.5, colors=INK, length=2)
+        axes.set_title(f"run {name}", fontsize=11, loc="left", color=INK)
+        if k >= len(drawn.runs) - columns:
+            axes.set_xlabel("frequency [Hz]", fontsize=10)
+    if mesh is not None:
+        bar = figure.add_axes((0.935, room["bottom"], 0.013, room["top"] - room["bottom"]))
+        figure.colorbar(mesh, cax=bar, extend="both")
+        ticks = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1]
+        bar.set_yticks(ticks, [f"{100 * tick:g} %" for tick in ticks])
+        bar.minorticks_off()
+        bar.tick_params(labelsize=9, colors=INK)
+    finish(figure, title, note, path)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UncertaintyShares:
+    """Where the uncertainty of one way's result comes from.
+
+    Attributes
+    ----------
+    way : "plain" or "self-calibrated"
+    parameters : labels
+    intervals : half-widths in words, one a parameter
+    shares : (p,) by the name of an input, adding up to 1
+    """
+
+    way: str
+    parameters: tuple[str, ...]
+    intervals: tuple[str, ...]
+    shares: Mapping[str, Array]
+
+
+def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note: str = "") -> None:
+    """Write stacked bars: what contributes how much to the variance of every parameter, way by way.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(15.0, 7.2)
+    grid = figure.add_gridspec(1, len(drawn), wspace=0.2, left=0.065, right=0.915, top=0.865, bottom=0.21)
+    colour = colours(_important([one.shares for one in drawn]))
+    for k, one in enumerate(drawn):
+        axes = figure.add_subplot(grid[k])
+        _bars(axes, one, colour)
+        axes.tick_params(labelleft=k == 0)
+        axes.set_title(one.way, fontsize=12, loc="left", color=INK, weight="bold")
+        axes.text(1.015, 1.02, "± 95 %", transform=axes.transAxes, fontsize=9.5, color=FAINT)
+    _bar_legend(figure, colour)
+    finish(figure, title, note, path)
+
+
+def _important(shares: Sequence[Mapping[str, Array]]) -> list[str]:
+    """Names of the inputs with a colour of their own, the one with the largest share first."""
+    largest: dict[str, float] = {}
+    for one in shares:
+        for name, share in one.items():
+            largest[name] = max(largest.get(name, 0.0), float(share.max(initial=0.0)))
+    ordered = sorted(largest, key=lambda name: -largest[name])
+    return [name for name in ordered if largest[name] >= SMALL][:MOST_INPUTS]
+
+
+def _bars(axes: Axes, one: UncertaintyShares, colour: Mapping[str, str]) -> None:
+    places = np.arange(len(one.parameters))
+    left = np.zeros(len(places))
+    for name, hue in colour.items():
+        share = one.shares.get(name)
+        if share is not None:
+            axes.barh(places, share, left=left, color=hue, height=0.72, edgecolor=PAPER, linewidth=0.6)
+            left = left + share
+    total = np.sum(list(one.shares.values()), axis=0) if one.shares else np.zeros(len(places))
+    axes.barh(places, np.maximum(total - left, 0), left=left, color=OTHERS, height=0.72, edgecolor=PAPER, linewidth=0.6)
+    axes.set_yticks(places, one.parameters)
+    axes.invert_yaxis()
+    axes.set_xlim(0, 1)
+    axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "25", "50", "75", "100 %"])
+    axes.set_xlabel("share of the variance", fontsize=10)
+    for place, text in zip(places, one.intervals, strict=True):
+        axes.text(1.015, place, text, transform=axes.get_yaxis_transform(), va="center", fontsize=9.5, color=INK)
+    axes.tick_params(labelsize=10, colors=INK, length=2)
+
+
+def _bar_legend(figure: Any, colour: Mapping[str, str]) -> None:
+    from matplotlib.patches import Patch
+
+    handles = [Patch(color=hue, label=name) for name, hue in colour.items()] + [Patch(color=OTHERS, label="all others")]
+    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.055), ncols=5, fontsize=9.5, frameon=False)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BandMap:
+    """One quantity over start and stop frequency.
+
+    Attributes
+    ----------
+    label, unit : of the quantity and of `deviation`
+    deviation : (a, b) from the chosen result; NaN where a band says nothing
+    half_width : (a, b) of the 95 % interval of the deviation, in the same unit
+    most : deviation at which the colours end at the latest
+    """
+
+    label: str
+    unit: str
+    deviation: Array
+    half_width: Array
+    most: float
+
+
+def draw_stability(
+    title: str,
+    maps: Sequence[BandMap],
+    start: Array,
+    stop: Array,
+    chosen: tuple[float, float],
+    path: Path,
+    note: str = "",
+) -> None:
+    """Write the band-stability map of ten quantities, `start` (a,) and `stop` (b,) [Hz].
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(17.5, 8.2)
+    grid = figure.add_gridspec(2, 5, hspace=0.3, wspace=0.42, left=0.045, right=0.965, top=0.865, bottom=0.115)
+    for k, one in enumerate(maps):
+        axes = figure.add_subplot(grid[k // 5, k % 5])
+        _map(axes, one, start, stop)
+        _choice(axes, start, stop, chosen)
+        axes.set_title(f"{one.label} [{one.unit}]", fontsize=11, loc="left", color=INK)
+        if k % 5 == 0:
+            axes.set_ylabel("stop [Hz]", fontsize=10)
+        if k >= len(maps) - 5:
+            axes.set_xlabel("start [Hz]", fontsize=10)
+    finish(figure, title, note, path)
+
+
+def _map(axes: Axes, one: BandMap, start: Array, stop: Array) -> None:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colours = LinearSegmentedColormap.from_list("deviation", ("#14296b", "#6f93dc", PAPER, "#ea8a78", "#7d1220"))
+    axes.set_facecolor(EMPTY)
+    known = np.abs(one.deviation[np.isfinite(one.deviation)])
+    largest = float(np.quantile(known, 0.9)) if known.size else 0.0
+    reach = max(min(largest, one.most), float(np.nanmin(one.half_width, initial=one.most)), np.finfo(np.float64).tiny)
+    mesh = axes.pcolormesh(
+        np.arange(len(start)), np.arange(len(stop)), np.ma.masked_invalid(one.deviation.T), cmap=colours, vmin=-reach, vmax=reach
+    )
+    size = np.nan_to_num(np.abs(one.deviation))
+    for i, j in np.argwhere(size > one.half_width):
+        axes.plot(i, j, marker="x", markersize=3.2, color=PAPER if size[i, j] > 0.7 * reach else INK, markeredgewidth=0.7)
+    axes.set_xticks(np.arange(len(start)), [f"{f:.3g}" for f in start], rotation=90 if len(start) > 7 else 0)
+    axes.set_yticks(np.arange(len(stop)), [f"{f:.3g}" for f in stop])
+    axes.tick_params(labelsize=8, colors=INK, length=2)
+    bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.05, pad=0.03, extend="both")
+    bar.ax.tick_params(labelsize=8, colors=INK, length=2)
+
+
+def _choice(axes: Axes, start: Array, stop: Array, chosen: tuple[float, float]) -> None:
+    from matplotlib.patches import Rectangle
+
+    i, j = int(np.argmin(np.abs(start - chosen[0]))), int(np.argmin(np.abs(stop - chosen[1])))
+    axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1, 1, fill=False, edgecolor=INK, linewidth=2.2, clip_on=False, zorder=5))
+
+
+# A pretest on one page: condition number over frequency, expected intervals, the price of losing a channel.
+
+
+DARKEST = 1.5
+"""Growth of an interval that is drawn darkest; more is as dark."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnPretest:
+    """What is drawn.
+
+    Attributes
+    ----------
+    frequency, condition : (n,) [Hz], [1]
+    limit : of the condition number
+    quantities : (q,) labels with their unit
+    intervals : by case, (q,) half-widths of 95 % in these units
+    growth : by channel, (q,) factor on the self-calibrated half-widths without it
+    """
+
+    frequency: Array
+    condition: Array
+    limit: float
+    quantities: tuple[str, ...]
+    intervals: Mapping[str, Array]
+    growth: Mapping[str, Array]
+
+
+def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") -> None:
+    """Write the page; the panel of lost channels is left out where none was.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    lost = bool(drawn.growth)
+    figure = new_figure(15.0 if lost else 9.0, 10.4)
+    room = _ROOM if lost else {**_ROOM, "left": 0.13}
+    grid = figure.add_gridspec(2, 2 if lost else 1, hspace=0.2, wspace=0.2, height_ratios=(1, 1.7), **room)
+    _condition(figure.add_subplot(grid[0, 0]), drawn)
+    _intervals(figure, grid[1, 0], drawn)
+    if lost:
+        _growth(figure, figure.add_subplot(grid[:, 1]), drawn)
+    finish(figure, title, note, path)
+
+
+_ROOM = {"left": 0.085, "right": 0.975, "top": 0.9, "bottom": 0.09}
+
+
+def _condition(axes: Axes, drawn: DrawnPretest) -> None:
+    axes.semilogy(drawn.frequency, drawn.condition, color=CURVES[0], linewidth=1.4, label="condition number")
+    axes.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
+    axes.set_ylim(1.0, 2 * max(float(drawn.condition.max()), drawn.limit))
+    axes.set_xlim(drawn.frequency[0], drawn.frequency[-1])
+    axes.set_title("condition number of the base motions", fontsize=11, loc="left", color=INK)
+    axes.set_xlabel("frequency [Hz]", fontsize=9.5)
+    axes.legend(fontsize=9, loc="center right")
+    grid_lines(axes)
+
+
+def _intervals(figure: Any, place: Any, drawn: DrawnPretest) -> None:
+    """A panel for each unit, so that every bar has an axis that measures it."""
+    units = [name.rpartition("[")[2].rstrip("]") for name in drawn.quantities]
+    kinds = list(dict.fromkeys(units))
+    grid = place.subgridspec(len(kinds), 1, hspace=0.45, height_ratios=[1 + units.count(unit) for unit in kinds])
+    for k, unit in enumerate(kinds):
+        axes = figure.add_subplot(grid[k])
+        _pretest_bars(axes, drawn, [i for i, own in enumerate(units) if own == unit])
+        axes.set_xlabel(f"[{unit}]", fontsize=9, labelpad=1)
+        if not k:
+            axes.set_title("expected ± 95 %", fontsize=11, loc="left", color=INK)
+            axes.legend(fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2)
+
+
+def _pretest_bars(axes: Axes, drawn: DrawnPretest, chosen: list[int]) -> None:
+    count, places = len(drawn.intervals), np.arange(len(chosen))
+    height = 0.8 / count
+    for k, ((name, half), colour) in enumerate(zip(drawn.intervals.items(), CURVES, strict=False)):
+        at = places + (k - (count - 1) / 2) * height
+        axes.barh(at, half[chosen], height=0.9 * height, color=colour, label=name)
+        for place, value in zip(at, half[chosen], strict=True):
+            axes.text(value, place, f" {value:.2g}", va="center", fontsize=7.5, color=INK)
+    axes.set_xscale("log")
+    axes.set_yticks(places, [drawn.quantities[i].partition(" [")[0] for i in chosen])
+    axes.invert_yaxis()
+    low, high = axes.get_xlim()
+    axes.set_xlim(low / 1.5, high * 1.6)
+    grid_lines(axes)
+    axes.grid(visible=False, axis="y")
+
+
+def _growth(figure: Any, axes: Axes, drawn: DrawnPretest) -> None:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    values = np.array(list(drawn.growth.values()))
+    colours = LinearSegmentedColormap.from_list("growth", ["#ffffff", "#f3c9b4", "#d9541e", "#7a2408"])
+    axes.imshow(np.clip(values, 1.0, DARKEST), cmap=colours, vmin=1.0, vmax=DARKEST, aspect="auto")
+    for (row, column), value in np.ndenumerate(values):
+        dark = value > 1 + 0.6 * (DARKEST - 1)
+        axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7.5, color="#ffffff" if dark else INK)
+    axes.set_yticks(np.arange(len(values)), list(drawn.growth), fontsize=8.5)
+    axes.set_xticks(np.arange(len(drawn.quantities)), [name.partition(" [")[0] for name in drawn.quantities], fontsize=8.5)
+    axes.set_title("half-width without a channel, times that with all", fontsize=11, loc="left", color=INK)
+    axes.tick_params(length=0)
+    for side in axes.spines.values():
+        side.set_visible(False)
+
+
+# An article coloured by how large the elastic motion of its surface is: where pick-ups belong, and where they do not.
+
+
+TILE = (560, 800)
+HEAD, FOOT = 84, 88
+MARGIN = 30.0
+
+DECADES = 3.0
+"""From the limit, where colour begins, to what is drawn darkest red."""
+
+
+def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: float, path: Path, note: str = "") -> None:
+    """Write a picture with a tile for each of `tiles`, by caption; the displacement of vertices is their elastic share.
+
+    What stays within `limit` is grey. All tiles show the same bodies from the same side.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    CheckFailed : nothing can be rendered on this machine.
+    """
+    require_format(path)
+    first = next(iter(tiles.values()))
+    with off_screen():
+        view = fitted(np.concatenate([body.vertices for body in first]), TILE, MARGIN)
+        shots = {caption: displaced(view, _coloured(bodies, limit), 0.0, 1.0) for caption, bodies in tiles.items()}
+    width, height = len(tiles) * TILE[0], HEAD + TILE[1] + FOOT
+    figure, canvas = blank(width, height)
+    write(canvas, 24, 32, title, 22, weight="bold", va="center")
+    for k, (caption, shot) in enumerate(shots.items()):
+        left = k * TILE[0]
+        canvas.imshow(shot, extent=(left, left + TILE[0], HEAD + TILE[1], HEAD), interpolation="none")
+        write(canvas, left + 24, HEAD - 14, caption, 15, FAINT, va="center")
+    _bar(figure, limit, width, height)
+    write(canvas, 24, height - 16, note, 12, FAINT, va="center")
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+
+
+def _coloured(bodies: Sequence[MovingBody], limit: float) -> list[MovingBody]:
+    return [replace(body, displacement=_scaled(body.size, limit)[:, None] * [1.0, 0.0, 0.0]) for body in bodies]
+
+
+def _scaled(share: Array, limit: float) -> Array:
+    """0 up to `limit`, then by its logarithm up to 1 at `DECADES` above."""
+    return np.asarray(np.clip(np.log10(np.maximum(share, limit) / limit) / DECADES, 0.0, 1.0))
+
+
+def _bar(figure, limit: float, width: int, height: int) -> None:  # type: ignore[no-untyped-def]  # a matplotlib `Figure`
+    """What the colours mean."""
+    from matplotlib.colorbar import ColorbarBase
+
+    axes = figure.add_axes((60 / width, 50 / height, 380 / width, 12 / height))
+    steps = np.linspace(0, 1, int(DECADES) + 1)
+    bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=list(steps))
+    words = [f"{100 * limit * 10 ** (DECADES * step):g} %" for step in steps]
+    bar.set_ticklabels([f"≤ {words[0]}", *words[1:-1], f"≥ {words[-1]}"])
+    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
+    bar.outline.set_visible(False)
+    axes.set_title("elastic motion over that of a rigid article", fontsize=9, color=FAINT, pad=4, loc="left")
+
+
+# The bias of peak-reference-hold near a lightly damped mode: the response function as it is and as spectra tell it.
+
+
+CLOSE = 0.04
+"""Share of the resonance to both sides that the left half shows."""
+
+SMALLEST = 1e-7
+"""Error below which nothing is drawn."""
+
+
+def draw_bias(found: SweepBias, title: str, path: Path, note: str = "", about: str = "") -> None:
+    """Write a picture: |H| around the resonance on the left, the relative error over the band on the right.
+
+    A PNG carries the words `about`.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    from matplotlib.ticker import NullFormatter, ScalarFormatter
+
+    require_format(path)
+    figure = new_figure(13.0, 5.6)
+    near, band = figure.subplots(1, 2, gridspec_kw={"left": 0.075, "right": 0.985, "top": 0.83, "bottom": 0.14, "wspace": 0.17})
+    f = found.frequency
+    at = f[int(np.argmax(np.abs(found.exact)))]
+    shown = np.abs(f / at - 1) < CLOSE
+    drawn = {"peak-reference-hold": (found.peak_hold, CURVES[1]), "full record": (found.full_record, CURVES[0])}
+    near.semilogy(f[shown], np.abs(found.exact[shown]), color=INK, linewidth=5, alpha=0.25, label="exact")
+    for (name, (values, colour)), which in zip(drawn.items(), ("peak_hold", "full_record"), strict=True):
+        near.semilogy(f[shown], np.abs(values[shown]), color=colour, linewidth=1.5, marker=".", markersize=4, label=name)
+        error = np.maximum(found.error(which), SMALLEST)
+        band.semilogy(f, 100 * error, color=colour, linewidth=1.3, label=f"{name}: {100 * error.max():.2g} % at most")
+    near.set_ylabel("|H| / m", fontsize=10)
+    near.yaxis.set_major_formatter(ScalarFormatter())
+    near.yaxis.set_minor_formatter(NullFormatter())
+    near.set_yticks([10, 20, 50, 100, 200, 500])
+    near.set_ylim(np.abs(found.exact[shown]).min() * 0.9, np.abs(found.exact).max() * 1.2)
+    band.set_ylabel("|error of H| / |H|  [%]", fontsize=10)
+    band.axvline(at, color=FAINT, linewidth=0.8, linestyle=":")
+    for axes in (near, band):
+        axes.set_xlabel("frequency [Hz]", fontsize=10)
+        axes.legend(fontsize=9, framealpha=0.9)
+        axes.margins(x=0)
+        grid_lines(axes)
+    finish(figure, title, note, path, about)
+
+
+# Condition number of Eqs. 9 to 11, line by line.
+
+
+def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> Figure:
+    """Scaled condition number of the base motions of all runs over frequency, its limit, and the lines that were left out.
+
+    Parameters
+    ----------
+    name : of the campaign
+    """
+    from plotly import graph_objects as go
+
+    kept = np.asarray(lines.kept) > 0
+    said = f"condition number{' of ' + name if name else ''}"
+    look = {"line": {"color": PREDICTED, "width": 1.8}, "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>"}
+    figure = go.Figure(go.Scatter(x=lines.frequency, y=lines.condition, mode="lines", name="condition number", **look))
+    if not kept.all():
+        out = {"mode": "markers", "marker": {"color": ASIDE, "size": 5}, "name": "left out"}
+        figure.add_trace(go.Scatter(x=lines.frequency[~kept], y=lines.condition[~kept], **out))
+    figure.add_hline(lines.limit, line={"dash": "dash", "color": THRESHOLD})
+    note = {
+        "text": f"limit {lines.limit:g}: worse lines are left out",
+        "xanchor": "right",
+        "yanchor": "bottom",
+        "showarrow": False,
+    }
+    figure.add_annotation(x=1, xref="paper", y=float(np.log10(lines.limit)), **note)
+    top = float(np.log10(3 * max(float(lines.condition.max()), lines.limit)))
+    figure.update_yaxes(title_text="condition number [1]", **decades(0.0, top))
+    figure.update_xaxes(title_text="frequency [Hz]")
+    return dressed(figure, f"Eqs. 9 to 11: {said}", 310, dark, showlegend=False)

@@ -1,0 +1,456 @@
+"""Measured and predicted dynamic mass over frequency: magnitude above phase, any of the 36 entries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
+from validation.compare.maps import Map, NamedMode, Pairs
+from validation.compare.spots import SENSED, run
+from validation.estimation.problem import Measured
+from validation.report.charts.style import (
+    ASIDE,
+    BOUNDS,
+    FURTHER,
+    INK,
+    LEGEND_ROOM,
+    PREDICTED,
+    THEME_MEASURED,
+    THRESHOLD,
+    TITLE_ROOM,
+    Axes,
+    decades,
+    dressed,
+    escaped,
+    finish,
+    grid_lines,
+    legend_above,
+    new_figure,
+    require_format,
+    worst,
+)
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+
+SIGNS = ("x", "y", "z", "α", "β", "γ")
+"""Of loads and of base motions."""
+
+LOADS = ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z")
+MOTIONS = tuple(f"{kind} {axis}" for kind in ("acceleration along", "angular acceleration about") for axis in "xyz")
+
+UNITS = ("kg", "kg m", "kg m²")
+"""By how many of load and motion are about an axis."""
+
+DEEPEST, NOTHING = 1e5, 1e-4
+"""Of the largest magnitude: what is smaller is off the page; a curve that is smaller throughout is next to nothing."""
+
+HEIGHTS = ((0.09, 0.60), (0.64, 0.86))
+"""Where magnitude and phase begin and end in a third of the page, from its top."""
+
+LEAST = -170.0
+"""[°] at which a phase begins; the page shows 20 more on either side of it."""
+
+WIDE = 2.0
+"""Standard deviations (those of the maps) by which the band is wider than the prediction on both sides.
+
+They are those of a complex difference, so that no single share of magnitudes is due in the band: of noise that is alike in all
+directions 98 % of the differences are smaller, and more of the magnitudes.
+"""
+
+NONE: Mapping[str, ComplexArray] = MappingProxyType({})
+
+
+def entry(load: int, motion: int) -> str:
+    """ "H xβ": the name of an entry."""
+    return f"H {SIGNS[load]}{SIGNS[motion]}"
+
+
+def unit(load: int, motion: int) -> str:
+    """Of an entry."""
+    return UNITS[(load > 2) + (motion > 2)]
+
+
+SECOND_ROW = 20
+"""[pixels] that a legend takes when curves more than the usual ones are named in it."""
+
+
+def overlay(
+    pairs: Pairs,
+    load: int,
+    motion: int,
+    *,
+    modes: Sequence[NamedMode] = (),
+    further: Mapping[str, ComplexArray] = NONE,
+    marked: float | None = None,
+    dark: bool = False,
+) -> Figure:
+    """One entry of the blocked dynamic mass about F: measured as dots, predicted as a line, what is expected as a band.
+
+    Parameters
+    ----------
+    pairs : both, of one campaign
+    load, motion : 0 to 5 in the order of `geometry.dynamic_mass.MOTIONS`
+    modes : of the model, marked above
+    further : by name, more predictions (n, 6, 6) on the lines of `pairs`: with an effect, or before it was added
+    marked : [Hz] where a line is drawn
+    """
+    from plotly.subplots import make_subplots
+
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.68, 0.32], vertical_spacing=0.04)
+    _entry(figure, pairs, (load, motion), 1, 1, modes, further)
+    if marked is not None:
+        figure.add_vline(marked, line={"color": THRESHOLD, "width": 1.5, "dash": "dash"})
+    title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
+    how: dict[str, Any] = {"hovermode": "x unified", "uirevision": escaped(f"{pairs.campaign} {load} {motion}")}
+    room = LEGEND_ROOM + (SECOND_ROW if further else 0)
+    return dressed(figure, title, 470, dark, legend=legend_above(), margin={"t": TITLE_ROOM + room}, **how)
+
+
+def diagonal(
+    pairs: Pairs,
+    *,
+    modes: Sequence[NamedMode] = (),
+    further: Mapping[str, ComplexArray] = NONE,
+    dark: bool = False,
+) -> Figure:
+    """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
+    from plotly.subplots import make_subplots
+
+    figure = make_subplots(rows=6, cols=2, horizontal_spacing=0.11)
+    for k in range(6):
+        _entry(figure, pairs, (k, k), 1 + 2 * (k % 3), 1 + k // 3, modes, further, legend=k == 0, last=k % 3 == 2)
+        _lay_out(figure, k)
+    title = f"{pairs.campaign}: the diagonal of the dynamic mass"
+    return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
+
+
+def _lay_out(figure: Figure, k: int) -> None:
+    """Put magnitude and phase of the entry k close together, below their title and apart from the pair below."""
+    row, column = 1 + 2 * (k % 3), 1 + k // 3
+    top = 1 - (k % 3) / 3
+    for below, (high, low) in enumerate(HEIGHTS):
+        figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
+    side = 0.0 if column == 1 else 0.555
+    name = {"text": _words(k), "x": side, "y": top - HEIGHTS[0][0] / 3, "xref": "paper", "yref": "paper"}
+    figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
+
+
+def _words(k: int) -> str:
+    return f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}"
+
+
+def _entry(
+    figure: Figure,
+    pairs: Pairs,
+    at: tuple[int, int],
+    row: int,
+    column: int,
+    modes: Sequence[NamedMode],
+    further: Mapping[str, ComplexArray],
+    *,
+    legend: bool = True,
+    last: bool = True,
+) -> None:
+    """Add the entry `at` (load, motion): magnitude in the panel at `row` and `column`, phase in that below."""
+    from plotly import graph_objects as go
+
+    load, motion = at
+    f, measured, predicted = pairs.frequency, pairs.measured[:, load, motion], pairs.predicted[:, load, motion]
+    others = {name: matrix[:, load, motion] for name, matrix in further.items()}
+    expected = pairs.expected[:, load, motion]
+    low, high = magnitude_range([measured, np.abs(predicted) + WIDE * expected, predicted, *others.values()])
+    band = _band(go, f, predicted, expected, 10**low, legend)
+    figure.add_traces(band, rows=row, cols=column)
+    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": THEME_MEASURED, "size": 4.5}})]
+    named += [("predicted", predicted, {"mode": "lines", "line": {"color": PREDICTED, "width": 2}})]
+    named += [(name, H, _further(k)) for k, (name, H) in enumerate(others.items())]
+    for name, H, look in named:
+        said = {"name": escaped(name), "legendgroup": escaped(name), **look, **_lines(f)}
+        size = {"y": _short(np.abs(H)), "hovertemplate": f"%{{y:.4g}} {unit(load, motion)}", "showlegend": legend}
+        phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
+        figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)
+    if inside := [one for one in modes if f[0] <= one.frequency <= f[-1]]:
+        figure.add_trace(_modes(go, inside, 10 ** (high - 0.04 * (high - low)), legend), row, column)
+    figure.update_xaxes(range=[float(f[0]), float(f[-1])], showticklabels=False, row=row, col=column)
+    figure.update_xaxes(range=[float(f[0]), float(f[-1])], title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
+    figure.update_yaxes(title_text=f"|H| [{unit(load, motion)}]", **decades(low, high), row=row, col=column)
+    phases = {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
+    figure.update_yaxes(title_text="phase [°]", **phases, row=row + 1, col=column)
+
+
+def magnitude_range(curves: Sequence[ComplexArray | Array]) -> tuple[float, float]:
+    """Powers of ten between which the magnitudes of `curves` are shown.
+
+    A curve that symmetry makes next to nothing does not count, and what falls below `DEEPEST` of the largest is off the page.
+    """
+    largest = max((float(np.nanmax(np.abs(one))) for one in curves), default=0.0)
+    sizes = np.abs(np.concatenate([one for one in curves if np.nanmax(np.abs(one)) >= NOTHING * largest]))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+    if not sizes.size:
+        return -1.0, 1.0
+    top = float(sizes.max())
+    bottom = max(float(sizes.min()), top / DEEPEST)
+    return float(np.log10(bottom)) - 0.08, float(np.log10(top)) + 0.12
+
+
+def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float, legend: bool) -> list[Any]:
+    """Where noise and tolerances that were not fitted let expect what is measured."""
+    size = np.abs(H)
+    look = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", **_lines(f)}
+    low = go.Scatter(y=_short(np.maximum(size - WIDE * expected, bottom)), showlegend=False, legendgroup="expected", **look)
+    name = f"expected, ± {WIDE:g} σ"
+    fill = {
+        "fill": "tonexty",
+        "fillcolor": "rgba(59,125,221,0.18)",
+        "name": name,
+        "legendgroup": "expected",
+        "showlegend": legend,
+    }
+    return [low, go.Scatter(y=_short(size + WIDE * expected), **fill, **look)]
+
+
+def phase(H: ComplexArray) -> Array:
+    """[°] from -170 to 190: what is negative, give or take its noise, does not jump from one end of the page to the other."""
+    angle = np.degrees(np.angle(H))
+    return np.asarray(np.where(angle < LEAST, angle + 360.0, angle))
+
+
+def _phase(H: ComplexArray, bottom: float) -> Array:
+    """None where the magnitude is below the page, since the angle of next to nothing means nothing."""
+    return np.asarray(np.where(np.abs(H) >= bottom, phase(H), np.nan))
+
+
+def _further(k: int) -> dict[str, Any]:
+    return {"mode": "lines", "line": {"color": (FURTHER, ASIDE)[k % 2], "width": 2, "dash": ("dash", "dot")[k // 2 % 2]}}
+
+
+def _modes(go: Any, modes: Sequence[NamedMode], height: float, legend: bool) -> Any:
+    return go.Scatter(
+        x=[one.frequency for one in modes],
+        y=[height] * len(modes),
+        text=[escaped(one.name) for one in modes],
+        mode="markers",
+        marker={"symbol": "triangle-down", "size": 10, "color": ASIDE},
+        cliponaxis=False,
+        name="modes of the model",
+        legendgroup="modes",
+        showlegend=legend,
+        hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
+    )
+
+
+def _lines(f: Array) -> dict[str, Any]:
+    """Frequencies as a first one and a step where they are even, which is shorter."""
+    steps = np.diff(f)
+    if len(f) > 2 and np.allclose(steps, steps[0], rtol=1e-6):
+        return {"x0": float(f[0]), "dx": float((f[-1] - f[0]) / (len(f) - 1))}
+    return {"x": f}
+
+
+def _short(values: Array) -> Any:
+    """Single precision: six digits are more than a figure shows."""
+    return np.asarray(values, dtype=np.float32)
+
+
+# Accelerances of a test beside those of models: at every drive point the reading there, and the error of all readings.
+
+
+COLOURS = ("#9aa0a6", "#d9541e", "#1f8a4c", "#2456c4", "#8e6fc0", "#c9a227")
+SMOOTHED = 0.2
+"""[Hz] to either side over which errors are averaged."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnModel:
+    """One model.
+
+    Attributes
+    ----------
+    name : for the legend
+    rows : (r, n, c) accelerances that it predicts
+    """
+
+    name: str
+    rows: ComplexArray
+
+
+def draw_accelerances(
+    title: str, measured: Measured, models: Sequence[DrawnModel], path: Path, note: str = "", about: str = ""
+) -> None:
+    """Write a picture with one column a run; the reading that is drawn is the largest of its channels above all resonances.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(16.0, 9.2)
+    room = {"left": 0.055, "right": 0.985, "top": 0.86, "bottom": 0.1, "hspace": 0.09, "wspace": 0.09}
+    panels = figure.subplots(2, len(measured.runs), sharex=True, sharey="row", squeeze=False, gridspec_kw=room)
+    for run, name in enumerate(measured.runs):
+        upper, lower = panels[:, run]
+        _readings(upper, measured, models, run)
+        _errors(lower, measured, models, run)
+        upper.set_title(name, fontsize=12, loc="left", color=INK)
+        lower.set_xlabel("frequency [Hz]", fontsize=10)
+    panels[0, 0].set_ylabel("|acceleration / force| [1/kg]", fontsize=10)
+    panels[1, 0].set_ylabel("error of all readings [%]", fontsize=10)
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=10, frameon=False, loc="upper right", bbox_to_anchor=(0.985, 0.95), ncols=len(labels))
+    finish(figure, title, note, path, about)
+
+
+def _readings(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
+    f, values = measured.frequency, measured.values[run]
+    channel = int(np.argmax(np.abs(values[-len(f) // 10 :]).mean(axis=0)))
+    axes.loglog(f, np.abs(values[:, channel]), color=INK, linewidth=4, alpha=0.25, label="measured")
+    for model, colour in zip(models, COLOURS, strict=False):
+        axes.loglog(f, np.abs(model.rows[run][:, channel]), color=colour, linewidth=1.2, label=model.name)
+    _dress(axes, f)
+
+
+def _errors(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
+    f, values = measured.frequency, measured.values[run]
+    for model, colour in zip(models, COLOURS, strict=False):
+        error = np.sum(np.abs(values - model.rows[run]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
+        axes.loglog(f, 100 * np.sqrt(_smoothed(f, error)), color=colour, linewidth=1.2)
+    _dress(axes, f)
+
+
+def _smoothed(f: Array, values: Array) -> Array:
+    width = max(1, round(2 * SMOOTHED / float(f[1] - f[0])))
+    around = np.convolve(values, np.ones(width), mode="same")
+    return np.asarray(around / np.convolve(np.ones_like(values), np.ones(width), mode="same"))
+
+
+def _dress(axes: Axes, f: Array) -> None:
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
+
+    axes.set_xlim(f[0], f[-1])
+    axes.xaxis.set_major_locator(FixedLocator([one for one in (1, 2, 3, 5, 10, 20, 30, 50, 100) if f[0] <= one <= f[-1]]))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    grid_lines(axes)
+
+
+# Where a model fails, in sigmas over frequency: channels and loads of a run, or the 36 pairs of axes. A cell can be clicked.
+#
+# A click tells the middle of its column as `x`, the name of its row as `y` (one of `labels` or of `PAIRS`), and as `customdata`
+# the worst of the lines that share the cell: [σ, its frequency in Hz].
+
+
+PAIRS = tuple(f"{load}{motion}" for load in SIGNS for motion in SIGNS)
+"""Rows of a map of pairs: load, then base motion; entry 6 i + j of the 6 x 6."""
+
+ROW, ROOM = 15, 130
+"""Height of a row and of what is not rows [pixels]."""
+
+
+def labels(of: Map) -> tuple[str, ...]:
+    """Names of the rows of `of`, as its figure says them: channels by name, loads in words."""
+    return tuple(SENSED.get(name, name) for name in of.rows)
+
+
+def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
+    """Channels and loads of one run over frequency; the worst of all runs where `run_index` is None.
+
+    Cells of a row that nothing checks stay empty.
+    """
+    sigma = np.where(np.isfinite(of.expected), of.sigma, np.nan)
+    chosen = np.fmax.reduce(sigma, axis=0) if run_index is None else sigma[run_index]
+    where = "the worst of all runs" if run_index is None else run(of.runs[run_index], of.axes[run_index])
+    title = f"{of.data_set}, {where}: channels and loads"
+    return _map(title, of.frequency, chosen, labels(of), _rules(of), modes, dark)
+
+
+def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
+    """Predicted beside measured dynamic mass about F: load and base motion over frequency."""
+    title = f"{pairs.campaign}: dynamic mass, load and base motion"
+    sigma = pairs.sigma.reshape(len(pairs.frequency), 36)
+    return _map(title, pairs.frequency, sigma, PAIRS, (6, 12, 18, 24, 30), modes, dark)
+
+
+def levels(sigma: Array) -> Array:
+    """Of each cell the place in the scale of colours, from 0 in steps of 1; NaN where it has none."""
+    found = np.searchsorted(np.array(BOUNDS), np.nan_to_num(sigma), side="right") - 1.0
+    return np.where(np.isnan(sigma), np.nan, found)
+
+
+def _map(
+    title: str,
+    frequency: Array,
+    sigma: Array,
+    rows: Sequence[str],
+    rules: Sequence[int],
+    modes: Sequence[NamedMode],
+    dark: bool,
+) -> Figure:
+    """`sigma` (n, m) over `frequency` (n,) and `rows`."""
+    from plotly import graph_objects as go
+
+    thin = worst(frequency, sigma)
+    shown = [escaped(row) for row in rows]
+    heat = go.Heatmap(
+        x=np.asarray(thin.middle, dtype=np.float32),
+        y=shown,
+        z=np.asarray(levels(thin.values).T, dtype=np.float32),
+        customdata=np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
+        zmin=-0.5,
+        zmax=len(BOUNDS) - 0.5,
+        hoverongaps=False,
+        hovertemplate="%{y}<br>%{customdata[1]:.2f} Hz: %{customdata[0]:.1f} σ<extra></extra>",
+        colorbar=_bar(),
+    )
+    figure = go.Figure(heat)
+    inside = [one for one in modes if frequency[0] <= one.frequency <= frequency[-1]]
+    if inside:  # above the rows, on an axis of their own: a category without cells is more than a heat map bears
+        figure.add_trace(_marks(go, inside))
+        figure.update_layout(yaxis2={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True})
+    for rule in rules:
+        figure.add_hline(rule - 0.5, line={"width": 1})
+    axis = {"type": "category", "categoryorder": "array", "categoryarray": shown, "range": [len(shown) - 0.5, -0.5], "ticks": ""}
+    figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": shown, "tickfont": {"size": 11}, **axis})
+    figure.update_xaxes(title_text="frequency [Hz]", showgrid=False)
+    height = ROOM + ROW * len(shown)
+    return dressed(figure, title, height, dark, margin={"l": 118, "r": 10}, uirevision=escaped(title))
+
+
+def _bar() -> dict[str, Any]:
+    at = [k - 0.5 for k in range(len(BOUNDS))]
+    return {
+        "title": {"text": "σ"},
+        "tickvals": at,
+        "ticktext": [f"{bound:g}" for bound in BOUNDS],
+        "thickness": 14,
+        "len": 1.0,
+        "outlinewidth": 1,
+    }
+
+
+def _marks(go: Any, modes: Sequence[NamedMode]) -> Any:
+    return go.Scatter(
+        x=[one.frequency for one in modes],
+        y=[1.0] * len(modes),
+        yaxis="y2",
+        cliponaxis=False,
+        text=[escaped(one.name) for one in modes],
+        mode="markers",
+        marker={"symbol": "triangle-down", "size": 9, "color": ASIDE},
+        showlegend=False,
+        hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
+    )
+
+
+def _rules(of: Map) -> tuple[int, ...]:
+    """Between the channels and the loads."""
+    return (of.channels,) if of.channels < len(of.rows) else ()

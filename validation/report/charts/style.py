@@ -1,0 +1,723 @@
+"""Dynamic masses drawn as structural-dynamics engineers read them: magnitude (logarithmic) above phase, over frequency.
+
+The rigid body's line is drawn in, since the way a curve leaves it is the whole story, and every resonance is marked.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, count, pairwise
+from math import ceil, floor, log10
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+
+from geometry.atomic import write_with
+from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.errors import BadInput
+from geometry.frames import Array
+from validation.report.addresses import without_addresses
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure as Figure_graph_objects
+    from plotly.graph_objects.layout import Template
+
+
+# Where pictures go: formats that can be written, and files that are there whole or not at all.
+
+
+FORMATS = (".png", ".jpg", ".jpeg")
+
+
+def require_format(path: Path) -> None:
+    """Look at the ending of `path` before anything is drawn.
+
+    Raises
+    ------
+    BadInput : it is not one of `FORMATS`.
+    """
+    if path.suffix.lower() not in FORMATS:
+        raise BadInput(
+            source=str(path),
+            problem=f"a picture ends in {', '.join(FORMATS)}, found {path.suffix or 'no ending'}",
+            remedy="Name the file so, the ending chooses the format",
+        )
+
+
+def save(path: Path, write: Callable[[Path], object]) -> None:
+    """Let `write` fill the picture; an interruption leaves the old one or none."""
+    require_format(path)
+    write_with(path, write)
+
+
+ABOUT = "Comment"
+"""The key of a PNG's own words."""
+
+
+def said_about(path: Path) -> str:
+    """The words that a PNG was written with; empty without any."""
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        return str(picture.info.get(ABOUT, ""))
+
+
+# Colours: one a material, the same in every picture; red, green and blue belong to the principal axes 1, 2 and 3.
+
+
+MATERIALS = {
+    "steel": "#54708a",
+    "aluminium": "#9fc3d6",
+    "silicone": "#f28a1c",
+    "cast-carbon-steel": "#4b5563",
+    "brass": "#c9a227",
+    "oak": "#a0703c",
+    "titanium": "#8d80a8",
+    "cfrp": "#33373d",
+}
+OTHERS = ("#7fa36b", "#b5838d", "#5f9ea0", "#b8a04a", "#8f8fc4", "#a86f4f")
+"""Materials without a colour of their own take these in turn, in alphabetical order."""
+ELLIPSOID = "#8e6fc0"
+UNCOUNTED = "#9aa0a6"
+INK = "#1d2330"
+FAINT = "#6b7280"
+PAPER = "#ffffff"
+
+
+def colours(materials: Iterable[str]) -> dict[str, str]:
+    """A colour for each of `materials`, alphabetical."""
+    names = sorted(set(materials))
+    strangers = [name for name in names if name not in MATERIALS]
+    return {name: MATERIALS.get(name) or OTHERS[strangers.index(name) % len(OTHERS)] for name in names}
+
+
+LABELS = ("x", "y", "z", "α", "β", "γ")
+DPI = 110
+CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
+"""Of the models in a panel, first to third."""
+
+AXES = ("#c8283c", "#1f8a4c", "#2456c4")
+"""Of x, y, z and of α, β, γ where they share a panel."""
+
+MEASURED, LEFT_OUT = "#f28a1c", "#c3c8d0"
+"""Of lines that were measured, and of those among them that are not used."""
+
+WIDTHS = (2.8, 1.9, 1.1)
+"""Of these: where curves coincide, all of them are seen."""
+
+NOTHING = 1e-6
+"""An entry smaller than this share of its block's largest is nothing: symmetry makes it zero, rounding or a mesh almost."""
+
+SHOWS = 1e-3
+"""Share of the rigid body that a mode must carry along an axis to be marked there."""
+
+ROOM_FOR_A_FIGURE = 0.075
+"""Of the width of a panel."""
+
+TITLE_ABOVE_FIGURES = 13
+"""Points between a panel and its title, so that the figures of `_mark` stand below it."""
+
+FEW = 3
+"""Names that a legend inside a panel has at most."""
+
+DEEPEST = 1e5
+"""Of the largest magnitude in a panel of a chosen entry; what is smaller is off the page."""
+
+DASHES = ("-", "--", ":")
+
+Axes = Any
+Figure = Any
+"""Matplotlib's; the library is imported inside the functions."""
+
+
+class Resonances(Protocol):
+    """What is marked: modes of a model, or elastic terms that were identified."""
+
+    @property
+    def frequency(self) -> Array:
+        """(m,) [Hz]."""
+
+    @property
+    def effective_mass(self) -> Array:
+        """(m, 6) [kg], [kg m²] along every axis."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DynamicMassCurve:
+    """A dynamic mass to be drawn.
+
+    Attributes
+    ----------
+    name : of the model or the article
+    mass : on the lines to be drawn
+    rigid : (6, 6) mass matrix of the rigid body about the same point
+    modes : eigenfrequencies, and how much each shows on an axis
+    dots : colour of a measured dynamic mass, drawn line by line; empty for a model
+    """
+
+    name: str
+    mass: DynamicMass
+    rigid: Array
+    modes: Resonances
+    dots: str = ""
+
+
+def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str = "") -> None:
+    """Write a picture of the six diagonal entries of `curves`, each magnitude over phase.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(15.0, 10.2)
+    grid = figure.add_gridspec(5, 3, height_ratios=(3, 1.15, 0.42, 3, 1.15), hspace=0.09, wspace=0.2, **_ROOM)
+    for i in range(6):
+        top, column = 3 * (i // 3), i % 3
+        upper = figure.add_subplot(grid[top, column])
+        lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
+        _entry(upper, lower, curves, i, i)
+        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
+        _mark(upper, curves[0], (i,))
+        upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
+        lower.set_ylabel("phase [°]", fontsize=9.5)
+        if i >= 3:
+            lower.set_xlabel("frequency [Hz]", fontsize=9.5)
+        if i == 0:
+            _legend(figure, upper, 8.5)
+    finish(figure, title, note, path)
+
+
+def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str = "") -> None:
+    """Write a picture of all 36 entries of `curves`, magnitude over phase; rows are loads, columns base motions.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(20.0, 19.0)
+    outer = figure.add_gridspec(6, 6, hspace=0.22, wspace=0.3, left=0.05, right=0.985, top=0.935, bottom=0.05)
+    for i in range(6):
+        for j in range(6):
+            inner = outer[i, j].subgridspec(2, 1, height_ratios=(2.6, 1), hspace=0.07)
+            upper = figure.add_subplot(inner[0])
+            lower = figure.add_subplot(inner[1], sharex=upper)
+            _entry(upper, lower, curves, i, j)
+            label = f"$H_{{{LABELS[i]}{LABELS[j]}}}$ [{unit(i, j)}]"
+            upper.set_title(label, fontsize=9.5, loc="left", pad=2.5)
+            for axes in (upper, lower):
+                axes.tick_params(labelsize=7)
+            if i == 5:
+                lower.set_xlabel("frequency [Hz]", fontsize=8.5)
+            if (i, j) == (0, 0):
+                _legend(figure, upper, 7)
+    finish(figure, title, note, path)
+
+
+def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMassCurve]]], path: Path, note: str = "") -> None:
+    """Write a picture of single entries of H, at most six, each magnitude over phase.
+
+    Parameters
+    ----------
+    panels : words for the article, row, column, and the curves of that entry
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(15.0, 10.2 if len(panels) > 3 else 6.0)
+    ratios = (3, 1.15, 0.55, 3, 1.15) if len(panels) > 3 else (3, 1.15)
+    grid = figure.add_gridspec(len(ratios), 3, height_ratios=ratios, hspace=0.09, wspace=0.3, **_ROOM | {"left": 0.07})
+    for k, (words, i, j, curves) in enumerate(panels):
+        top = 3 * (k // 3)
+        upper = figure.add_subplot(grid[top, k % 3])
+        lower = figure.add_subplot(grid[top + 1, k % 3], sharex=upper)
+        shown = [curve for curve in curves if not _vanishes(curve.mass.matrix, i, j)] or list(curves)
+        _entry(upper, lower, shown, i, j)
+        nothing = ", ".join(curve.name for curve in curves if curve not in shown)
+        if nothing:
+            upper.text(0.02, 0.04, f"{nothing}: nothing", transform=upper.transAxes, fontsize=9, color=FAINT)
+        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[j]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
+        upper.set_title(words, fontsize=9.5, loc="right", color=FAINT, pad=TITLE_ABOVE_FIGURES, parse_math=False)
+        _mark(upper, curves[0], (i, j))
+        low, high = upper.get_ylim()
+        upper.set_ylim(max(low, high / DEEPEST), high)
+        upper.set_ylabel(f"|H| [{unit(i, j)}]", fontsize=9.5)
+        lower.set_ylabel("phase [°]", fontsize=9.5)
+        lower.set_xlabel("frequency [Hz]", fontsize=9.5)
+    _names(figure, [curve for *_, curves in panels for curve in curves])
+    finish(figure, title, note, path)
+
+
+def _names(figure: Figure, curves: Sequence[DynamicMassCurve]) -> None:
+    """A legend beside the title, of all curves of a page whether a panel has room for them or not."""
+    from matplotlib.lines import Line2D
+
+    handles: dict[str, Any] = {}
+    lines = iter(zip(CURVES, DASHES, strict=True))
+    for curve in curves:
+        if curve.name not in handles:
+            colour, dash = (curve.dots, "none") if curve.dots else next(lines)
+            marker = "o" if curve.dots else None
+            look: dict[str, Any] = {"color": colour, "linestyle": dash, "marker": marker}
+            handles[curve.name] = Line2D([], [], **look, markersize=5, label=curve.name)
+    _, height = figure.get_size_inches()
+    place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1 - 0.25 / height)}
+    figure.legend(handles=list(handles.values()), ncols=len(handles), fontsize=10, frameon=False, **place)
+
+
+def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, note: str = "", about: str = "") -> None:
+    """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
+
+    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(4.6 * len(articles) + 1.0, 9.6)
+    grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.07, **_ROOM)
+    rows: dict[int, list[Axes]] = {0: [], 3: []}
+    for column, curve in enumerate(articles):
+        for top, entries in ((0, (0, 1, 2)), (3, (3, 4, 5))):
+            upper = figure.add_subplot(grid[top, column], sharey=rows[top][0] if rows[top] else None)
+            lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
+            rows[top].append(upper)
+            for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
+                _line(upper, lower, curve, i, i, colour, DASHES[0], LABELS[i], width)
+                upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
+            _dress(upper, lower, curve.mass.frequency)
+            upper.tick_params(labelleft=column == 0)
+            lower.tick_params(labelleft=column == 0)
+            _mark(upper, curve, entries)
+            if top == 0:
+                upper.set_title(curve.name, fontsize=13, weight="bold", color=INK, pad=14)
+            if column == 0:
+                upper.set_ylabel(f"|H| [{unit(entries[0], entries[0])}]", fontsize=10)
+                lower.set_ylabel("phase [°]", fontsize=10)
+                upper.legend(fontsize=9, loc="upper right", ncols=3, framealpha=0.85, handlelength=1.4)
+            if top == 3:
+                lower.set_xlabel("frequency [Hz]", fontsize=10)
+    for row in rows.values():
+        _at_least_a_decade(row[0])
+    finish(figure, title, note, path, about)
+
+
+def unit(row: int, column: int) -> str:
+    """Unit of an entry of H."""
+    return ("kg", "kg m", "kg m²")[(row >= 3) + (column >= 3)]
+
+
+_ROOM = {"left": 0.06, "right": 0.985, "top": 0.895, "bottom": 0.085}
+
+
+def _entry(upper: Axes, lower: Axes, curves: Sequence[DynamicMassCurve], i: int, j: int) -> None:
+    """One entry of H of every curve, with the rigid body's line of the first."""
+    rigid = abs(curves[0].rigid[i, j])
+    if all(_vanishes(curve.mass.matrix, i, j) for curve in curves):
+        for axes in (upper, lower):
+            axes.set(xticks=[], yticks=[])
+            for side in axes.spines.values():
+                side.set_color("#d9dde3")
+        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
+        return
+    lines, measured = iter(zip(CURVES, DASHES, strict=True)), any(curve.dots for curve in curves)
+    for curve in curves:
+        if curve.dots:
+            _dots(upper, lower, curve, i, j)
+        else:
+            colour, dash = next(lines)
+            _line(upper, lower, curve, i, j, colour, dash, curve.name, above=measured)
+    if rigid > NOTHING * np.abs(curves[0].rigid).max():
+        upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
+    _dress(upper, lower, np.concatenate([curve.mass.frequency for curve in curves]))
+    _at_least_a_decade(upper)
+
+
+def _legend(figure: Figure, upper: Axes, size: float) -> None:
+    """In the panel where it is small, else beside the title: a large one hides what it explains."""
+    handles, labels = upper.get_legend_handles_labels()
+    if len(labels) <= FEW:
+        upper.legend(fontsize=size, loc="best", framealpha=0.85)
+        return
+    _, height = figure.get_size_inches()
+    place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1 - 0.25 / height), "ncols": len(labels)}
+    figure.legend(handles, labels, fontsize=10, frameon=False, markerscale=2, handlelength=1.6, **place)
+
+
+def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
+    rows, columns = (slice(0, 3) if k < 3 else slice(3, 6) for k in (i, j))
+    return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
+
+
+def _line(
+    upper: Axes,
+    lower: Axes,
+    curve: DynamicMassCurve,
+    i: int,
+    j: int,
+    colour: str,
+    dash: str,
+    label: str,
+    width: float = 1.3,
+    *,
+    above: bool = False,
+) -> None:
+    """A curve; `above` dots it has a rim, so that both are seen where they agree."""
+    from matplotlib.patheffects import Normal, withStroke
+
+    f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
+    look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": width, "zorder": 3 if above else 2}
+    if above:
+        look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=INK), Normal()]
+    upper.semilogy(f, np.abs(H), label=label, **look)
+    lower.plot(f, _phase(H), **look)
+
+
+def _dots(upper: Axes, lower: Axes, curve: DynamicMassCurve, i: int, j: int) -> None:
+    f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
+    look: dict[str, Any] = {"color": curve.dots, "linestyle": "none", "marker": "o", "markersize": 4.2, "markeredgewidth": 0}
+    upper.semilogy(f, np.abs(H), label=curve.name, **look)
+    lower.plot(f, np.degrees(np.angle(H)), **look)
+
+
+def _phase(H: ComplexArray) -> Array:
+    """Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase."""
+    phase = np.degrees(np.angle(H))
+    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 270)
+    phase[jumps] = np.nan
+    return np.asarray(phase)
+
+
+def _dress(upper: Axes, lower: Axes, f: Array) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    upper.set_xlim(f.min(), f.max())
+    lower.set_ylim(-195, 195)
+    lower.set_yticks([-180, -90, 0, 90, 180])
+    lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))
+    upper.tick_params(labelbottom=False)
+    for axes in (upper, lower):
+        grid_lines(axes)
+    upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
+
+
+def grid_lines(axes: Axes) -> None:
+    """Faint lines behind the curves, small figures beside them."""
+    axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
+    axes.tick_params(labelsize=8.5, colors=INK)
+    axes.set_axisbelow(True)
+
+
+def _at_least_a_decade(upper: Axes) -> None:
+    """What is flat is to look flat."""
+    low, high = upper.get_ylim()
+    if high < 10 * low:
+        middle = np.sqrt(low * high)
+        upper.set_ylim(middle / 10, middle * 10)
+
+
+def _mark(upper: Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
+    """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where they fit."""
+    low, high = upper.get_xlim()
+    whole = np.diag(curve.rigid)[list(entries)]
+    shows = np.any(curve.modes.effective_mass[:, list(entries)] > SHOWS * whole, axis=1)
+    last = -np.inf
+    for f in curve.modes.frequency[shows & (curve.modes.frequency > low) & (curve.modes.frequency < high)]:
+        upper.axvline(f, ymin=0.965, color=FAINT, linewidth=1.0)
+        if f - last > ROOM_FOR_A_FIGURE * (high - low):
+            upper.text(f, 1.012, f"{f:.1f}", transform=upper.get_xaxis_transform(), ha="center", fontsize=7.2, color=FAINT)
+            last = f
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty page of so many inches."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Page
+
+    figure = Page(figsize=(width, height), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
+    """Write title and note onto `figure`, and `figure` to `path`; a PNG carries the words `about`."""
+    width, height = figure.get_size_inches()
+    figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
+    figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)
+    more = {"metadata": {ABOUT: about}} if about else {}
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
+
+
+# Labels that do not cover one another: each takes the first free place around its anchor.
+
+
+STEPS = (1.0, 1.8, 2.8, 4.0, 6.0, 9.0)
+"""Distances that are tried first, in units of the label's own; then ever farther ones, `FARTHER` apart."""
+
+FARTHER = 2.0
+
+TURNS = np.radians([0, 25, -25, 50, -50, 80, -80, 120, -120, 160, -160])
+"""Directions that are tried, from the wished one."""
+
+Box = tuple[Array, tuple[float, float]]
+"""Middle (2,), and width and height [pixel]."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Label:
+    """A text with the place it belongs to.
+
+    Attributes
+    ----------
+    text : what is written; may hold mathematics between dollar signs
+    anchor : (2,) [pixel], what it names, from the upper left corner
+    wish : (2,), the direction in which it would like to stand, of any length
+    extent : width and height of the text [pixel]
+    gap : least distance between anchor and the text's middle [pixel]
+    """
+
+    text: str
+    anchor: Array
+    wish: Array
+    extent: tuple[float, float]
+    gap: float
+    colour: str
+
+
+def arranged(labels: Sequence[Label], taken: Iterable[Box] = (), room: Box | None = None) -> list[Array]:
+    """The middle (2,) [pixel] of every label.
+
+    No two labels cover one another and none covers what is `taken`. A label lies within `room` as long as that has a free place
+    for it in one of the directions tried; None is a page without end.
+    """
+    boxes = list(taken)
+    places = []
+    for label in labels:
+        place = _first_free(label, boxes, room)
+        boxes.append((place, label.extent))
+        places.append(place)
+    return places
+
+
+def _first_free(label: Label, boxes: list[Box], room: Box | None) -> Array:
+    """The first candidate that covers nothing: within `room`, or else outside of it, where there is always one."""
+    within = () if room is None else _candidates(label, range(1, 2 + int(sum(room[1]) / (FARTHER * label.gap))))
+    candidates = chain((place for place in within if room and _lies_in(place, label.extent, room)), _candidates(label, count(1)))
+    return next(place for place in candidates if not any(_cover(place, label.extent, *box) for box in boxes))
+
+
+def _candidates(label: Label, rounds: Iterable[int]) -> Iterator[Array]:
+    """Places around the anchor, the nearest first; after `STEPS` come as many farther ones as `rounds` has."""
+    steps = chain(STEPS, (STEPS[-1] + FARTHER * k for k in rounds))
+    return (_candidate(label, step, turn) for step in steps for turn in TURNS)
+
+
+def _candidate(label: Label, step: float, turn: float) -> Array:
+    c, s = np.cos(turn), np.sin(turn)
+    length = float(np.linalg.norm(label.wish))
+    wish = label.wish / length if length > 0 else np.array([1.0, 0.0])
+    direction = np.array([c * wish[0] - s * wish[1], s * wish[0] + c * wish[1]])
+    reach = label.gap * step + np.abs(direction) @ np.array(label.extent) / 2
+    return np.asarray(label.anchor + reach * direction)
+
+
+def _cover(a: Array, size_a: tuple[float, float], b: Array, size_b: tuple[float, float]) -> bool:
+    return bool(np.all(np.abs(a - b) < (np.array(size_a) + np.array(size_b)) / 2))
+
+
+def _lies_in(place: Array, extent: tuple[float, float], room: Box) -> bool:
+    return bool(np.all(np.abs(place - room[0]) <= (np.array(room[1]) - np.array(extent)) / 2))
+
+
+# Colours and lettering of all figures, light and dark.
+#
+# Whatever differs between the two stands in the template alone: a page that switches exchanges the template and keeps the
+# figure. Curves take middle tones that are read on white, on the dark surface and in print.
+
+
+THEME_MEASURED, PREDICTED, FURTHER, ASIDE = "#d9661f", "#3b7ddd", "#1f9d61", "#8791a1"
+"""What was measured, what the model says, what it would say otherwise, and what stands back."""
+
+THRESHOLD = "#c2334d"
+"""Of limits."""
+
+SURFACE = {False: "#ffffff", True: "#171b22"}
+"""Behind a figure, by whether it is dark."""
+
+THEME_INK = {False: "#1d2330", True: "#e4e8ef"}
+GRID = {False: "#e3e7ed", True: "#303846"}
+AXIS = {False: "#7b8494", True: "#8b95a6"}
+
+FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', Arial, sans-serif"
+
+TITLE_ROOM, LEGEND_ROOM = 46, 32
+"""[pixels] above the panels, and what a legend there adds."""
+
+
+def template(dark: bool) -> Template:
+    """What makes a figure light or `dark`."""
+    from plotly import graph_objects as go
+
+    ink, grid, axis = THEME_INK[dark], GRID[dark], AXIS[dark]
+    of_axis = {
+        "gridcolor": grid,
+        "zerolinecolor": axis,
+        "linecolor": axis,
+        "tickcolor": axis,
+        "showline": True,
+        "ticks": "outside",
+        "zeroline": False,
+    }
+    made = go.layout.Template(
+        layout={
+            "paper_bgcolor": SURFACE[dark],
+            "plot_bgcolor": SURFACE[dark],
+            "font": {"family": FONT, "size": 13, "color": ink},
+            "title": {"font": {"size": 15, "color": ink}, "x": 0, "xref": "container", "xanchor": "left", "pad": {"l": 12}},
+            "xaxis": of_axis,
+            "yaxis": of_axis,
+            "legend": {"font": {"color": ink}, "bgcolor": "rgba(0,0,0,0)"},
+            "hoverlabel": {"bgcolor": SURFACE[dark], "bordercolor": axis, "font": {"color": ink, "family": FONT}},
+            "shapedefaults": {"line": {"color": ink, "width": 1}},
+            "annotationdefaults": {"font": {"color": ink}},
+            "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": axis, "activecolor": ink},
+        }
+    )
+    made.data.heatmap = [go.Heatmap(colorscale=_sigmas(dark), colorbar={"outlinecolor": axis, "tickcolor": axis})]
+    return made
+
+
+BOUNDS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0)
+"""Sigmas at which the colour of a map changes; beyond 4 it is no chance."""
+
+PALE = {False: ("#ffffff", "#f3f5f8", "#e3e9f0", "#ccd8e4"), True: ("#171b22", "#1d232d", "#262f3c", "#33404f")}
+STRONG = {
+    False: ("#f7d13d", "#f39b2c", "#dd6a3c", "#b8415f", "#7b2a76", "#3d1559"),
+    True: ("#6b3d86", "#9c3f7f", "#c9525f", "#e67a3f", "#f6ad3c", "#fbe77a"),
+}
+"""Below and above the threshold: on paper darker where worse, on a dark page lighter where worse."""
+
+
+def _sigmas(dark: bool) -> list[list[Any]]:
+    """Steps of equal width, one a level."""
+    colours = (*PALE[dark], *STRONG[dark])
+    count = len(colours)
+    return [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
+
+
+def dressed(figure: Figure_graph_objects, title: str, height: int, dark: bool, **layout: Any) -> Figure_graph_objects:
+    """`figure` with its template, a title above it and room for its modebar; it takes the width that it is given.
+
+    Parameters
+    ----------
+    height : [pixels]
+    """
+    margin = {"l": 70, "r": 16, "t": TITLE_ROOM, "b": 48} | layout.pop("margin", {})
+    figure.update_layout(template=template(dark), height=height, margin=margin, autosize=True, **layout)
+    figure.update_layout(title={"text": escaped(title), "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 12, "l": 12}})
+    return figure
+
+
+def legend_above(panel: float = 0.0) -> dict[str, Any]:
+    """A legend between the title and the panels, `panel` [share of them] higher where they have titles of their own."""
+    return {"orientation": "h", "x": 0, "y": 1.01 + panel, "yanchor": "bottom", "xanchor": "left"}
+
+
+def decades(low: float, high: float) -> dict[str, Any]:
+    """Range and ticks of a logarithmic axis between two powers of ten: round numbers, written out, however short the axis is."""
+    a, b = 10.0**low, 10.0**high
+    if high - low > 0.7:
+        steps = (1, 2, 5) if high - low < 2.6 else (1,)
+        every = [step * 10.0**power for power in range(floor(low) - 1, ceil(high) + 1) for step in steps]
+    else:
+        rough = (b - a) / 5
+        unit = 10.0 ** floor(log10(rough))
+        step = next(each * unit for each in (1, 2, 2.5, 5, 10) if each * unit >= rough)
+        every = [step * k for k in range(floor(a / step), ceil(b / step) + 1)]
+    ticks = [tick for tick in every if a <= tick * (1 + 1e-9) and tick <= b * (1 + 1e-9)]
+    return {"type": "log", "range": [low, high], "tickvals": ticks, "ticktext": [f"{tick:.6g}" for tick in ticks]}
+
+
+def escaped(text: str) -> str:
+    """`text` as plotly shows it to the letter: it reads a little HTML, and names come from files."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+# What a page needs to show figures by itself: the library, the figures, and the two templates between which it switches.
+
+
+BUTTONS = (("toImage",), ("zoom2d", "pan2d"), ("zoomIn2d", "zoomOut2d", "resetScale2d"))
+"""All buttons above a figure, in groups. Only these are shown, whatever plotly.js adds: version 4 added one that opened
+a window of its makers and posted the figure there."""
+
+CONFIG: dict[str, Any] = {
+    "modeBarButtons": BUTTONS,
+    "displaylogo": False,
+    "showSendToCloud": False,
+    "plotlyServerURL": "",
+    "topojsonURL": "about:blank#",  # where it would look for maps of the world; it takes no empty one
+}
+"""What every figure of report and workbench is drawn with; a page adds its own sizes, and none of these."""
+
+
+def library() -> str:
+    """The source of plotly.js, of the version to which the figures belong, without addresses and with `CONFIG` set."""
+    from plotly.offline import get_plotlyjs
+
+    return f"{without_addresses(str(get_plotlyjs()))}\nPlotly.setPlotConfig({json.dumps(CONFIG)});\n"
+
+
+def figure_json(figure: Figure_graph_objects) -> str:
+    """`figure` as JSON without its template, which a page has once for all of them."""
+    from plotly.graph_objects import Figure
+    from plotly.io import to_json
+
+    bare = Figure(figure)
+    bare.layout.template = None
+    return str(to_json(bare, validate=False))
+
+
+def template_json(dark: bool) -> str:
+    """The template that makes any of the figures light or `dark`, as JSON."""
+    from plotly.io.json import to_json_plotly
+
+    return str(to_json_plotly(template(dark).to_plotly_json()))
+
+
+# As many lines as a figure has pixels for, the worst of those that share one.
+
+
+MOST = 280
+"""Columns of a map."""
+
+
+class Thinned(NamedTuple):
+    """Lines in columns.
+
+    Attributes
+    ----------
+    middle : (m,) [Hz] of each column
+    values : (m, ...) the greatest of each column; NaN where all of it is
+    at : (m, ...) [Hz] of the line that has it
+    """
+
+    middle: Array
+    values: Array
+    at: Array
+
+
+def worst(frequency: Array, values: Array, most: int = MOST) -> Thinned:
+    """`frequency` (n,) [Hz] and `values` (n, ...) in at most `most` columns; a value that is NaN hides no other."""
+    n = len(frequency)
+    edges = np.arange(n + 1) if n <= most else np.unique(np.linspace(0, n, most + 1).astype(int))
+    known = np.where(np.isnan(values), -np.inf, values)
+    lines = np.array([a + np.argmax(known[a:b], axis=0) for a, b in pairwise(edges)])
+    middle = np.array([frequency[(a + b - 1) // 2] for a, b in pairwise(edges)])
+    return Thinned(middle, np.take_along_axis(values, lines, axis=0), frequency[lines])

@@ -1,0 +1,1321 @@
+"""The pictures of `massline diagnose`: what each of them shows, from the diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import click
+
+from geometry.atomic import probe, write_text
+from geometry.errors import BadInput
+from validation.compare.compare import mapped_all, modes_of
+from validation.diagnose import diagnose
+from validation.diagnose import diagnosis as diagnose_diagnosis
+from validation.diagnose.classical import MeasurementComparison, MeasurementInput, Needed, SwingAnswer
+from validation.diagnose.classical_tests import SURE
+from validation.diagnose.diagnose import DiagnoseOptions, of_levels, ready
+from validation.diagnose.diagnosis import (
+    AMBIGUOUS,
+    MISSING,
+    MISTAKE,
+    NONLINEAR,
+    NOTHING,
+    SEVERAL,
+    UNKNOWN,
+    Advice,
+    Cause,
+    Detectable,
+    Diagnosis,
+    EffectEstimate,
+    FittedData,
+    Leftover,
+    LevelDifference,
+    ReportedStep,
+    headline,
+)
+from validation.diagnose.diagnosis import asked as asked_for
+from validation.diagnose.nonlinear import require_levels
+from validation.diagnose.pendulum import only_classical
+from validation.effects import practical_units
+from validation.effects.catalogue import FAMILIES
+from validation.effects.effect import MISTAKE as OF_MISTAKES
+from validation.effects.effect import evidence_threshold
+from validation.effects.practical_units import said, significant
+from validation.estimation.evaluate import named, without
+from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.verdicts import expected_z2, figure, largest_z, misfit, percent
+from validation.history import add
+from validation.history.add import at_offsets, kept_offsets
+from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
+from validation.history.verdict import is_worth_adding
+from validation.model import model_file
+from validation.model.model import Added, Model
+from validation.output import json_text, stages
+from validation.output import percent as progress_percent
+from validation.reference.reference import file_name
+from validation.reference.statement import NONE, rounded
+from validation.report import history
+from validation.report.charts import crosscheck
+from validation.report.charts.crosscheck import tried
+from validation.report.compare import draw_channels, parameters
+from validation.report.document import NOTHING as EMPTY
+from validation.report.document import (
+    Cell,
+    Column,
+    Figures,
+    Grid,
+    Number,
+    Safe,
+    aligned,
+    joined,
+    number,
+    of_grid,
+    page,
+    table,
+    tag,
+)
+from validation.report.history import of_ladder
+from validation.report.parts import Report, paragraphs, section
+from validation.report.parts import notes as parts_notes
+from validation.study import only_files
+
+EVIDENCE, ERRORS = "diagnose-evidence.png", "diagnose-errors.png"
+
+THRESHOLD = "worth_nats"
+"""Key of the settings by which a diagnosis says what it asked for, of each family that has its own and of all others, by ""."""
+
+
+def draw(found: Diagnosis, folder: Path) -> tuple[Path, ...]:
+    """Write every picture that `found` has the evidence for into `folder`, and say where they are."""
+    made = []
+    if tried(found):
+        _evidence(found, folder / EVIDENCE)
+        made.append(folder / EVIDENCE)
+    _errors(found, folder / ERRORS)
+    return (*made, folder / ERRORS)
+
+
+def _evidence(found: Diagnosis, path: Path) -> None:
+    bars = [
+        crosscheck.DrawnCause(
+            name=one.id,
+            size="; ".join(diagnose_diagnosis.sized(one, size) for size in one.sizes[:1]),
+            evidence=one.evidence,
+            standing=_standing(found, one),
+        )
+        for one in tried(found)
+    ]
+    note = "How much more probable the data are with the effect than without it, each beside the model before the last was found."
+    crosscheck.draw_evidence(_title(found), bars, path, note, asked(found))
+
+
+def asked(found: Diagnosis) -> float | None:
+    """[nats] that a diagnosis asks of most families; None where it does not say."""
+    said = found.settings.get(THRESHOLD)
+    return float(said[""]) if isinstance(said, Mapping) and "" in said else None
+
+
+def _standing(found: Diagnosis, one: Cause) -> str:
+    if one.id in {cause.id for cause in found.accepted}:
+        return crosscheck.ACCEPTED
+    if one.id in found.equivalence_class:
+        return crosscheck.ALIKE
+    return crosscheck.LESS if one.null else crosscheck.TOO_MUCH_LEFT
+
+
+def _errors(found: Diagnosis, path: Path) -> None:
+    before, after = found.before, None if found.after is found.before else found.after
+    percents = [crosscheck.DrawnPair(name=name, before=a, after=b, unit=" %") for name, a, b in _percents(before, after)]
+    ratios: tuple[tuple[str, Callable[[Evaluation], float]], ...] = (
+        ("chi² per degree of freedom", lambda of: misfit(of.fitted)),
+        ("sum z² of the tolerances", _price),
+    )
+    prices = [
+        crosscheck.DrawnPair(name=name, before=tell(before), after=None if after is None else tell(after))
+        for name, tell in ratios
+    ]
+    crosscheck.draw_before_after(_title(found), percents, prices, path, _held(found))
+
+
+def _percents(before: Evaluation, after: Evaluation | None) -> Iterator[tuple[str, float, float | None]]:
+    shares: tuple[tuple[str, Callable[[Evaluation], Share | None]], ...] = (
+        ("nominal", lambda of: of.nominal),
+        ("plain", lambda of: of.plain),
+        ("plain, held out", lambda of: of.held_out),
+        ("a configuration never seen", lambda of: of.held_out_configurations),
+    )
+    for name, tell in shares:
+        one, other = tell(before), None if after is None else tell(after)
+        if one is not None:
+            yield name, one.percent, None if other is None else other.percent
+
+
+def _price(of: Evaluation) -> float:
+    return of.fitted.tolerance_z2 / max(expected_z2(of.fitted), 1.0)
+
+
+def _title(found: Diagnosis) -> str:
+    names = diagnose_diagnosis.listed([one.id for one in found.accepted])
+    told = {
+        NOTHING: "nothing is missing",
+        UNKNOWN: "unknown",
+        AMBIGUOUS: f"one of {diagnose_diagnosis.listed(found.equivalence_class, 'or')}",
+    }
+    return f"Diagnosis: {told.get(found.verdict) or names or found.verdict}"
+
+
+def _held(found: Diagnosis) -> str:
+    return f"Held out: {diagnose_diagnosis.listed(found.hold_out)}." if found.hold_out else ""
+
+
+# What `massline diagnose --json` prints: the contract's keys, and every number beside them. Keys end in their unit.
+
+
+def diagnosis_json(found: Diagnosis) -> dict[str, Any]:
+    """The diagnosis as one object."""
+    return {
+        "verdict": found.verdict,
+        "text": found.text or diagnose_diagnosis.headline(found),
+        "headline": diagnose_diagnosis.headline(found),
+        "accepted": [effect(one) for one in found.accepted],
+        "ranking": [effect(one) for one in found.ranking],
+        "equivalence_class": list(found.equivalence_class),
+        "next_measurement": found.next_measurement,
+        "advice": [advice(one) for one in found.advice],
+        "leftover": None if found.leftover is None else found.leftover.text,
+        "leftover_described": None if found.leftover is None else leftover(found.leftover),
+        "errors": _diagnosis_errors(found.before, found.after),
+        "detectable": [detectable(one) for one in found.detectable],
+        "levels": [_level(one) for one in found.levels],
+        "steps": [_step(one) for one in found.steps],
+        "held_out": list(found.hold_out),
+        "warnings": list(found.remarks),
+        "before": _evaluation(found.before),
+        "after": _evaluation(found.after),
+        "settings": plain(found.settings),
+    }
+
+
+def effect(one: Cause) -> dict[str, Any]:
+    """EFFECT of the output contract. Its value is that of the first size; `values` holds all."""
+    first = one.sizes[0] if one.sizes else None
+    return {
+        "id": one.id,
+        "value": None if first is None else first.value,
+        "unit": None if first is None else first.unit,
+        "interval90": None if first is None else [first.low, first.high],
+        "evidence_nats": finite(one.evidence),
+        "text": one.text,
+        "written": str(one.named),
+        "what": one.named.what,
+        "values": [_size(size) for size in one.sizes],
+        "chi2_per_dof": finite(one.misfit),
+        "price": finite(one.price),
+        "as_where_nothing_is_missing": one.null,
+        "note": one.note or None,
+        "mistaken_for": list(one.mistaken_for),
+        "confirmed_by": one.confirmed_by,
+    }
+
+
+def plain(value: Any) -> Any:
+    """`value` as JSON has it: mappings and sequences of texts, numbers, truths and nothing; what else there is by its words."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(one) for one in value]
+    if value is None or isinstance(value, bool | str):
+        return value
+    if hasattr(value, "__index__"):
+        return int(value)
+    return finite(float(value)) if hasattr(value, "__float__") else str(value)
+
+
+def finite(value: float) -> float | None:
+    """JSON knows no infinity."""
+    return float(value) if isfinite(value) else None
+
+
+def _size(one: EffectEstimate) -> dict[str, Any]:
+    return {"key": one.key, "value": one.value, "unit": one.unit, "interval90": [one.low, one.high]}
+
+
+def advice(one: Advice) -> dict[str, Any]:
+    """A measurement that would decide."""
+    return {
+        "test": one.test,
+        "expected_evidence_nats": finite(one.gain),
+        "separates": list(one.separates),
+        "hours": one.hours or None,
+    }
+
+
+def leftover(one: Leftover) -> dict[str, Any]:
+    """What no effect explains."""
+    return {
+        "text": one.text,
+        "looks_like": one.looks_like,
+        "load": one.load or None,
+        "motion": one.motion or None,
+        "channels": list(one.channels),
+        "frequency_hz": one.frequency,
+        "share": one.share,
+        "size": one.size,
+        "unit": one.unit or None,
+    }
+
+
+def detectable(one: Detectable) -> dict[str, Any]:
+    """The smallest size that would have been named."""
+    return {"id": one.id, "size": finite(one.size), "unit": one.unit, "at": one.at or None}
+
+
+def _level(one: LevelDifference) -> dict[str, Any]:
+    return {
+        "campaign": one.data_set,
+        "runs": list(one.runs),
+        "axis": one.axis,
+        "channels": list(one.channels),
+        "frequency_hz": one.frequency,
+        "sigma": one.sigma,
+    }
+
+
+def _step(one: ReportedStep) -> dict[str, Any]:
+    return {
+        "added": one.added or None,
+        "text": one.text,
+        "chi2_per_dof": finite(one.misfit),
+        "price": finite(one.price),
+        "ranking": [effect(cause) for cause in one.ranking],
+    }
+
+
+def _diagnosis_errors(before: Evaluation, after: Evaluation) -> dict[str, Any]:
+    """The contract's four, and the others beside them."""
+    found: dict[str, Any] = {}
+    for when, of in (("before", before), ("after", after)):
+        found |= {
+            f"plain_{when}_percent": of.plain.percent,
+            f"heldout_{when}_percent": _percent(of.held_out),
+            f"nominal_{when}_percent": of.nominal.percent,
+            f"heldout_nominal_{when}_percent": _percent(of.held_out_nominal),
+            f"heldout_configurations_{when}_percent": _percent(of.held_out_configurations),
+        }
+    return found
+
+
+def _evaluation(of: Evaluation) -> dict[str, Any]:
+    return {
+        "plain_percent_by_channel": dict(of.plain.by_channel),
+        "plain_percent_by_run": dict(of.plain.by_run),
+        "heldout_percent_by_fold": {} if of.held_out is None else dict(of.held_out.by_fold),
+        "held_out": list(of.held_out_names),
+        "fitted": _fit(of.fitted),
+        "plain": _fit(of.plain_fit),
+    }
+
+
+def _fit(of: Fit) -> dict[str, Any]:
+    return {
+        "chi2": finite(of.chi2),
+        "degrees_of_freedom": of.degrees_of_freedom,
+        "chi2_per_dof": finite(misfit(of)),
+        "tolerance_z2": finite(of.tolerance_z2),
+        "tolerance_z2_expected": expected_z2(of),
+        "largest_z": largest_z(of),
+        "tolerances": of.tolerances,
+        "log_evidence_nats": finite(of.log_evidence),
+        "converged": of.converged,
+        "parameters": parameters(of),
+    }
+
+
+def _percent(of: Share | None) -> float | None:
+    return None if of is None else of.percent
+
+
+# `massline diagnose --auto`: diagnose, add what is missing as a rung, and diagnose again, until the rules say stop.
+#
+# A rung is made by `validation.history.add`, as `massline add` makes it: fitted anew, evaluated on held-out data, kept at
+# once. So an interruption loses no rung that was finished, and the next run begins where the model file stands. The rules:
+#
+#     nothing      is missing any more: done
+#     missing, several    every effect that was accepted becomes a rung, and the new model is diagnosed
+#     mistake      the mistakes alone become rungs; what there is beside them is for the diagnosis of the new model to say
+#     ambiguous    the first of those that cannot be told apart becomes a rung, which says so; only another measurement goes on
+#     nonlinear    likewise, and what a linear fit would say beyond that is nonsense
+#     unknown      no name is worth a rung
+#     a rung that is not worth a parameter by the ladder's own figures is left again, and ends the climb
+
+
+MOST_ROUNDS = 6
+"""Diagnoses in a row, before something is wrong with the climb itself."""
+
+ENDED = {
+    NOTHING: "nothing more{asked} is missing at the resolution of these data",
+    AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
+    NONLINEAR: "what depends on the level is no matter of a linear fit",
+    UNKNOWN: "what is left is explained by no effect that was looked for",
+}
+"""Why a climb ends, by the last verdict."""
+
+NOT_WORTH = "{effect} is not worth a parameter by the ladder's figures: the model went back to rung {below}"
+NO_MORE = "what was found is in the model already"
+TOO_LONG = "{rounds} diagnoses in a row found something: look at the ladder before going on"
+
+Progress = Callable[[str, float], None]
+Diagnose = Callable[[FittedData], Diagnosis]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Climb:
+    """What came of it.
+
+    Attributes
+    ----------
+    rounds : the diagnoses, one after the other
+    rungs : that were made
+    ended : why it ended
+    at : where the model stands now
+    """
+
+    rounds: tuple[Diagnosis, ...]
+    rungs: tuple[Version, ...]
+    ended: str
+    at: HistoryPosition
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosisListener:
+    """Who hears of what is finished: a diagnosis, a rung, and how far the work is."""
+
+    diagnosed: Callable[[Diagnosis], None] = lambda found: None
+    added: Callable[[Version], None] = lambda rung: None
+    progress: Progress = lambda what, share: None
+
+
+def climb(asked: DiagnoseOptions, bench: FittedData, diagnose: Diagnose, heard: DiagnosisListener | None = None) -> Climb:
+    """Climb the ladder of the model that is `asked`.
+
+    Parameters
+    ----------
+    bench : of that model
+    diagnose : makes the diagnosis of a bench
+
+    Raises
+    ------
+    BadInput : a rung cannot be made, see `validation.history.add.added`.
+    CheckFailed : a baseline does not converge.
+    OSError : the ladder or the model file cannot be written.
+    """
+    told, rounds, rungs = heard or DiagnosisListener(), [], []
+    while True:
+        found = diagnose(bench)
+        rounds.append(found)
+        told.diagnosed(found)
+        ended = ENDED.get(found.verdict, "").format(asked=asked_for(found))
+        more = new(found, bench.model)
+        for cause in more:
+            rung, below = _added(asked, cause, found, told.progress)
+            if not is_worth_adding(rung) and rung.gain is not None:
+                undone(history_position(asked.model))
+                ended = NOT_WORTH.format(effect=cause.id, below=below)
+                break
+            rungs.append(rung)
+            told.added(rung)
+        if not ended and (not more or len(rounds) >= MOST_ROUNDS):
+            ended = TOO_LONG.format(rounds=len(rounds)) if more else NO_MORE
+        if ended:
+            return Climb(rounds=tuple(rounds), rungs=tuple(rungs), ended=ended, at=history_position(asked.model))
+        bench = replace(bench, model=model_file.read(str(asked.model)))
+
+
+def new(found: Diagnosis, model: Model) -> tuple[Cause, ...]:
+    """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing does."""
+    if found.verdict == UNKNOWN:
+        return ()
+    known = {one.named.id for one in model.effects}
+    more = tuple(one for one in found.accepted if one.id not in known)
+    wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)
+    return wrong if found.verdict == MISTAKE and wrong else more
+
+
+def _added(asked: DiagnoseOptions, cause: Cause, found: Diagnosis, progress: Progress) -> tuple[Version, int]:
+    """The rung of `cause`, and the number of the one below."""
+    step = add.added(
+        add.AddOptions(
+            model=asked.model,
+            effect=str(cause.named),
+            data=asked.data,
+            hold_out=asked.hold_out,
+            band=asked.band,
+            method=asked.method,
+            effects_from=asked.effects_from,
+            remarks=_alike(cause, found),
+        ),
+        lambda what, share: progress(f"adding {cause.id}: {what}", share),
+    )
+    return step.after, step.before.number
+
+
+def _alike(cause: Cause, found: Diagnosis) -> Sequence[str]:
+    others = [id for id in found.equivalence_class if id != cause.id]
+    if cause.id not in found.equivalence_class or not others:
+        return ()
+    return (f"These data cannot tell it from {' or '.join(others)}.",)
+
+
+def automatic_json(found: Climb) -> dict[str, Any]:
+    """What --json says of a climb beside its first diagnosis."""
+    rounds = [
+        {"verdict": one.verdict, "headline": headline(one), "accepted": [effect(each) for each in one.accepted]}
+        for one in found.rounds
+    ]
+    return {
+        "auto": {
+            "ended": found.ended,
+            "rungs": [rung.number for rung in found.rungs],
+            "rounds": rounds,
+            "ladder": of_ladder(found.at),
+        }
+    }
+
+
+# What `massline diagnose --json` prints where there is no campaign: the contract's keys, and every number beside them.
+
+
+def classical_json(found: SwingAnswer) -> dict[str, Any]:
+    """The answer as one object. There are no spectra, and so no errors of them."""
+    return {
+        "verdict": found.verdict,
+        "text": found.text,
+        "accepted": [effect(one) for one in found.accepted],
+        "ranking": [effect(one) for one in found.ranking],
+        "equivalence_class": list(found.equivalence_class),
+        "next_measurement": found.next_measurement,
+        "advice": [advice(one) for one in found.advice],
+        "leftover": None if found.leftover is None else found.leftover.text,
+        "leftover_described": None if found.leftover is None else leftover(found.leftover),
+        "errors": None,
+        "detectable": [detectable(one) for one in found.detectable],
+        "chi2": found.chi2,
+        "measurements": found.measurements,
+        "classical": [_beside(one) for one in found.facts],
+        "needed": [_needed(one) for one in found.needed],
+        "readings": [_reading(one) for one in found.readings],
+        "warnings": list(found.remarks),
+        "settings": dict(found.settings),
+    }
+
+
+def _beside(one: MeasurementComparison) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "sigma": one.sigma,
+        "unit": one.unit,
+        "predicted": one.predicted,
+        "measured": one.measured,
+        "tolerance": one.deviation,
+        "period_s": one.period or None,
+        "period_shift_percent": 100 * one.period_shift if one.period else None,
+    }
+
+
+def _needed(one: Needed) -> dict[str, Any]:
+    return {
+        "id": one.id,
+        "value": one.value,
+        "unit": one.unit,
+        "plausible": one.plausible,
+        "possible": one.possible,
+        "explains": one.fits,
+        "evidence_nats": one.evidence,
+        "text": one.text,
+    }
+
+
+def _reading(one: MeasurementInput) -> dict[str, Any]:
+    return {
+        "input": one.name,
+        "value_si": one.value,
+        "change_si": one.change,
+        "tolerances": one.tolerances,
+        "of": list(one.of),
+    }
+
+
+# The smallest sizes that would have been named, for people: by side of the catalogue and family, in units of a laboratory.
+
+
+SPREAD = 1.05
+"""Factor between the least and the greatest of a family within which one figure says it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetectableRow:
+    """A family, or what its targets have in common.
+
+    Attributes
+    ----------
+    side : of the catalogue: "structure", "force side" and so on
+    family : its name
+    least, greatest : over its targets, SI
+    unit : SI
+    text : both in a practical unit: "12 mm", "1.5 % to 2.2 %"
+    best, worst : targets of these, with what they belong to ("21 Hz"); empty where there is none
+    count : targets
+    """
+
+    side: str
+    family: str
+    least: float
+    greatest: float
+    unit: str
+    text: str
+    best: str
+    worst: str
+    count: int
+
+
+def rows(of: Sequence[Detectable]) -> tuple[DetectableRow, ...]:
+    """`of` by family, in the order of the catalogue; a family that says its sizes in several units has a row for each."""
+    return tuple(_rows(of))
+
+
+def grid(of: Sequence[Detectable]) -> Grid:
+    """`rows` as a table, each side of the catalogue under its heading."""
+    lines: list[tuple[str, str, str]] = []
+    side = ""
+    for one in rows(of):
+        lines += [(one.side, "", "")] if one.side != side else []
+        lines.append((f"  {one.family}", one.text, _where(one)))
+        side = one.side
+    first, size, where = zip(*lines, strict=True)
+    return Grid(
+        header=("would have been named", "from", "at"), lines=tuple(zip(first, aligned(size), where, strict=True)), words=True
+    )
+
+
+def _rows(of: Sequence[Detectable]) -> Iterator[DetectableRow]:
+    for name, family in FAMILIES.items():
+        own = [one for one in of if one.id.partition(":")[0] == name]
+        for unit in dict.fromkeys(one.unit for one in own):
+            yield _row(family.side, name, unit, sorted((one for one in own if one.unit == unit), key=lambda one: one.size))
+
+
+def _row(side: str, family: str, unit: str, of: Sequence[Detectable]) -> DetectableRow:
+    least, greatest = of[0], of[-1]
+    low, high = said(least.size, unit), said(greatest.size, unit)
+    together = greatest.size <= SPREAD * least.size or low == high
+    return DetectableRow(
+        side=side,
+        family=family,
+        least=least.size,
+        greatest=greatest.size,
+        unit=unit,
+        text=low if together else f"{low} to {high}",
+        best=_target(least),
+        worst="" if together else _target(greatest),
+        count=len(of),
+    )
+
+
+def _target(of: Detectable) -> str:
+    return ", ".join(part for part in (of.id.partition(":")[2], of.at and f"at {of.at}") if part)
+
+
+def _where(of: DetectableRow) -> str:
+    if of.count == 1:
+        return of.best
+    if not of.worst:
+        return f"all {of.count} alike"
+    return f"{of.best} to {of.worst}, {of.count} in all"
+
+
+# The page of a diagnosis without a campaign: the verdict, the measurements, what each effect would need, what to do next.
+
+
+FAR = 10.0
+"""Tolerances by which an input is not wrong any more, but something else."""
+
+MOST = 8
+"""Tests that are shown."""
+
+PLACES = "point-mass"
+
+HEADLINES = {
+    NOTHING: "NOTHING IS MISSING at the resolution of these measurements",
+    MISSING: "MISSING",
+    AMBIGUOUS: "MISSING IS one of several that these measurements cannot tell apart",
+    SEVERAL: "SEVERAL ARE MISSING",
+    UNKNOWN: "UNKNOWN: something is missing, and no effect that massline knows explains it",
+}
+"""By verdict."""
+
+
+def title(model: str, files: Sequence[str]) -> str:
+    """Model and data."""
+    return f"What {model} is missing beside {', '.join(files)}"
+
+
+def opening(found: SwingAnswer) -> Iterator[str]:
+    """The verdict, and what there is to say of it."""
+    yield f"{HEADLINES[found.verdict]}."
+    yield found.text
+
+
+def grids(found: SwingAnswer) -> list[Grid]:
+    """All tables, in the order in which they are read."""
+    return [
+        facts(found),
+        *([needed(found.needed)] if found.needed else []),
+        *([readings(found)] if _near(found) else []),
+        *([classical_advice(found)] if found.advice else []),
+        *([grid(found.detectable)] if found.detectable else []),
+    ]
+
+
+def facts(found: SwingAnswer) -> Grid:
+    """Every measurement beside the model."""
+    several = len({one.name.removesuffix(one.quantity) for one in found.facts}) > 1
+    lines = [
+        (
+            f"{one.name if several else one.quantity} [{_unit(one.unit)}]",
+            rounded(one.measured, one.deviation),
+            rounded(one.deviation, one.deviation),
+            rounded(one.predicted, one.deviation),
+            f"{100 * one.period_shift:+.3f} %" if one.period else NONE,
+            f"{-one.sigma:+.1f}",
+        )
+        for one in found.facts
+    ]
+    first, *rest = zip(*lines, strict=True)
+    header = ("measurement", "measured", "sd", "model", "period", "sigma")
+    return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+
+
+def needed(of: Sequence[Needed]) -> Grid:
+    """What every effect would have to be, places of one kind in one line."""
+    lines = [(name, f"{max(one.evidence for one in each):+.1f}", _thought(each)) for name, each in _together(of).items()]
+    first, evidence, words = zip(*lines, strict=True)
+    header = ("effect", "evidence [nats]", "size that would explain it by itself")
+    return Grid(header=header, lines=tuple(zip(first, aligned(evidence), words, strict=True)), words=True)
+
+
+def readings(found: SwingAnswer) -> Grid:
+    """Inputs that would explain it, were they wrong."""
+    lines = [(one.name, f"{one.value:.6g}", f"{one.change:+.2g}", f"{one.tolerances:+.1f}") for one in _near(found)]
+    first, *rest = zip(*lines, strict=True)
+    header = ("or a wrong input [SI]", "as stated", "it would be off by", "in its tolerances")
+    return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+
+
+def classical_advice(found: SwingAnswer) -> Grid:
+    """What to measure next, the best first."""
+    lines = tuple((f"{k}", _nats(one.gain), _sentence(one.test)) for k, one in enumerate(found.advice[:MOST], start=1))
+    return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
+
+
+def notes(found: SwingAnswer) -> Iterator[str]:
+    """What must be known to read the tables, then warnings."""
+    yield "Sigma: measured less the model's, over the standard deviation; what is stated as a tolerance is a 95 % limit."
+    yield "Evidence: how much more probable the measurements are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1."
+    if len(found.advice) > MOST:
+        yield f"--json has {len(found.advice) - MOST} more tests."
+    yield from (f"warning: {text}." for text in found.remarks)
+
+
+def _near(found: SwingAnswer) -> list[MeasurementInput]:
+    return [one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)]
+
+
+def _together(of: Sequence[Needed]) -> dict[str, list[Needed]]:
+    found: dict[str, list[Needed]] = {}
+    for one in of:
+        family, _, _ = one.id.partition(":")
+        found.setdefault(family if family == PLACES else one.id, []).append(one)
+    return found
+
+
+def _thought(of: Sequence[Needed]) -> str:
+    if len(of) == 1:
+        return of[0].text
+    low, high = (end(of, key=lambda one: one.value) for end in (min, max))
+    least = min(of, key=lambda one: abs(one.value))
+    places = f"at any of {len(of)} places {said(low.value, low.unit)} to {said(high.value, high.unit)}"
+    return f"{places}; at {least.id.partition(':')[2]} {least.text}"
+
+
+def _nats(gain: float) -> str:
+    """Of a test; where it decides anyway, no more than that."""
+    if gain == 0:
+        return NONE
+    return f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _unit(unit: str) -> str:
+    return unit.replace("^2", "²")
+
+
+# `massline diagnose` where no campaign is among the data, from options to output.
+
+
+RESULT = "diagnose.json"
+"""The file of a diagnosis in its folder."""
+
+
+def answer(asked: DiagnoseOptions, files: Sequence[str], *, auto: bool, as_json: bool, folder: Path | None) -> None:
+    """Diagnose by the measurement `files` alone, print it, and write JSON into `folder` (None: nowhere).
+
+    Raises
+    ------
+    BadInput : a model or a file that cannot be used, or an option that asks for a campaign.
+    """
+    _require_nothing_of_spectra(asked, auto=auto)
+    with reminded(asked.model):
+        model = model_file.read(str(asked.model))
+    with stages("diagnosing", quiet=as_json) as told:
+        found = only_classical(model, files, lambda share: told("effects", share), only=asked.candidates)
+    whole = {"model": str(asked.model), "data": list(files), **classical_json(found)}
+    if as_json:
+        click.echo(json_text(whole))
+    else:
+        named = title(asked.model.name, files)
+        click.echo(page(named, grids(found), notes(found), opening=opening(found)), nl=False)
+    if folder is not None:
+        write_text(folder / RESULT, json_text(whole) + "\n")
+        click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+
+
+def _require_nothing_of_spectra(asked: DiagnoseOptions, *, auto: bool) -> None:
+    """Refuse options that mean nothing without a campaign.
+
+    Raises
+    ------
+    BadInput : names the option.
+    """
+    given = {"--auto": auto, "--hold-out": bool(asked.hold_out), "--band": asked.band is not None}
+    for option, there in given.items():
+        if there:
+            problem = "there is no campaign among DATA: weights and periods alone are neither held out nor climbed on"
+            raise BadInput(source=option, problem=problem, remedy="Leave it out, or name a campaign folder, too")
+
+
+# Where an unknown effect shows: the map of what is left once everything that was accepted acts.
+
+
+def draw_left(found: Diagnosis, bench: FittedData, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
+    """Write a map of each campaign into `folder`: channels and loads in sigmas, at the plain fit with what was accepted."""
+    whole = bench.whole([Added(named=one.named) for one in found.accepted])
+    known = without(whole, named(whole, bench.hold_out)) if bench.hold_out else whole
+    plain = at_offsets(kept_offsets(found.after.plain_fit), whole)
+    made = [one.with_effects((*bench.model.effects, *(Added(named=each.named) for each in found.accepted))) for one in bench.made]
+    paths = []
+    for of, one in zip(mapped_all(made, whole, known.thinned(), plain, progress), made, strict=True):
+        paths.append(folder / f"{file_name(f'diagnose-left-{of.data_set}')}.png")
+        draw_channels(of, modes_of(one, {**whole.start, **plain.by_name}), paths[-1])
+    return tuple(paths)
+
+
+# The page of `massline diagnose`: the verdict, the causes, what would decide, the errors before and after, how it was found.
+
+
+RANKED = 8
+"""Causes that the page shows; JSON has all."""
+
+CLOSE = 3.0
+"""[nats] from which what was not worth a name is worth a word: 20 to 1."""
+
+SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
+"""Verdicts of which the one sentence says all that a text would."""
+
+NOT_FITTED = (MISTAKE, NONLINEAR)
+"""Verdicts of which the model as it was is held against the data without a fit, so that there is no evidence to compare."""
+
+DIAGNOSIS_ERRORS: tuple[tuple[str, Callable[[Evaluation], str]], ...] = (
+    ("nominal error", lambda e: percent(e.nominal.percent)),
+    ("plain error, fitted data", lambda e: percent(e.plain.percent)),
+    ("plain error, held out", lambda e: _share(e.held_out)),
+    ("nominal error, held out", lambda e: _share(e.held_out_nominal)),
+    ("plain error, a configuration never seen", lambda e: _share(e.held_out_configurations)),
+    ("fitted: chi² per degree of freedom", lambda e: f"{misfit(e.fitted):.3g}"),
+    (
+        "fitted: sum z² of the tolerances, and what is due",
+        lambda e: _diagnosis_price(e),
+    ),
+)
+
+
+def diagnosis_title(model: str, data_sets: Sequence[str]) -> str:
+    """Model and data."""
+    return f"What {model} is missing beside {', '.join(data_sets)}"
+
+
+def diagnosis_opening(found: Diagnosis) -> Iterator[str]:
+    """The verdict in one sentence, and what there is to say of it."""
+    first = diagnose_diagnosis.headline(found)
+    yield first
+    if found.text and found.verdict not in SAID_ALL:
+        yield found.text
+    if found.verdict == NOTHING and found.ranking and found.ranking[0].evidence >= CLOSE:
+        one = found.ranking[0]
+        yield f"The closest is {diagnose_diagnosis.cause(one)}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
+
+
+def diagnosis_grids(found: Diagnosis) -> list[Grid]:
+    """All tables, in the order in which they are read."""
+    return [
+        *([causes(found.accepted)] if found.accepted else []),
+        *(explained(one) for one in found.accepted),
+        *([alike(found)] if len(found.equivalence_class) > 1 else []),
+        *([diagnosis_advice(found)] if found.advice else []),
+        *([diagnosis_leftover(found)] if found.leftover is not None else []),
+        *([levels(found)] if found.levels else []),
+        errors(found),
+        *([ranking(found)] if found.ranking else []),
+        *([steps(found)] if found.steps else []),
+        *([grid(found.detectable)] if found.detectable and found.verdict == NOTHING else []),
+    ]
+
+
+def causes(of: Sequence[Cause]) -> Grid:
+    """What is missing, size by size."""
+    lines = [line for one in of for line in _sizes(one)]
+    first, *rest = zip(*lines, strict=True)
+    header = ("missing", "size", "90 % interval", "unit", "evidence [nats]")
+    return Grid(header=header, lines=tuple(zip(first, *_columns(rest), strict=True)))
+
+
+def explained(one: Cause) -> Grid:
+    """One cause for somebody who never heard of it."""
+    lines = (
+        ("means", one.text),
+        *((("these data say", one.note),) if one.note else ()),
+        ("mistaken for", diagnose_diagnosis.mistaken(one)),
+        ("confirm it by", one.confirmed_by or NONE),
+    )
+    return Grid(header=(one.id, one.named.what), lines=lines, words=True)
+
+
+def alike(found: Diagnosis) -> Grid:
+    """What these data cannot tell apart."""
+    before = [one for step in found.steps for one in step.ranking]
+    known = {one.id: one for one in (*before, *found.ranking, *found.accepted)}
+    lines = tuple((id, _diagnosis_alike(id, known.get(id))) for id in found.equivalence_class)
+    return Grid(header=("one of these", "size (90 %), evidence, and what it is"), lines=lines, words=True)
+
+
+def diagnosis_advice(found: Diagnosis) -> Grid:
+    """What to measure next, the best first."""
+    lines = tuple(
+        (f"{k}", figure(one.gain) if one.gain > 0 else NONE, _advised(one.test, one.separates))
+        for k, one in enumerate(found.advice, start=1)
+    )
+    return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
+
+
+def diagnosis_leftover(found: Diagnosis) -> Grid:
+    """What no effect explains."""
+    of = found.leftover
+    if of is None:
+        return Grid(header=("", ""), lines=())
+    where = f"{of.load} by {of.motion}" if of.load else ", ".join(of.channels[:4])
+    size = NONE if of.size is None else f"{of.size:.3g} {'' if of.unit == '1' else of.unit}".rstrip()
+    at = NONE if of.frequency is None else f"{of.frequency:.2f} Hz"
+    lines = (
+        ("what is left", of.text),
+        ("looks like", of.looks_like),
+        ("where", where or NONE),
+        ("size", size),
+        ("resonance at", at),
+        ("share of it that this covers", f"{100 * of.share:.0f} %"),
+    )
+    return Grid(header=("leftover", "in words"), lines=tuple(line for line in lines if line[1] != NONE), words=True)
+
+
+def levels(found: Diagnosis) -> Grid:
+    """Axes that answer otherwise at another level."""
+    lines = tuple(
+        (
+            f"{one.data_set}: {one.runs[0]} against {one.runs[1]}",
+            figure(one.sigma),
+            f"{one.axis}, most at {one.frequency:.1f} Hz, in {diagnose_diagnosis.listed(one.channels)}",
+        )
+        for one in found.levels
+    )
+    return Grid(header=("two levels", "sigma", "axis, and where"), lines=lines, words=True)
+
+
+def errors(found: Diagnosis) -> Grid:
+    """The four errors without and with what was accepted."""
+    both = (found.before,) if found.before is found.after else (found.before, found.after)
+    kept = [(name, cells) for name, tell in DIAGNOSIS_ERRORS if set(cells := [tell(one) for one in both]) != {NONE}]
+    gain = found.after.fitted.log_evidence - found.before.fitted.log_evidence
+    if len(both) > 1 and found.verdict not in NOT_FITTED:
+        kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
+    columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
+    header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
+    return Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
+
+
+def ranking(found: Diagnosis) -> Grid:
+    """What was tried, the best first."""
+    shown = found.ranking[:RANKED]
+    lines = [(one.id, figure_of(one), f"{one.evidence:+.1f}", f"{one.misfit:.3g}", f"{one.price:.3g}") for one in shown]
+    first, *rest = zip(*lines, strict=True)
+    judged = tuple(_judged(found, one) for one in shown)
+    header = ("tried", "size", "evidence [nats]", "chi²", "price", "so")
+    return Grid(header=header, lines=tuple(zip(first, *_columns(rest), judged, strict=True)), words=True)
+
+
+def steps(found: Diagnosis) -> Grid:
+    """How it was found."""
+    lines = tuple(
+        (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _diagnosis_sentence(one)) for k, one in enumerate(found.steps, start=1)
+    )
+    return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True)
+
+
+def diagnosis_notes(found: Diagnosis) -> Iterator[str]:
+    """What must be known to read the tables, then what was assumed."""
+    yield "Evidence: how much more probable the data are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1."
+    yield (
+        "Price: sum of z² of all tolerances over what is due where nothing is wrong. Chi² alone says little: tolerances swallow "
+        "faults at an absurd price."
+    )
+    if len(found.ranking) > RANKED:
+        yield f"{len(found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
+    if found.detectable and found.verdict != NOTHING:
+        yield f"--json has the smallest size at which each of {len(found.detectable)} effects would have been named."
+    if found.verdict == NONLINEAR:
+        yield "A linear fit of such data names nonsense: the errors are those of the model as it is."
+    if found.hold_out:
+        yield f"Held out: {diagnose_diagnosis.listed(found.hold_out)}."
+    yield from (f"warning: {text.rstrip('.')}." for text in found.remarks)
+
+
+def figure_of(one: Cause) -> str:
+    """The first size of a cause with its unit."""
+    if not one.sizes:
+        return NONE
+    value, _, _, unit = diagnose_diagnosis.interval(one, one.sizes[0])
+    return practical_units.with_unit(value, unit)
+
+
+def _diagnosis_sentence(of: ReportedStep) -> str:
+    return of.text if of.text.startswith(of.added) else f"{of.added}: {of.text}"
+
+
+def _sizes(one: Cause) -> list[tuple[str, ...]]:
+    """A line a size; one of a mistake that has none."""
+    told = [(*_told(one, size), f"{one.evidence:+.1f}" if k == 0 else "") for k, size in enumerate(one.sizes)]
+    names = [f"{one.id} {size.key}".rstrip() for size in one.sizes]
+    return [(name, *line) for name, line in zip(names, told, strict=True)] or [(one.id, NONE, NONE, NONE, f"{one.evidence:+.1f}")]
+
+
+def _told(one: Cause, size: EffectEstimate) -> tuple[str, str, str]:
+    value, low, high, unit = diagnose_diagnosis.interval(one, size)
+    return value, NONE if size.low == size.high else f"{low} to {high}", unit or NONE
+
+
+def _columns(columns: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    return [aligned(column) for column in columns]
+
+
+def _diagnosis_alike(id: str, known: Cause | None) -> str:
+    if known is None:
+        return f"does the same to these data, and was not fitted: {diagnose_diagnosis.what(id)}"
+    return f"{'; '.join(diagnose_diagnosis.sized(known, size) for size in known.sizes)}, {known.evidence:+.1f} nats: {known.named.what}"
+
+
+def _advised(test: str, separates: Sequence[str]) -> str:
+    names = ["no effect at all" if one == NOTHING else one for one in separates]
+    apart = f" It tells {diagnose_diagnosis.listed(names)} apart." if len(names) > 1 else ""
+    return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
+
+
+def _judged(found: Diagnosis, one: Cause) -> str:
+    """Why a cause that was tried stands where it stands."""
+    if one.id in {cause.id for cause in found.accepted}:
+        return "accepted"
+    if one.id in found.equivalence_class:
+        return "cannot be told from it"
+    return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
+
+
+def _diagnosis_price(of: Evaluation) -> str:
+    return f"{of.fitted.tolerance_z2:.3g} of {expected_z2(of.fitted):.0f}"
+
+
+def _share(of: Share | None) -> str:
+    return NONE if of is None else percent(of.percent)
+
+
+# `massline diagnose` from options to output: read, diagnose, show; with `--auto`, climb.
+
+
+def diagnosis_answer(asked: DiagnoseOptions, *, auto: bool, as_json: bool, folder: Path | None) -> None:
+    """Diagnose what is `asked`, print it, and write JSON and pictures into `folder` (None: nowhere); where `auto`, climb.
+
+    Raises
+    ------
+    BadInput : something that was asked cannot be used.
+    CheckFailed : a baseline that does not converge.
+    OSError : with `auto`, the model file cannot be written.
+    """
+    if files := only_files(asked.data):
+        answer(asked, files, auto=auto, as_json=as_json, folder=folder)
+        return
+    if auto and asked.model.is_file():
+        probe(asked.model)  # what cannot be written at the end is said before minutes are spent
+    bench = prepared(asked, quiet=as_json)
+    found, more = (_climbed if auto else _diagnosed)(asked, bench, as_json=as_json)
+    whole = {**of_asked(asked, bench), **diagnosis_json(found), **more}
+    if as_json:
+        click.echo(json_text(whole))
+    if folder is not None:
+        write(found, bench, whole, folder, quiet=as_json)
+
+
+def prepared(asked: DiagnoseOptions, *, quiet: bool = True) -> FittedData:
+    """The bench that `asked` leads to.
+
+    Raises
+    ------
+    BadInput : something that was asked cannot be used.
+    """
+    with stages("reading", quiet=quiet) as told:
+        model, data = ready(asked, told)
+        made = diagnose.bench(model, data, hold_out=asked.hold_out, band=asked.band, method=asked.method, progress=told)
+    for text in of_levels(asked):
+        require_levels(made, text)
+    return made
+
+
+def diagnosis(asked: DiagnoseOptions, bench: FittedData, progress: Progress | None = None) -> Diagnosis:
+    """What is missing on `bench`.
+
+    Raises
+    ------
+    CheckFailed : a baseline that does not converge.
+    """
+    return diagnose.diagnosed(bench, only=asked.candidates, progress=progress)
+
+
+def _diagnosed(asked: DiagnoseOptions, bench: FittedData, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+    """The diagnosis, printed; there is nothing more to say in JSON."""
+    with stages("diagnosing", quiet=as_json) as told:
+        found = diagnosis(asked, bench, told)
+    if not as_json:
+        click.echo(text(asked, bench, found), nl=False)
+    return found, {}
+
+
+def _climbed(asked: DiagnoseOptions, bench: FittedData, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+    """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
+    pages = 0
+
+    def first(found: Diagnosis) -> None:
+        nonlocal pages
+        if not pages and not as_json:
+            click.echo(text(asked, bench, found))
+        pages += 1
+
+    def added(rung: Version) -> None:
+        if not as_json:
+            click.echo(page(f"Rung {rung.number}: {rung.effect} added", (), rung.verdict))
+
+    with stages("climbing", quiet=as_json) as told:
+        heard = DiagnosisListener(diagnosed=first, added=added, progress=told)
+        found = climb(asked, bench, lambda at: diagnosis(asked, at, told), heard)
+    if not as_json:
+        click.echo(f"The climb ends: {found.ended}.\n")
+        click.echo(history.text(found.at) if found.at.ladder.rungs else "", nl=False)
+    return found.rounds[0], automatic_json(found)
+
+
+def text(asked: DiagnoseOptions, bench: FittedData, found: Diagnosis) -> str:
+    """The page of a diagnosis."""
+    named = diagnosis_title(asked.model.name, data_sets(bench))
+    return page(named, diagnosis_grids(found), diagnosis_notes(found), opening=diagnosis_opening(found))
+
+
+def data_sets(bench: FittedData) -> tuple[str, ...]:
+    """Names of the campaigns."""
+    return tuple(one.measured.name for one in bench.made)
+
+
+def of_asked(asked: DiagnoseOptions, bench: FittedData) -> dict[str, Any]:
+    """What was asked, as JSON."""
+    return {
+        "model": str(asked.model),
+        "data": list(asked.data),
+        "campaigns": list(data_sets(bench)),
+        "hold_out": list(asked.hold_out),
+        "band_hz": None if asked.band is None else list(asked.band),
+        "method": asked.method,
+        "candidates": list(asked.candidates),
+    }
+
+
+def write(found: Diagnosis, bench: FittedData, whole: dict[str, Any], folder: Path, *, quiet: bool) -> None:
+    """`diagnose.json` and the pictures, into `folder`; of what is left over a map of each campaign, too."""
+
+    write_text(folder / RESULT, json_text(whole) + "\n")
+    click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+    with progress_percent("pictures", quiet=quiet) as told:
+        paths = draw(found, folder)
+        if found.leftover is not None:
+            paths += draw_left(found, bench, folder, told)
+    for path in paths:
+        click.echo(f"massline: wrote {path}.", err=True)
+
+
+# What is missing: ranked causes with evidence and sizes, what each means and how to confirm it, the next measurement.
+
+
+def html(report: Report, figures: Figures) -> Safe:
+    """The section."""
+    found = report.diagnosis
+    if found is None:
+        told = paragraphs([f"It was not looked for: {report.not_diagnosed or 'nobody asked'}."])
+        return section("missing", "What is missing", told)
+    from validation.report.charts.crosscheck import before_and_after, evidence
+
+    after = None if found.after is found.before else found.after
+    first, *others = diagnosis_opening(found)
+    return section(
+        "missing",
+        "What is missing",
+        tag("p", first, class_="headline"),
+        paragraphs(others),
+        figures.placed(evidence(found)) if tried(found) else None,
+        _ranking(found),
+        *(_explained(one) for one in found.accepted),
+        of_grid("What these data cannot tell apart", alike(found)) if len(found.equivalence_class) > 1 else None,
+        _advice(found),
+        of_grid("What no effect explains", diagnosis_leftover(found)) if found.leftover is not None else None,
+        of_grid("Two levels that do not give the same", levels(found)) if found.levels else None,
+        figures.placed(before_and_after(found.before, after)),
+        _missing_errors(found),
+        of_grid("How it was found", steps(found)) if found.steps else None,
+        _detectable(found),
+        parts_notes(diagnosis_notes(found)),
+    )
+
+
+def _ranking(found: Diagnosis) -> Safe:
+    """Every cause that was tried, a line for each of its numbers."""
+    columns = [
+        Column(head="cause", words=True),
+        Column(head="evidence", unit="nats"),
+        Column(head="asked for", unit="nats"),
+        Column(head="number", words=True),
+        Column(head="size"),
+        Column(head="from"),
+        Column(head="to"),
+        Column(head="unit", words=True),
+        Column(head="χ² per dof"),
+        Column(head="price"),
+        Column(head="so", words=True),
+    ]
+    every = {one.id: one for one in (*found.ranking, *found.accepted)}.values()  # as it was accepted
+    ordered = sorted(every, key=lambda one: -one.evidence)
+    rows = [line for one in ordered for line in _lines(found, one)]
+    note = "From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong."
+    return table("Causes that were tried, the best first", columns, rows, note=note)
+
+
+def _lines(found: Diagnosis, one: Cause) -> list[list[Cell]]:
+    """A line a number; one of a mistake, which has none."""
+    from validation.report.charts.crosscheck import standing_of
+
+    tail: list[Cell] = [number(one.misfit, ".3g"), number(one.price, ".3g"), standing_of(found, one)]
+    head: list[Cell] = [one.id, number(one.evidence, "+.1f"), number(evidence_threshold(one.named.family), "g")]
+    if not one.sizes:
+        return [[*head, NONE, EMPTY, EMPTY, EMPTY, "", *tail]]
+    return [[*head, size.key or one.named.what, *_missing_sizes(one, k), *tail] for k, size in enumerate(one.sizes)]
+
+
+def _missing_sizes(one: Cause, k: int) -> list[Cell]:
+    """Value and both ends of its interval in the unit of a laboratory."""
+    size = one.sizes[k]
+    value, low, high, unit = diagnose_diagnosis.interval(one, size)
+    fitted = size.low != size.high
+    ends: list[Cell] = [_shown(low), _shown(high)] if fitted else [EMPTY, EMPTY]
+    return [_shown(value), *ends, unit]
+
+
+def _shown(text: str) -> Cell:
+    return Number(value=float(text), text=text.replace("-", "−"))
+
+
+def _explained(one: Cause) -> Safe:
+    return of_grid(f"{one.id}: {one.named.what}", explained(one))
+
+
+def _advice(found: Diagnosis) -> Safe:
+    columns = [
+        Column(head="next", words=True),
+        Column(head="expected evidence", unit="nats"),
+        Column(head="work", unit="h"),
+        Column(head="measure this", words=True),
+        Column(head="tells apart", words=True),
+    ]
+    rows: list[list[Cell]] = [
+        [
+            f"{k}",
+            number(one.gain, ".3g") if one.gain > 0 else EMPTY,
+            number(one.hours, "g") if one.hours else EMPTY,
+            one.test,
+            diagnose_diagnosis.listed(one.separates),
+        ]
+        for k, one in enumerate(found.advice, start=1)
+    ]
+    return table("The next measurement, the best first", columns, rows)
+
+
+def _missing_errors(found: Diagnosis) -> Safe:
+    columns = [Column(head="error", words=True), Column(head="unit", words=True), Column(head="before"), Column(head="after")]
+    both = (found.before, None if found.after is found.before else found.after)
+    rows: list[list[Cell]] = [
+        [name, unit, *(number(None if of is None else tell(of), ".4g") for of in both)] for name, unit, tell in FIGURES
+    ]
+    return table("The errors before and after what was found is added", columns, [row for row in rows if row[2] is not EMPTY])
+
+
+def _of(share: str) -> Callable[[Evaluation], float | None]:
+    """The error of that name in per cent."""
+
+    def tell(of: Evaluation) -> float | None:
+        found = getattr(of, share)
+        return None if found is None else float(found.percent)
+
+    return tell
+
+
+FIGURES: tuple[tuple[str, str, Callable[[Evaluation], float | None]], ...] = (
+    ("nominal error", "%", _of("nominal")),
+    ("plain error, fitted data", "%", _of("plain")),
+    ("plain error, held out", "%", _of("held_out")),
+    ("nominal error, held out", "%", _of("held_out_nominal")),
+    ("plain error, a configuration never seen", "%", _of("held_out_configurations")),
+    ("fitted: χ² per degree of freedom", "1", lambda of: misfit(of.fitted)),
+    ("fitted: sum of z² of the tolerances", "1", lambda of: of.fitted.tolerance_z2),
+    ("... of which is due where nothing is wrong", "1", lambda of: expected_z2(of.fitted)),
+)
+
+
+def _detectable(found: Diagnosis) -> Safe:
+    if not found.detectable or found.verdict != NOTHING:
+        return Safe("")
+    return joined(of_grid("The smallest sizes that would have been named", grid(found.detectable)))

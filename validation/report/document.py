@@ -1,0 +1,689 @@
+"""Tables as pages have them: one number a cell, its unit in the head, and every digit of it for a spreadsheet.
+
+A cell shows the digits that mean something. Copied, a table gives all digits, tab-separated, which a spreadsheet takes.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import re
+import unicodedata
+from base64 import b64encode
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from gzip import compress
+from html import escape, unescape
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+from geometry.routes import ROUTES
+from validation.output import PIPED_WIDTH, page_width, plain_unit
+from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, row, verdict
+from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, TENSOR, Quantity, Row, Stated, rounded
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+    from rich.table import Table
+
+
+# HTML that cannot be broken into: whatever is not `Safe` is escaped on its way in.
+#
+# Titles, names and words come from files of other people; a title with a tag in it is shown with its brackets.
+
+
+EMPTY = frozenset({"br", "img", "hr", "meta", "col", "input"})
+"""Elements that have no end."""
+
+
+class Safe(str):
+    """HTML that is ready."""
+
+    __slots__ = ()
+
+
+def tag(name: str, /, *inside: str | None, **attributes: str | bool | None) -> Safe:
+    """The element `name` with `inside`, escaped where it is not `Safe`; None leaves out.
+
+    Attributes: `class_` and `for_` lose their underscore, others become dashes; True stands alone, None and False are left out.
+    """
+    opened = f"<{name}{''.join(_attribute(key, value) for key, value in attributes.items())}>"
+    return Safe(opened if name in EMPTY else f"{opened}{joined(*inside)}</{name}>")
+
+
+def joined(*parts: str | None) -> Safe:
+    """`parts` one behind the other, escaped where they are not `Safe`; None leaves out."""
+    return Safe("".join(part if isinstance(part, Safe) else escape(part) for part in parts if part is not None))
+
+
+def worded(text: str) -> Safe:
+    """`text` with what stands in back-quotes as code."""
+    if isinstance(text, Safe):
+        return text
+    pieces = text.split("`")
+    if len(pieces) % 2 == 0:
+        return joined(text)
+    return joined(*(tag("code", piece) if k % 2 else piece for k, piece in enumerate(pieces)))
+
+
+def _attribute(key: str, value: str | bool | None) -> str:
+    name = key.rstrip("_").replace("_", "-")
+    if value is None or value is False:
+        return ""
+    return f" {name}" if value is True else f' {name}="{escape(value, quote=True)}"'
+
+
+# A reference table laid out as strings: two grids, the values and their deviations, and the notes below them.
+#
+# No digit that was printed is lost, none is invented: a published value keeps its own decimals, a route is shown with one more
+# than the published value, or with six significant digits of the largest entry of its kind. The decimal points of a column line
+# up.
+
+
+SIGNIFICANT = 6
+
+MANY_DECIMALS = 12
+"""Decimals of `SIGNIFICANT` digits whose largest is too small to be written without an exponent."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Grid:
+    """Header and lines of strings; the first column reads from the left, the last too when `words`, all else from the right."""
+
+    header: tuple[str, ...]
+    lines: tuple[tuple[str, ...], ...]
+    words: bool = False
+
+
+def values(table: ReferenceTable) -> Grid:
+    """What every column says, with its tolerance where it has one that is more than rounding."""
+    names = tuple(table.columns)
+    body = [tuple(_value(table, column, k) for k in range(len(QUANTITIES))) for column in names]
+    lines = tuple(zip(*((_labels(), *(aligned(column) for column in body))), strict=True))
+    return Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
+
+
+def grids(table: ReferenceTable) -> tuple[Grid, ...]:
+    """The values and, where anything can be compared, their deviations."""
+    return (values(table), deviations(table)) if _compared(table) else (values(table),)
+
+
+def _compared(table: ReferenceTable) -> bool:
+    """Whether any column has another to be held against."""
+    return any(row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
+
+
+def deviations(table: ReferenceTable) -> Grid:
+    """How far the columns lie from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict.
+
+    The routes share one column, which shows the one that lies farthest off.
+    """
+    all_k = range(len(QUANTITIES))
+    routes = {"routes": [c for c in table.columns if c in ROUTES]}
+    groups = routes | {said.name: [c] for c, said in table.columns.items() if c not in ROUTES}
+    farthest = {name: [_farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
+    compared = {name: rows for name, rows in farthest.items() if any(rows)}
+    body = [
+        cells
+        for rows in compared.values()
+        for cells in zip(*(_deviation(table, one, k) for k, one in enumerate(rows)), strict=True)
+    ]
+    verdicts = tuple(verdict(table, k) for k in all_k)
+    header = [text for name in compared for text in (name, "tol.")]
+    lines = tuple(zip(*((_labels(), *(aligned(cells) for cells in body), verdicts)), strict=True))
+    return Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
+
+
+def _farthest(table: ReferenceTable, columns: list[str], k: int) -> Row | None:
+    """Of the rows of `columns` the one that deviates most; None where none is compared."""
+    compared = [one for column in columns if (one := row(table, column, k)) is not None]
+    return max(compared, key=lambda one: abs(one.deviation or 0.0), default=None)
+
+
+def notes(table: ReferenceTable) -> tuple[str, ...]:
+    """What must be known to read the table."""
+    against = {PUBLISHED: "the published value", MEASURED: "the measured value"}
+    kinds = dict.fromkeys(against.get(c, f"route {c}") for c in table.reference_columns if c is not None)
+    deviation = (
+        f"Deviations are from {' or, where none is printed, '.join(kinds)}; of the routes, the farthest is shown. "
+        "tol.: in combined tolerances, beyond 1 is outside."
+    )
+    tolerances = tuple(
+        f"Tolerance of {said.name}: {said.tolerance_note}."
+        for column, said in table.columns.items()
+        if column in (PUBLISHED, MEASURED, IDENTIFIED) and said.tolerance_note
+    )
+    return (
+        *((table.note,) if table.note else ()),
+        *((f"Routes: {table.agreement}.",) if table.agreement else ()),
+        *((deviation,) if _compared(table) else ()),
+        *tolerances,
+        *table.footnotes,
+    )
+
+
+def _labels() -> tuple[str, ...]:
+    return tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES)
+
+
+def _value(table: ReferenceTable, column: str, k: int) -> str:
+    stated = table.stated(column, k)
+    if stated is None:
+        return NONE
+    per_si = QUANTITIES[k].per_si
+    printed = stated.decimals is not None
+    decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
+    text = grid_number(stated.value * per_si, decimals)
+    return f"{text} ± {_tolerance(stated, per_si, decimals)}" if printed and not _is_rounding(stated, per_si) else text
+
+
+def _decimals(table: ReferenceTable, k: int) -> int:
+    """Decimals of a value that nobody printed."""
+    kind = next(span for span in (slice(MASS, 1), COG, TENSOR) if span.start <= k < span.stop)
+    largest = max(
+        (abs(stated.value) * q.per_si for c in table.columns for stated, q in _kind(table, c, kind) if stated is not None),
+        default=0,
+    )
+    significant = SIGNIFICANT - 1 - math.floor(math.log10(largest)) if largest else SIGNIFICANT - 1
+    published = [stated.decimals for stated, _ in _kind(table, PUBLISHED, kind) if stated and stated.decimals is not None]
+    return max(significant, *(d + 1 for d in published), 0)
+
+
+def _kind(table: ReferenceTable, column: str, kind: slice) -> list[tuple[Stated | None, Quantity]]:
+    return [(table.stated(column, k), QUANTITIES[k]) for k in range(kind.start, kind.stop)]
+
+
+def _is_rounding(stated: Stated, per_si: float) -> bool:
+    """Whether the tolerance is half a unit of the last printed digit, which the digits say already."""
+    if stated.tolerance is None or stated.decimals is None:
+        return True
+    return math.isclose(stated.tolerance * per_si, 0.5 * 10.0**-stated.decimals, rel_tol=1e-6)
+
+
+def _tolerance(stated: Stated, per_si: float, decimals: int) -> str:
+    """Two significant digits at the least, rounded up never away."""
+    size = (stated.tolerance or 0.0) * per_si
+    return grid_number(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))
+
+
+def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str]:
+    if one is None or one.deviation is None:
+        return NONE, NONE
+    percent, many = one.deviation_percent, one.deviation_in_tolerances
+    is_length = COG.start <= k < COG.stop
+    own = f"{grid_number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
+    relative = None if percent is None else f"{grid_number(percent, 2)} %"
+    size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
+    return size, NONE if many is None else _many(many)
+
+
+def _many(many: float) -> str:
+    """A deviation in tolerances; beyond a thousand the figure says nothing more."""
+    return grid_number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
+
+
+def grid_number(value: float, decimals: int) -> str:
+    """`value` with `decimals`, or six significant digits and an exponent beyond `LARGE`; zero has no sign."""
+    if abs(value) >= LARGE or decimals >= MANY_DECIMALS:
+        return f"{value:.{SIGNIFICANT - 1}e}" if abs(value) >= 0.5 * 10.0**-decimals else "0"
+    text = f"{value:.{decimals}f}"
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
+    """`cells` padded so that their decimal points stand below each other."""
+    parts = [at_point(cell) for cell in cells]
+    left, right = (max((len(part[side]) for part in parts), default=0) for side in (0, 1))
+    return tuple(f"{a:>{left}}{b:<{right}}" for a, b in parts)
+
+
+def at_point(cell: str) -> tuple[str, str]:
+    """`cell` before and from its first decimal point, or before its first space."""
+    first = cell.split(" ")[0]
+    whole = first.partition(".")[0]
+    return whole, cell[len(whole) :]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """One column.
+
+    Attributes
+    ----------
+    head : its name
+    unit : of its numbers; empty where they have none
+    words : whether it is read from the left, as words are
+    """
+
+    head: str
+    unit: str = ""
+    words: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """One number of a cell.
+
+    Attributes
+    ----------
+    value : with all its digits; None where there is none
+    text : as it is shown
+    """
+
+    value: float | None
+    text: str
+
+
+Cell = Number | str
+"""What stands in a cell; a text may be `Safe`."""
+
+WHOLE = 16
+"""Rows up to which a table stays on one sheet of paper."""
+
+SHORT, TINY = 24, 8
+"""Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
+
+NOTHING = Number(value=None, text=NONE)
+
+
+def number(value: float | None, form: str = ".4g") -> Number:
+    """`value` shown in the form `form`."""
+    if value is None or not isfinite(value):
+        return NOTHING
+    return Number(value=value, text=format(value, form).replace("-", "−"))
+
+
+def toleranced(value: float | None, tolerance: float | None) -> Number:
+    """`value` shown with the digits that `tolerance` leaves it."""
+    if value is None or not isfinite(value):
+        return NOTHING
+    return Number(value=value, text=rounded(value, tolerance).replace("-", "−"))
+
+
+def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]], *, note: str = "") -> Safe:
+    """A table under its `caption`, with a button that copies it; nothing where it has no rows."""
+    if not rows:
+        return Safe("")
+    head = tag("tr", *(_head(column) for column in columns))
+    body = joined(
+        *(tag("tr", *(_cell(column, cell, k == 0) for k, (column, cell) in enumerate(_paired(columns, row)))) for row in rows)
+    )
+    button = tag(
+        "button",
+        "copy",
+        type="button",
+        class_="copy",
+        title="Copy the table for a spreadsheet",
+        aria_label=f"Copy the table: {caption}",
+    )
+    named = tag("caption", tag("span", caption), button)
+    inner = tag("table", named, tag("thead", head), tag("tbody", body))
+    below = tag("p", worded(note), class_="note") if note else None
+    kind = "table whole" if len(rows) <= WHOLE else "table"
+    return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
+
+
+def of_grid(caption: str, grid: Grid, *, note: str = "") -> Safe:
+    """A table of words as the command line prints it."""
+    last = len(grid.header) - 1
+    columns = [Column(head=head, words=k == 0 or (grid.words and k == last)) for k, head in enumerate(grid.header)]
+    return table(caption, columns, [[cell.strip() for cell in line] for line in grid.lines], note=note)
+
+
+def _paired(columns: Sequence[Column], row: Sequence[Cell]) -> list[tuple[Column, Cell]]:
+    return list(zip(columns, row, strict=True))
+
+
+def _head(column: Column) -> Safe:
+    unit = tag("span", f" [{column.unit}]", class_="unit") if column.unit else None
+    return tag("th", column.head, unit, scope="col", class_="words" if column.words else None)
+
+
+def _cell(column: Column, cell: Cell, first: bool) -> Safe:
+    name, scope = ("th", "row") if first else ("td", None)
+    if isinstance(cell, Number):
+        value = "" if cell.value is None else repr(float(cell.value))
+        return tag(name, cell.text, class_="words" if column.words else None, data_value=value, scope=scope)
+    kind = "words" if isinstance(cell, Safe) else f"words{_length(cell)}"
+    return tag(name, worded(cell), class_=kind if column.words else None, scope=scope)
+
+
+def _length(cell: str) -> str:
+    return " short tiny" if len(cell) <= TINY else " short" if len(cell) <= SHORT else ""
+
+
+# Figures of a page: each has its place in the text, and all of them travel in one packed block at its end.
+
+
+class Figures:
+    """What is drawn on a page, in the order in which it is met."""
+
+    def __init__(self) -> None:
+        self._json: dict[str, str] = {}
+
+    def placed(self, figure: Figure, caption: str = "", *, screen_only: bool = False, group: str = "", shown: str = "") -> Safe:
+        """The place of `figure`; what it shows is said by its title.
+
+        Parameters
+        ----------
+        group : of the figures of `choices` that may stand here instead
+        shown : which of these it is
+        """
+        name = f"figure-{len(self._json) + 1}"
+        self._keep(name, figure)
+        height = int(figure.layout.height or 400)
+        plot = tag(
+            "div",
+            class_="plot",
+            id=name,
+            role="img",
+            aria_label=unescape(str(figure.layout.title.text)),
+            style=f"min-height:{height}px",
+            data_group=group or None,
+            data_shown=shown or None,
+        )
+        said = tag("figcaption", caption) if caption else None
+        return tag("figure", plot, said, class_="interactive screen-only" if screen_only else "interactive")
+
+    def choices(self, group: str, figures: Mapping[str, Figure]) -> None:
+        """Figures that may stand in the place of `group`, by what chooses them."""
+        for key, figure in figures.items():
+            self._keep(f"{group}/{key}", figure)
+
+    def packed(self) -> Safe:
+        """The library and all figures, each packed once."""
+        from validation.report.charts import style
+
+        templates = f'{{"light":{style.template_json(False)},"dark":{style.template_json(True)}}}'
+        figures = ",".join(f"{json.dumps(name)}:{text}" for name, text in self._json.items())
+        whole = f'{{"templates":{templates},"figures":{{{figures}}}}}'
+        return Safe(_script("packed-library", style.library()) + _script("packed-figures", whole))
+
+    def __len__(self) -> int:
+        return len(self._json)
+
+    def _keep(self, name: str, figure: Figure) -> None:
+        from validation.report.charts.style import figure_json
+
+        self._json[name] = figure_json(figure)
+
+
+def _script(name: str, text: str) -> str:
+    """`text` packed into an element that no browser runs."""
+    packed: Any = b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+    return f'<script type="text/plain" id="{name}">{packed}</script>\n'
+
+
+# Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.
+#
+# Units are written in ASCII (kg m^2): a spreadsheet that is not told that a file is UTF-8 shows another sign for the raised 2.
+
+
+HEADER = (
+    "article",
+    "quantity",
+    "unit",
+    "column",
+    "value",
+    "tolerance",
+    "reference_column",
+    "reference",
+    "deviation",
+    "deviation_percent",
+    "deviation_in_tolerances",
+    "within",
+)
+
+
+def render(tables: Sequence[ReferenceTable]) -> str:
+    """All `tables` as one CSV text with a header; what is not stated is empty."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for table in tables:
+        writer.writerows(_lines(table))
+    return text.getvalue()
+
+
+def _lines(table: ReferenceTable) -> Iterator[tuple[object, ...]]:
+    for k, quantity in enumerate(QUANTITIES):
+        for column in table.columns:
+            stated = table.stated(column, k)
+            if stated is None:
+                continue
+            value = _printed(stated.value, quantity.per_si, stated.decimals)
+            tolerance = "" if stated.tolerance is None else f"{stated.tolerance * quantity.per_si:.6g}"
+            yield (
+                table.article,
+                quantity.key,
+                plain_unit(quantity.unit),
+                column,
+                value,
+                tolerance,
+                *_held(table, column, k),
+            )
+
+
+def _held(table: ReferenceTable, column: str, k: int) -> tuple[object, ...]:
+    one = row(table, column, k)
+    if one is None:
+        return ("",) * 6
+    sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
+    shown = ("" if size is None else f"{size:.9g}" for size in sizes)
+    return (table.reference_columns[k], *shown, "yes" if one.within else "no")
+
+
+def _printed(value: float, per_si: float, decimals: int | None) -> str:
+    return f"{value * per_si:.12g}" if decimals is None else f"{value * per_si:.{decimals}f}"
+
+
+# A reference table in LaTeX: plain `tabular` with `\hline`, no package needed.
+#
+# A column of figures is two of LaTeX's that meet at the decimal point, so that the points stand below each other in any font.
+
+
+_SPECIAL = {
+    "\\": r"\textbackslash{}",
+    **{c: rf"\{c}" for c in "&%$#_{}"},
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "Θ": r"$\Theta$",
+    "²": r"$^2$",
+    "³": r"$^3$",
+    "±": r"$\pm$",
+    "–": "--",
+    "×": r"$\times$",
+    "∫": r"$\int$",
+    "·": r"$\cdot$",
+    "°": r"$^\circ$",
+    "µ": r"$\mu$",
+    **{c: f"${c}$" for c in "<>|"},  # the first fonts of TeX have other signs in their places
+    "−": "$-$",
+    "…": r"\dots{}",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "→": r"$\to$",
+    **dict.fromkeys("’‘", "'"),
+}
+
+_WESTERN = frozenset(map(chr, range(0xC0, 0x100))) - frozenset("ÐðÞþ÷")
+"""Letters with accents that TeX's first fonts can set."""
+
+
+def latex_render(table: ReferenceTable) -> str:
+    """`table` as a LaTeX `table` environment, to be put into any document class."""
+    shown = "\n\\par\\medskip\n".join(_grid(grid) for grid in grids(table))
+    listed = "\n".join(rf"\item {escaped(note)}" for note in notes(table))
+    return (
+        "\\begin{table}[htb]\n\\centering\\footnotesize\\renewcommand{\\arraystretch}{1.15}\n"
+        f"\\caption{{Inertia parameters of {escaped(table.article)}}}\n\\smallskip\n"
+        f"{shown}\n\\begin{{itemize}}\n{listed}\n\\end{{itemize}}\n\\end{{table}}\n"
+    )
+
+
+def document(tables: list[str]) -> str:
+    """A document that holds the rendered `tables` and compiles as it is."""
+    head = "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[landscape,margin=15mm]{geometry}\n"
+    return head + "\\begin{document}\n" + "\n".join(tables) + "\\end{document}\n"
+
+
+def escaped(text: str) -> str:
+    """`text` with every character that LaTeX reads as a command, or may not know, spelled out; signs as mathematics."""
+    spelled = "".join(_SPECIAL.get(character) or _known(character) for character in text)
+    indexed = re.sub(r"\$\\Theta\$([xyz]{2})\b", r"$\\Theta_{\1}$", spelled)
+    return re.sub(r"(?<![\w.])-(?=\.?\d|\$>)", "$-$", indexed)
+
+
+def _known(character: str) -> str:
+    """`character` where every LaTeX has it, else its nearest letter or, of other scripts, its number."""
+    if character.isascii() or character in _WESTERN:
+        return character
+    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return plain or f"U+{ord(character):04X}"
+
+
+def _grid(grid: Grid) -> str:
+    left = {0, len(grid.header) - 1} if grid.words else {0}
+    form = "".join("l" if k in left else "r@{}l" for k in range(len(grid.header)))
+    header = " & ".join(escaped(cell) if k in left else _over_two(cell) for k, cell in enumerate(grid.header))
+    lines = [" & ".join(_latex_cell(cell, k in left) for k, cell in enumerate(line)) for line in grid.lines]
+    body = "".join(rf"{line} \\" + "\n" for line in lines)
+    return f"\\begin{{tabular}}{{{form}}}\n\\hline\n{header} \\\\\n\\hline\n{body}\\hline\n\\end{{tabular}}"
+
+
+def _over_two(heading: str) -> str:
+    return rf"\multicolumn{{2}}{{c}}{{{escaped(heading)}}}"
+
+
+def _latex_cell(cell: str, words: bool) -> str:
+    """Words as they are; a figure as two cells, before and from its decimal point."""
+    return escaped(cell.strip()) if words else " & ".join(escaped(part) for part in at_point(cell.strip()))
+
+
+# A reference table in Markdown (pipe tables), padded so that its source reads as a table too.
+
+
+def markdown_render(table: ReferenceTable) -> str:
+    """`table` as a section of a Markdown page."""
+    shown = "\n\n".join(pipes(grid) for grid in grids(table))
+    listed = "\n".join(f"- {markdown_escaped(note)}" for note in notes(table))
+    return f"### {markdown_escaped(table.article)}\n\n{shown}\n\n{listed}\n"
+
+
+def markdown_escaped(text: str) -> str:
+    """`text` with what Markdown would read as a link, emphasis, HTML or the border of a cell spelled out."""
+    return re.sub(r"([\\`*<|\[\]]|(?<!\w)_|_(?!\w))", r"\\\1", text)
+
+
+def pipes(grid: Grid) -> str:
+    """`grid` as one pipe table."""
+    header = tuple(map(markdown_escaped, grid.header))
+    columns = list(zip(header, *grid.lines, strict=True))
+    widths = [max(3, *(len(cell) for cell in column)) for column in columns]
+    left = {0, len(grid.header) - 1} if grid.words else {0}
+    rule = [":" + "-" * (w - 1) if k in left else "-" * (w - 1) + ":" for k, w in enumerate(widths)]
+    lines = [header, tuple(rule), *grid.lines]
+    return "\n".join(_line(line, widths, left) for line in lines)
+
+
+def _line(cells: tuple[str, ...], widths: list[int], left: set[int]) -> str:
+    padded = (f"{cell:<{w}}" if k in left else f"{cell:>{w}}" for k, (cell, w) in enumerate(zip(cells, widths, strict=True)))
+    return "| " + " | ".join(padded) + " |"
+
+
+# A reference table for a terminal, by rich.
+
+
+WIDTH = PIPED_WIDTH
+"""Columns of a table in a file."""
+
+VERDICT = 24
+"""Columns below which words are not squeezed."""
+
+GAP = 3
+"""Columns between two columns of a table."""
+
+
+def text_render(table: ReferenceTable, width: int | None = None) -> str:
+    """`table` as plain text of `width` columns; None is `page_width`.
+
+    No figure is cut or broken: words wrap, and a table that is still too wide is continued below itself.
+    """
+    return page(table.article, grids(table), notes(table), width)
+
+
+def page(
+    title: str, grids: Iterable[Grid], notes: Iterable[str] = (), width: int | None = None, opening: Iterable[str] = ()
+) -> str:
+    """A title, the paragraphs of its `opening`, tables and the notes below them as plain text of `width` columns.
+
+    None is `page_width`.
+    """
+    from rich.console import Console
+    from rich.padding import Padding
+    from rich.text import Text
+
+    console = Console(width=width or page_width(), color_system=None, force_terminal=False)
+    with console.capture() as capture:
+        console.print(Text(title), Text("═" * min(len(title), console.width)), sep="\n")
+        for paragraph in opening:
+            console.print(Text(), Text(paragraph), sep="\n")
+        for grid in grids:
+            for part in parts(grid, console.width):
+                console.print(_table(part))
+        for note in notes:
+            console.print(Padding(Text(note), (0, 0, 0, 2)))
+    return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
+
+
+def parts(grid: Grid, width: int) -> list[Grid]:
+    """`grid` side by side in pieces of at most `width` columns, each with the first column of `grid`.
+
+    A piece holds at least one column more, however narrow the terminal. Columns of a pair stay together: a deviation and the same
+    in tolerances.
+    """
+    columns = list(zip(grid.header, *grid.lines, strict=True))
+    label, rest = columns[0], columns[1:]
+    step = 2 if grid.words else 1
+    groups = [rest[i : i + step] for i in range(0, len(rest), step)]
+    pieces = [[groups[0]]]
+    for group in groups[1:]:
+        tried = [label, *(column for one in (*pieces[-1], group) for column in one)]
+        if _width(tried, grid.words and group is groups[-1]) <= width:
+            pieces[-1].append(group)
+        else:
+            pieces.append([group])
+    return [_piece([label, *(c for group in piece for c in group)], grid.words and piece is pieces[-1]) for piece in pieces]
+
+
+def _width(columns: list[tuple[str, ...]], words: bool) -> int:
+    """Columns that a table of `columns` needs, with the verdict at its narrowest."""
+    widths = [max(map(len, column)) for column in columns]
+    if words:
+        widths[-1] = min(widths[-1], VERDICT)
+    return sum(widths) + GAP * (len(widths) - 1) + 2
+
+
+def _piece(columns: list[tuple[str, ...]], words: bool) -> Grid:
+    header, *lines = zip(*columns, strict=True)
+    return Grid(header=header, lines=tuple(lines), words=words)
+
+
+def _table(grid: Grid) -> Table:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    left = {0, len(grid.header) - 1} if grid.words else {0}
+    columns = []
+    for k, column in enumerate(zip(grid.header, *grid.lines, strict=True)):
+        # Padded here: rich strips what it justifies to the right, and with it the spaces that line the decimal points up.
+        width = 0 if k in left else max(len(cell) for cell in column)
+        columns.append([f"{cell:>{width}}" for cell in column])
+        table.add_column(Text(columns[k][0]), no_wrap=k == 0 or k not in left)
+    for line in list(zip(*columns, strict=True))[1:]:
+        table.add_row(*(Text(cell) for cell in line))
+    return table

@@ -1,0 +1,386 @@
+"""A family in words: its identifier, its sizes with their limits, its tolerance, and what is plausible of it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from math import exp, isfinite
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from geometry.atomic import write_text
+from geometry.errors import BadInput
+from geometry.toml_file import nearest
+from validation.effects.catalogue import FAMILIES, SOURCES
+from validation.effects.effect import (
+    BODY_STAGE,
+    CHANNEL_STAGE,
+    NOISE_STAGE,
+    OPENED,
+    PERIOD_STAGE,
+    SIDES,
+    STRUCTURE_STAGE,
+    Family,
+    SizeSpec,
+)
+from validation.reference.statement import NONE
+from validation.report.document import Grid, markdown_escaped, pipes
+
+DOES: Mapping[str, str] = MappingProxyType(
+    {
+        STRUCTURE_STAGE: "changes masses, springs and losses of the structure",
+        BODY_STAGE: "changes the dynamic mass of the article on its place",
+        CHANNEL_STAGE: "changes what channels read",
+        NOISE_STAGE: "changes how much noise is expected",
+        PERIOD_STAGE: "changes the period of a pendulum",
+        OPENED: "opens the tolerance of its name as wide as a fault may be",
+    }
+)
+"""By stage, what an effect does to a prediction."""
+
+
+SHORT = MappingProxyType(
+    {
+        "force channel": "channel",
+        "accelerometer": "channel",
+        "lateral axis": "axis",
+        "turning axis": "axis",
+        "cell and axis": "cell",
+        "pair of axes": "axes",
+        "part with a layer": "part",
+        "direction of the joint": "direction",
+        "direction of the FMD": "direction",
+        "direction of a cable": "direction",
+    }
+)
+"""Kinds of targets in one word."""
+
+PREFIXED = MappingProxyType({"s": (1e-6, "µs"), "m": (1e-3, "mm"), "rad": (1e-3, "mrad")})
+"""By unit of a size, the one in which its tolerance reads best, and its factor."""
+
+
+def examples(family: Family) -> tuple[str, ...]:
+    """What can be typed."""
+    return tuple(family.example.split(", or "))
+
+
+def identifier(family: Family) -> str:
+    """``accelerometer-position:CHANNEL:AXIS``"""
+    words = [SHORT.get(one, one).upper() for one in family.targets]
+    last = f"[:{words.pop()}]" if family.optional else ""
+    return ":".join((family.name, *words)) + last
+
+
+def targets(family: Family) -> str:
+    """What it acts on, in words."""
+    words = [*family.targets]
+    if family.optional:
+        words[-1] = f"[{words[-1]}]"
+    return ", ".join(words) or NONE
+
+
+def sizes(family: Family) -> tuple[SizeSpec, ...]:
+    """All sizes that its value may hold, whatever the target, each once."""
+    return tuple(dict.fromkeys((*family.sizes, *(one for varying in family.varying.values() for one in varying))))
+
+
+def limits(size: SizeSpec) -> str:
+    """``m: 1e-06 to 100 kg``"""
+    unit = "" if size.unit == "1" else f" {size.unit}"
+    said = f"{size.low:g} or {size.high:g}" if size.whole else f"{size.low:.3g} to {size.high:.3g}{unit}"
+    return _of(size, said)
+
+
+def unit(family: Family) -> str:
+    """Of every size."""
+    return ", ".join(dict.fromkeys(_of(size, size.unit) for size in sizes(family))) or NONE
+
+
+def plausible(family: Family) -> str:
+    """Standard deviation of a fault, of every size that is fitted; × 7.4 is a factor either way."""
+    return ", ".join(dict.fromkeys(_plausible(one) for one in sizes(family) if one.plausible > 0)) or NONE
+
+
+def tolerance(family: Family) -> str:
+    """Standard deviation of what a careful laboratory admits."""
+    first = next(iter(sizes(family)), None)
+    return _measured(family.tolerance, first.unit) if family.tolerance and first else NONE
+
+
+def sentence(family: Family, named: str = "") -> str:
+    """What it means at the targets of `named`, ``one:two``, or at those of its example."""
+    there = named or examples(family)[0].partition("=")[0].removeprefix(family.name).lstrip(":")
+    words = there.split(":")
+    return family.sentence.replace("{targets}", " and ".join(words)).replace("{target}", words[0])
+
+
+def as_json(family: Family) -> dict[str, Any]:
+    """One entry of ``massline effects --json``."""
+    return {
+        "id": family.name,
+        "side": family.side,
+        "what": family.what,
+        "sentence": sentence(family),
+        "targets": list(family.targets),
+        "last_target_optional": family.optional,
+        "sizes": [_size_json(size) for size in family.sizes],
+        "sizes_by_target": {target: [_size_json(size) for size in varying] for target, varying in family.varying.items()},
+        "tolerance": family.tolerance or None,
+        "changes": family.stage,
+        "equation": family.equation,
+        "mistaken_for": list(family.mistaken_for),
+        "confirmed_by": family.confirmed_by,
+        "reference": family.reference,
+        "examples": list(examples(family)),
+        "from": SOURCES.get(family.name, "massline"),
+    }
+
+
+def _size_json(size: SizeSpec) -> dict[str, Any]:
+    return {
+        "key": size.key,
+        "unit": size.unit,
+        "low": size.low,
+        "high": size.high,
+        "default": size.default,
+        "whole": size.whole,
+        "null": size.null if isfinite(size.null) else None,
+        "plausible": size.plausible or None,
+        "logarithmic": size.logarithmic,
+    }
+
+
+def _of(size: SizeSpec, said: str) -> str:
+    return f"{size.key}: {said}" if size.key else said
+
+
+def _plausible(size: SizeSpec) -> str:
+    said = f"× {_plain(exp(size.plausible))}" if size.logarithmic else _measured(size.plausible, size.unit)
+    return "on or off" if size.whole else f"{size.key} {said}".strip()
+
+
+def _measured(value: float, unit: str) -> str:
+    """``0.3 %``, ``20 µs``, ``0.5 mm``: as people write it."""
+    if unit == "1":
+        return f"{_plain(100 * value)} %"
+    scale, prefixed = PREFIXED.get(unit, (1.0, unit))
+    return f"{_plain(value / scale)} {prefixed}"
+
+
+def _plain(value: float) -> str:
+    """Two digits, without an exponent from a thousandth to a million."""
+    return f"{float(f'{value:.2g}'):g}".replace("e-0", "e-")
+
+
+# `massline effects`: the catalogue as a table, or one family on a page of its own.
+
+
+NOTE = "`massline effects ID` says more about one: what it means, its equation, what it is mistaken for, what would confirm it."
+
+
+def chosen(names: Sequence[str]) -> tuple[tuple[Family, str], ...]:
+    """The families that ``family`` or ``family:target`` name, each with its target; all of them where none is named.
+
+    Raises
+    ------
+    BadInput : no such family, with the nearest; a target that it does not have.
+    """
+    from validation.effects.catalogue import parse
+
+    if not names:
+        return tuple((family, "") for family in FAMILIES.values())
+    found = []
+    for name in names:
+        family, _, target = name.partition("=")[0].partition(":")
+        if family not in FAMILIES:
+            remedy = f"{nearest(family, FAMILIES)}`massline effects` lists all of them"
+            raise BadInput(source="massline effects", field=name, problem=f"no effect is called {family!r}", remedy=remedy)
+        known = FAMILIES[family]
+        if target:
+            value = examples(known)[0].partition("=")[2]
+            parse(f"{family}:{target}={value}" if value else f"{family}:{target}", source="massline effects")
+        found.append((known, target))
+    return tuple(found)
+
+
+def table() -> str:
+    """All families as text, side by side of the laboratory."""
+    from validation.report.document import page
+
+    sides = [side for side in SIDES if any(family.side == side for family in FAMILIES.values())]
+    return "\n".join(page(side.capitalize(), (_grid(side),), (NOTE,) if side == sides[-1] else ()) for side in sides)
+
+
+def whole(family: Family, target: str = "") -> str:
+    """One family as text, at `target` where one is named."""
+    from validation.report.document import page
+
+    lines = (
+        ("means", sentence(family, target)),
+        ("acts on", targets(family)),
+        ("unit", unit(family)),
+        ("size", "\n".join(map(limits, sizes(family))) or "there or not"),
+        ("tolerance", tolerance(family)),
+        ("plausible", plausible(family)),
+        ("does", DOES[family.stage]),
+        ("equation", family.equation),
+        ("mistaken for", ", ".join(family.mistaken_for)),
+        ("confirmed by", family.confirmed_by),
+        ("reference", family.reference),
+        ("written", "\n".join(examples(family))),
+        ("from", SOURCES.get(family.name, "massline")),
+    )
+    grid = Grid(header=("", family.what), lines=lines, words=True)
+    return page(identifier(family), (grid,))
+
+
+def _grid(side: str) -> Grid:
+    lines = tuple(
+        (
+            identifier(family),
+            tolerance(family),
+            plausible(family),
+            family.what,
+        )
+        for family in FAMILIES.values()
+        if family.side == side
+    )
+    return Grid(header=("effect", "tolerance", "plausible", "what"), lines=lines, words=True)
+
+
+# docs/effects.md, made of the catalogue: ``python -m validation.report.effects`` in the root of the repository writes it.
+
+
+PAGE = Path("docs/effects.md")
+OWN = "examples/effects/dashpot.py"
+
+HEAD = """\
+# The catalogue of effects
+
+What may be missing in a model, or wrong in a measurement, under one name each. One effect takes part in everything: it is
+simulated, compared, added to a model, refitted and shown. This page is made of the code, by `python -m validation.report.effects`.
+
+```sh
+massline effects
+massline effects force-gain:fmd-z2 saturation
+massline effects gap --json
+massline effects force-gian    # exit 2
+```
+
+## How to read it
+
+An effect is `family:target`, and `family:target=VALUE` gives its size in SI; several sizes are `key:number,key:number`.
+*Tolerance* is what a careful laboratory admits of it anyway, *plausible* what a fault may be, each one standard deviation before
+anything was measured; × 7.4 is a factor either way. An effect that is added leaves its tolerance: what is known of it beforehand
+widens from the one to the other.
+
+A prediction is made in stages, from the matrices of the structure to what every channel reads. An effect changes one of them, or
+opens a parameter that every laboratory has anyway.
+
+"""
+
+TAIL = """\
+## An effect of your own
+
+One file, with a `FAMILY`, in a folder that `--effects-from` names; the option may be repeated. A file whose name begins with an
+underscore is left alone. An installed package brings effects by entry points of the group `massline.effects`. This is
+`{own}`, whole:
+
+```python
+{code}```
+
+```sh
+massline effects --effects-from examples/effects dashpot force-lowpass
+massline simulate fmd+cuboid --out c --octaves-per-minute 99 --effects-from examples/effects --effect force-lowpass:fmd-z2=1e-3
+```
+
+The equation is `change(stage, targets, values)` and returns a changed copy, `dataclasses.replace(stage, ...)`. It gets a noun of
+`validation/effects/stages.py`, the targets of the identifier, and the sizes by key, the empty key for one that stands alone.
+`plant` is what a virtual test simulates, in time and by other code: without one an effect can be fitted, but not simulated.
+`python examples/own_effect.py` plants one and finds its size again, with nothing but a model and the campaign.
+
+Before it is taken, massline tries it. At its `null` size it must change nothing; on channels it must be linear in `rows`; what it
+adds to matrices may not depend on them, since derivatives pass it unchanged. The folder is never written to, each file is
+executed once, and what fails in it is told with its own line and exit code 2:
+
+```sh
+massline effects --effects-from examples/nowhere    # exit 2
+```
+"""
+
+
+def text(root: Path) -> str:
+    """The page; `root` holds the example of an effect of one's own."""
+    own = (root / OWN).read_text(encoding="utf-8")
+    sides = "\n".join(_side(side) for side in SIDES)
+    return HEAD + sides + "\n" + TAIL.format(own=OWN, code=own)
+
+
+def _side(side: str) -> str:
+    families = [family for name, family in FAMILIES.items() if family.side == side and name not in SOURCES]
+    return f"## {side.capitalize()}\n\n{pipes(_page_grid(families))}\n\n" + "\n".join(map(_entry, families))
+
+
+def _page_grid(families: list[Family]) -> Grid:
+    lines = tuple(
+        (
+            f"`{identifier(one)}`",
+            markdown_escaped(unit(one)),
+            tolerance(one),
+            plausible(one),
+            markdown_escaped(one.what),
+        )
+        for one in families
+    )
+    return Grid(header=("effect", "unit", "tolerance", "plausible", "what"), lines=lines, words=True)
+
+
+def _entry(family: Family) -> str:
+    looks = ", ".join(one if " " in one else f"`{one}`" for one in family.mistaken_for)
+    written = ", ".join(f"`{one}`" for one in examples(family))
+    return f"""\
+### `{family.name}`
+
+{markdown_escaped(sentence(family))}
+
+- Equation: `{family.equation}`. It {DOES[family.stage]}.
+- Mistaken for {looks}.
+- What would confirm it: {markdown_escaped(family.confirmed_by)}.
+- Reference: {markdown_escaped(family.reference)}.
+- Written {written}.
+"""
+
+
+# `massline simulate --list-effects`: what can be planted, with targets, units and limits.
+
+
+NOTES = (
+    "Write --effect ID=VALUE as in the first column, in SI. It may be repeated, with other targets as well.",
+    "`massline effects ID` says more about one.",
+)
+
+
+def page_of_effects() -> str:
+    """All of it as text."""
+    from validation.report.document import page
+
+    return page("Effects that a virtual test can plant", (grid(),), NOTES)
+
+
+def grid() -> Grid:
+    """One line a family."""
+    lines = tuple(
+        (examples(family)[0], targets(family), _limits(family), family.what)
+        for family in FAMILIES.values()
+        if family.plant is not None
+    )
+    return Grid(header=("for example", "acts on", "from to", "what"), lines=lines, words=True)
+
+
+def _limits(family: Family) -> str:
+    return "\n".join(map(limits, sizes(family))) or NONE
+
+
+if __name__ == "__main__":
+    write_text(Path(sys.argv[1]) if len(sys.argv) > 1 else PAGE, text(Path()))

@@ -1,0 +1,165 @@
+"""`Report`: everything that a page says, found by the rooms; the page adds nothing to it."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from identification.campaign import Campaign
+from validation.classical.files import Reduction
+from validation.compare.compare import Comparison
+from validation.diagnose.diagnosis import Diagnosis
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD
+from validation.history.history import Body, HistoryPosition, Source
+from validation.identify.identify import IdentificationFindings
+from validation.model.model import Model
+from validation.reference.reference import ReferenceTable
+from validation.reference.statement import Statement
+from validation.report.document import Safe, joined, tag, worded
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Picture:
+    """A picture as it lies in a file.
+
+    Attributes
+    ----------
+    png : its bytes
+    said : what it shows, for who cannot see it, and below it
+    """
+
+    png: bytes
+    said: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArticlePart:
+    """What is known of an article by itself.
+
+    Attributes
+    ----------
+    name : what stands on the FMD
+    table : by three routes, in print, weighed and swung; None where `missing` says why
+    picture : rendered, with CoG and principal axes
+    shapes : its mode shapes
+    missing : sentences: what cannot be shown, and why
+    """
+
+    name: str
+    table: ReferenceTable | None = None
+    picture: Picture | None = None
+    shapes: Picture | None = None
+    missing: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CampaignPart:
+    """What is known of a campaign by itself.
+
+    Attributes
+    ----------
+    campaign : as it was read
+    sensors : map of its sensors
+    findings : identified inertia, plain and self-calibrated; None where `missing` says why
+    reference : of the article that was identified; None where none is known
+    command : which command line gives the same findings
+    missing : sentences: what cannot be shown, and why
+    """
+
+    campaign: Campaign
+    sensors: Picture | None = None
+    findings: IdentificationFindings | None = None
+    reference: Statement | None = None
+    command: str = ""
+    missing: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Provenance:
+    """Where the page comes from.
+
+    Attributes
+    ----------
+    when : local date and time, ISO 8601
+    by : who made it; empty where nobody said
+    command : the command line
+    versions : of the programs
+    inputs : model, campaigns and files with their SHA-256
+    settings : method, band, what was held out
+    model_text : of the model file
+    """
+
+    when: str
+    by: str = ""
+    command: str = ""
+    versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    inputs: tuple[Source, ...] = ()
+    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+    model_text: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Report:
+    """A model and data, and all that was found.
+
+    Attributes
+    ----------
+    model : as it was read
+    comparison : four errors, maps and worst spots
+    provenance : where it comes from
+    articles, campaigns : each by itself
+    identified : inertia of the model's article from all data, with the effects of the model
+    not_identified : why there is none, where the model has effects
+    classical : weighings, CoG and pendulum tests, reduced
+    diagnosis : what is missing; None where nobody asked, and `not_diagnosed` says why
+    standing : the model's ladder; without rungs where there is none
+    """
+
+    model: Model
+    comparison: Comparison
+    provenance: Provenance
+    articles: tuple[ArticlePart, ...] = ()
+    campaigns: tuple[CampaignPart, ...] = ()
+    identified: tuple[Body, ...] = ()
+    not_identified: str = ""
+    classical: tuple[Reduction, ...] = ()
+    diagnosis: Diagnosis | None = None
+    not_diagnosed: str = ""
+    standing: HistoryPosition | None = None
+
+
+# What several sections are made of: headings, verdicts, pictures, notes.
+
+
+def section(name: str, title: str, *inside: str | None) -> Safe:
+    """A section with its heading; `name` is what the table of contents jumps to."""
+    return tag("section", tag("h2", title, id=f"{name}-title"), *inside, id=name, aria_labelledby=f"{name}-title")
+
+
+def verdict(word: str, kind: str = "") -> Safe:
+    """A verdict that is seen: one of `validation.estimation.verdicts.VERDICTS`, or another word that is as good as the `kind`."""
+    kind = kind or (word if word in (GOOD, DOUBTFUL, FAILED) else "plain")
+    return tag("span", word.upper(), class_=f"verdict {kind}") if word else Safe("")
+
+
+def picture(of: Picture | None) -> Safe:
+    """A picture inside the page."""
+    if of is None:
+        return Safe("")
+    width, height = (str(int.from_bytes(of.png[at : at + 4], "big")) for at in (16, 20))  # PNG: its first block says its size
+    source = "data:image/png;base64," + b64encode(of.png).decode("ascii")
+    image = tag("img", src=source, alt=of.said, width=width, height=height)
+    return tag("figure", image, tag("figcaption", of.said), class_="picture")
+
+
+def notes(sentences: Iterable[str]) -> Safe:
+    """Sentences in small print; nothing where there are none."""
+    said = [f"{one.rstrip('.')}." for one in sentences if one]
+    return tag("div", *(tag("p", worded(one)) for one in said), class_="note") if said else Safe("")
+
+
+def paragraphs(sentences: Iterable[str | Safe]) -> Safe:
+    """One paragraph each."""
+    return joined(*(tag("p", worded(one)) for one in sentences))

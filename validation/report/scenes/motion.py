@@ -1,0 +1,583 @@
+"""What a picture of a mode draws: bodies fine enough to bend, with the displacement of every vertex."""
+
+from __future__ import annotations
+
+import json
+import struct
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.atomic import write_with
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen
+from validation.report.charts.style import ABOUT, FAINT, INK, PAPER, require_format, save
+from validation.report.scenes.scene import (
+    SUPERSAMPLING,
+    DrawnBody,
+    Image,
+    Plotter,
+    Projection,
+    averaged,
+    fitted,
+    off_screen,
+    shot,
+)
+
+CREASE = 30.0
+"""Faces that meet at more than this angle [°] have an edge worth drawing."""
+
+PASSES = 10
+"""Of halving at most: a plate of one metre comes down to a millimetre."""
+
+Integers = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MovingBody:
+    """One body of a mode's picture.
+
+    Attributes
+    ----------
+    name : as in the article
+    vertices : (n, 3) [m], at rest, in the article's frame
+    faces : (k, 3), indices of the vertices of each triangle
+    edges : (e, 2), indices of the ends of each piece of a sharp edge
+    displacement : (n, 3), of the mode, in any scale that all bodies of the picture share
+    """
+
+    name: str
+    vertices: Array
+    faces: Integers
+    edges: Integers
+    displacement: Array
+
+    def __post_init__(self) -> None:
+        n = len(self.vertices)
+        object.__setattr__(self, "vertices", frozen(self.vertices, (n, 3), "vertices"))
+        object.__setattr__(self, "displacement", frozen(self.displacement, (n, 3), "displacement"))
+
+    @property
+    def size(self) -> Array:
+        """Length of the displacement (n,)."""
+        return np.asarray(np.linalg.norm(self.displacement, axis=1))
+
+
+def bendable(body: DrawnBody, longest: float) -> DrawnBody:
+    """`body` with its triangles halved until no side is longer than `longest` [m]; the surface stays the same and closed."""
+    mesh = _poly(body).subdivide_adaptive(max_edge_len=longest, max_tri_area=np.inf, max_n_passes=PASSES)
+    return DrawnBody(
+        name=body.name,
+        material=body.material,
+        vertices=np.asarray(mesh.points, dtype=np.float64),
+        faces=mesh.faces.reshape(-1, 4)[:, 1:],
+        counted=body.counted,
+    )
+
+
+def sharp_edges(body: DrawnBody) -> Integers:
+    """The edges (e, 2) of `body` where its faces meet at an angle, as indices of its vertices."""
+    mesh = _poly(body)
+    mesh.point_data["number"] = np.arange(len(body.vertices))
+    edges = mesh.extract_feature_edges(CREASE, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
+    if not edges.n_cells:
+        return np.zeros((0, 2), dtype=np.int64)
+    return np.asarray(edges.point_data["number"][edges.lines.reshape(-1, 3)[:, 1:]], dtype=np.int64)
+
+
+def largest(bodies: Sequence[MovingBody]) -> float:
+    """Length of the largest displacement of all `bodies`."""
+    return max((float(body.size.max(initial=0.0)) for body in bodies), default=0.0)
+
+
+def _poly(body: DrawnBody):  # type: ignore[no-untyped-def]  # a `pyvista.PolyData`; the library is imported inside
+    import pyvista
+
+    return pyvista.PolyData(np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
+
+
+# A mode shape rendered: deformed and coloured by displacement, with the edges of the body at rest behind it.
+
+
+STILL = "#d3d8e0"
+"""What does not move; the colours from there on are those of `turbo`, whose own lowest ones are nearly black."""
+AT_REST = "#b4bac4"
+
+REACH = 0.09
+"""Largest displacement drawn, as a share of the article's diagonal."""
+
+
+def scale_of(bodies: Sequence[MovingBody]) -> float:
+    """Factor [m per unit of displacement] that brings the largest displacement to `REACH`; 0 where nothing moves."""
+    points = np.concatenate([body.vertices for body in bodies])
+    most = largest(bodies)
+    return REACH * float(np.linalg.norm(np.ptp(points, axis=0))) / most if most > 0 else 0.0
+
+
+def colour_map() -> Any:
+    """Light grey for what stands still, then blue, green, yellow, red."""
+    from matplotlib import colormaps
+    from matplotlib.colors import LinearSegmentedColormap
+
+    turbo = colormaps["turbo"]
+    return LinearSegmentedColormap.from_list("motion", [STILL, *(turbo(x) for x in np.linspace(0.12, 0.95, 12))], N=256)
+
+
+def colours_of(bodies: Sequence[MovingBody]) -> list[npt.NDArray[np.uint8]]:
+    """Red, green and blue (n, 3) of every vertex of `bodies`."""
+    most = largest(bodies) or 1.0
+    return [np.round(255 * colour_map()(body.size / most)[:, :3]).astype(np.uint8) for body in bodies]
+
+
+def view_of(modes: Sequence[Sequence[MovingBody]], size: tuple[int, int], margin: float) -> Projection:
+    """The view in which every one of `modes` fits, at both ends of its swing."""
+    swings = []
+    for bodies in modes:
+        scale = scale_of(bodies)
+        swings += [body.vertices + sign * scale * body.displacement for body in bodies for sign in (-1, 1)]
+    return fitted(np.concatenate(swings), size, margin)
+
+
+def rendered(view: Projection, bodies: Sequence[MovingBody], share: float) -> Image:
+    """`bodies` at `share` (-1 to 1) of their swing. To be called inside of `off_screen`."""
+    return displaced(view, bodies, share * scale_of(bodies), largest(bodies))
+
+
+def displaced(view: Projection, bodies: Sequence[MovingBody], factor: float, most: float) -> Image:
+    """`bodies` with their displacement times `factor`, coloured from none to `most`. To be called inside of `off_screen`."""
+    pixels = shot(view, lambda plotter: _all(plotter, bodies, factor, most), peels=0)
+    return np.round(averaged(pixels.astype(np.float64))).astype(np.uint8)
+
+
+def _all(plotter: Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
+    for body in bodies:
+        _lines(plotter, body, body.vertices, AT_REST)
+        _body(plotter, body, body.vertices + factor * body.displacement, most)
+
+
+def _body(plotter: Plotter, body: MovingBody, points: Array, most: float) -> None:
+    import pyvista
+
+    mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
+    mesh.point_data["displacement"] = body.size / most if most > 0 else body.size
+    look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
+    plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
+    _lines(plotter, body, points, INK)
+
+
+def _lines(plotter: Plotter, body: MovingBody, points: Array, colour: str) -> None:
+    import pyvista
+
+    if len(body.edges):
+        lines = pyvista.PolyData(points, lines=np.column_stack([np.full(len(body.edges), 2), body.edges]).ravel())
+        plotter.add_mesh(lines, color=colour, line_width=0.8 * SUPERSAMPLING, lighting=False)
+
+
+# Mode shapes on one sheet, each with its number, frequency and words; and one of them moving, as a GIF.
+
+
+DPI = 100
+COLUMNS = 4
+TILE = (400, 500)
+CAPTION = 62
+"""Pixels above a tile for number, frequency and words."""
+
+HEAD, FOOT = 78, 66
+MARGIN = 14.0
+
+FRAMES = 24
+PERIOD = 1560
+"""Frames of one cycle of a GIF, and its duration [ms]."""
+
+MOVING_TILE = (620, 640)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnMode:
+    """One mode to be drawn.
+
+    Attributes
+    ----------
+    number : from 1
+    frequency : [Hz]
+    text : what it is
+    bodies : with their displacement
+    """
+
+    number: int
+    frequency: float
+    text: str
+    bodies: tuple[MovingBody, ...]
+
+    @property
+    def caption(self) -> str:
+        """Number and frequency."""
+        return f"{self.number}   {self.frequency:.2f} Hz"
+
+
+def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "", about: str = "") -> None:
+    """Write all of `modes` on one sheet, all seen from the same side and in the same scale.
+
+    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+
+    Raises
+    ------
+    BadInput : there is no mode, or the ending of `path` is unknown.
+    CheckFailed : nothing can be rendered on this machine.
+    """
+    require_format(path)
+    if not modes:
+        raise BadInput(source=title, problem="there is no mode to draw", remedy="A rigid article has none in this range")
+    columns = min(COLUMNS, len(modes))
+    rows = -(-len(modes) // columns)
+    with off_screen():
+        view = view_of([mode.bodies for mode in modes], TILE, MARGIN)
+        tiles = [rendered(view, mode.bodies, 1.0) for mode in modes]
+    width, height = max(columns * TILE[0], 2 * TILE[0]), HEAD + rows * (TILE[1] + CAPTION) + FOOT
+    figure, canvas = blank(width, height)
+    write(canvas, 24, 40, title, 26, weight="bold", va="center")
+    for k, (mode, tile) in enumerate(zip(modes, tiles, strict=True)):
+        _tile(canvas, mode, tile, k % columns * TILE[0], HEAD + k // columns * (TILE[1] + CAPTION))
+    _bar(figure, width, height)
+    for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
+        write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
+    more = {"metadata": {ABOUT: about}} if about else {}
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
+
+
+def animation(title: str, mode: DrawnMode, path: Path) -> None:
+    """Write one cycle of `mode` as an endless GIF.
+
+    Raises
+    ------
+    CheckFailed : nothing can be rendered on this machine.
+    """
+    head = _head(title, mode)
+    with off_screen():
+        view = view_of([mode.bodies], MOVING_TILE, MARGIN)
+        shares = np.sin(2 * np.pi * np.arange(FRAMES) / FRAMES)
+        frames = [np.vstack([head, rendered(view, mode.bodies, share)]) for share in shares]
+    write_gif(path, frames, PERIOD // FRAMES, FRAMES // 4)
+
+
+def write_gif(path: Path, frames: Sequence[Image], duration: int, colourful: int) -> None:
+    """Write `frames` as an endless GIF, `duration` [ms] each, in the colours of the frame with the number `colourful`."""
+    from PIL import Image as Pictures
+
+    from geometry.atomic import write_with
+
+    pictures = [Pictures.fromarray(frame) for frame in frames]
+    palette = pictures[colourful].quantize(255, method=Pictures.Quantize.MEDIANCUT, dither=Pictures.Dither.NONE)
+    small = [picture.quantize(palette=palette, dither=Pictures.Dither.NONE) for picture in pictures]
+    how: dict[str, Any] = {"save_all": True, "append_images": small[1:], "duration": duration, "loop": 0}
+    write_with(path, lambda temporary: small[0].save(temporary, format="GIF", **how))
+
+
+def _head(title: str, mode: DrawnMode) -> Image:
+    """The strip above the moving picture."""
+    figure, canvas = blank(MOVING_TILE[0], 84)
+    write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
+    write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
+    return pixels(figure)
+
+
+def pixels(figure: Any) -> Image:
+    """What `figure` shows, as an image."""
+    figure.canvas.draw()
+    return np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+
+
+def _tile(canvas: Any, mode: DrawnMode, tile: Image, x: float, y: float) -> None:
+    canvas.imshow(tile, extent=(x, x + TILE[0], y + CAPTION + TILE[1], y + CAPTION), interpolation="none")
+    write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
+    for i, line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
+        write(canvas, x + 24, y + 38 + 16 * i, line, 13, FAINT, va="center")
+
+
+def _bar(figure: Any, width: float, height: float) -> None:
+    """What the colours mean."""
+    from matplotlib.colorbar import ColorbarBase
+
+    axes = figure.add_axes(((width - 330) / width, 34 / height, 290 / width, 12 / height))
+    bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=[0, 0.5, 1])
+    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
+    bar.outline.set_visible(False)
+    axes.set_title("displacement over its largest", fontsize=9, color=FAINT, pad=4)
+
+
+def blank(width: int, height: int) -> tuple[Any, Any]:
+    """A white figure and axes that cover it, one unit a pixel, y downwards."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    canvas = figure.add_axes((0, 0, 1, 1))
+    canvas.set_axis_off()
+    canvas.set_autoscale_on(False)
+    canvas.set(xlim=(0, width), ylim=(height, 0))
+    return figure, canvas
+
+
+def write(canvas: Any, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> None:
+    """Put `text` of so many pixels onto the axes of `blank`."""
+    canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", parse_math=False, **how)
+
+
+# A moving mode as binary glTF 2.0: the surface at rest, one morph target (the mode), and an animation of its weight.
+#
+# Written here because no library at hand writes morph targets: trimesh and VTK export meshes as they stand. The layout is that
+# of the Khronos glTF 2.0 specification: a header, a JSON chunk that names slices of a binary chunk, and that chunk. Every body
+# is a mesh and a node of its own, which is what readers expect of a morph. Lengths are metres; glTF has y upwards, so the root
+# turns the article's z there.
+
+
+FLOAT, UNSIGNED_BYTE, UNSIGNED_INT = 5126, 5121, 5125
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+LINES, TRIANGLES = 1, 4
+GLB, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+
+CYCLE = 2.0
+"""Seconds of one swing, whatever the frequency: nobody can watch 15 Hz."""
+
+KEYFRAMES = 33
+
+_UPRIGHT = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]
+"""Quaternion of a quarter turn about -x: z becomes y."""
+
+
+def write_glb(path: Path, title: str, mode: DrawnMode) -> None:
+    """Write `mode` as an animated ``.glb``, whole or not at all."""
+    binary = glb(title, mode)
+    write_with(path, lambda temporary: temporary.write_bytes(binary))
+
+
+def glb(title: str, mode: DrawnMode) -> bytes:
+    """`mode` as the bytes of a ``.glb`` file."""
+    buffer = _Buffer()
+    scale = scale_of(mode.bodies)
+    colours = colours_of(mode.bodies)
+    meshes = [mesh for body, colour in zip(mode.bodies, colours, strict=True) for mesh in _meshes(buffer, body, colour, scale)]
+    children = list(range(1, 1 + len(meshes)))
+    time = np.linspace(0, CYCLE, KEYFRAMES)
+    sampler = {
+        "input": buffer.add(time[:, None], "SCALAR", bounds=True),
+        "output": buffer.add(np.sin(2 * np.pi * time / CYCLE)[:, None], "SCALAR"),
+        "interpolation": "LINEAR",
+    }
+    tree = {
+        "asset": {
+            "version": "2.0",
+            "generator": "massline",
+            "extras": {"title": title, "mode": mode.number, "frequency_hz": mode.frequency, "what": mode.text},
+        },
+        "scene": 0,
+        "scenes": [{"name": title, "nodes": [0]}],
+        "nodes": [
+            {"name": f"{title}, mode {mode.number}, {mode.frequency:.2f} Hz", "children": children, "rotation": _UPRIGHT},
+            *({"name": mesh["name"], "mesh": index} for index, mesh in enumerate(meshes)),
+        ],
+        "meshes": meshes,
+        "materials": _MATERIALS,
+        "animations": [
+            {
+                "name": f"mode {mode.number}",
+                "samplers": [sampler],
+                "channels": [{"sampler": 0, "target": {"node": node, "path": "weights"}} for node in children],
+            }
+        ],
+        **buffer.tables,
+    }
+    return _container(tree, bytes(buffer.content))
+
+
+_MATERIALS = [
+    {
+        "name": "surface",
+        "doubleSided": True,
+        "pbrMetallicRoughness": {"baseColorFactor": [1.0, 1.0, 1.0, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.85},
+    },
+    {
+        "name": "edges",
+        "pbrMetallicRoughness": {"baseColorFactor": [0.02, 0.02, 0.03, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0},
+    },
+]
+
+
+class _Buffer:
+    """The binary chunk while it grows, and the tables that say what lies where in it."""
+
+    def __init__(self) -> None:
+        self.content = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        return {"buffers": [{"byteLength": len(self.content)}], "bufferViews": self.views, "accessors": self.accessors}
+
+    def add(self, values: npt.ArrayLike, kind: str, *, target: int | None = None, bounds: bool = False, of: int = FLOAT) -> int:
+        """Append `values` (n, width) and return the number of their accessor."""
+        array = np.asarray(values, dtype={FLOAT: "<f4", UNSIGNED_INT: "<u4", UNSIGNED_BYTE: "u1"}[of])
+        view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.content), "byteLength": array.nbytes}
+        self.views.append(view | ({} if target is None else {"target": target}))
+        self.content += array.tobytes()
+        self.content += b"\0" * (-len(self.content) % 4)
+        accessor: dict[str, Any] = {"bufferView": len(self.views) - 1, "componentType": of, "count": len(array), "type": kind}
+        if of == UNSIGNED_BYTE:
+            accessor["normalized"] = True
+        if bounds:
+            accessor |= {"min": array.min(axis=0).tolist(), "max": array.max(axis=0).tolist()}
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+
+def _meshes(buffer: _Buffer, body: MovingBody, colour: npt.NDArray[np.uint8], scale: float) -> list[dict[str, Any]]:
+    """Surface and sharp edges of `body`, on the same vertices."""
+    position = buffer.add(body.vertices, "VEC3", target=ARRAY_BUFFER, bounds=True)
+    moved = buffer.add(scale * body.displacement, "VEC3", target=ARRAY_BUFFER, bounds=True)
+    shade = buffer.add(_linear(colour), "VEC4", target=ARRAY_BUFFER, of=UNSIGNED_BYTE)
+
+    def drawn(name: str, indices: npt.NDArray[np.int64], mode: int, material: int, **more: int) -> dict[str, Any]:
+        primitive = {
+            "attributes": {"POSITION": position, **more},
+            "targets": [{"POSITION": moved}],
+            "indices": buffer.add(np.reshape(indices, (-1, 1)), "SCALAR", target=ELEMENT_ARRAY_BUFFER, of=UNSIGNED_INT),
+            "mode": mode,
+            "material": material,
+        }
+        return {"name": name, "primitives": [primitive], "weights": [0.0]}
+
+    surface = drawn(body.name, body.faces, TRIANGLES, 0, COLOR_0=shade)
+    return [surface, drawn(f"{body.name}, edges", body.edges, LINES, 1)] if len(body.edges) else [surface]
+
+
+def _linear(colour: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Colours (n, 3) as screens show them, in the linear light that glTF wants, opaque: (n, 4)."""
+    screen = colour / 255.0
+    light = np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)
+    opaque = np.full((len(colour), 1), 255)
+    return np.hstack([np.round(255 * light), opaque]).astype(np.uint8)
+
+
+def _container(tree: dict[str, Any], binary: bytes) -> bytes:
+    text = json.dumps(tree, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    chunks: Sequence[bytes] = (
+        struct.pack("<II", len(text), JSON_CHUNK) + text,
+        struct.pack("<II", len(binary), BINARY_CHUNK) + binary,
+    )
+    return struct.pack("<III", GLB, 2, 12 + sum(map(len, chunks))) + b"".join(chunks)
+
+
+# A sweep that passes a resonance, moving: the article as it bends, and below it the load with the moment that is shown.
+
+
+PACE = 90
+"""[ms] a frame."""
+
+PASSING_HEAD, STRIP = 84, 250
+"""Pixels above and below the article."""
+
+SHOWN, TO_COME, NOW = "#2456c4", "#c9d3ea", "#c8283c"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frame:
+    """One moment.
+
+    Attributes
+    ----------
+    time : [s]
+    frequency : of the sweep [Hz]
+    bodies : with their displacement [m]
+    """
+
+    time: float
+    frequency: float
+    bodies: tuple[MovingBody, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Passing:
+    """All that is drawn.
+
+    Attributes
+    ----------
+    title, text : above the article
+    frames : in the order of their times
+    time, load : (n,) [s], [N, N m] the curve below
+    rigid : (n,) amplitude of the rigid body's load
+    label : of the load, with its unit
+    resonance : when [s] the sweep has the resonance's frequency
+    """
+
+    title: str
+    text: str
+    frames: tuple[Frame, ...]
+    time: Array
+    load: Array
+    rigid: Array
+    label: str
+    resonance: float
+
+
+def animate(passing: Passing, path: Path) -> None:
+    """Write `passing` as an endless GIF.
+
+    Raises
+    ------
+    CheckFailed : nothing can be rendered on this machine.
+    """
+    most = max(largest(frame.bodies) for frame in passing.frames)
+    rest = np.concatenate([body.vertices for body in passing.frames[0].bodies])
+    factor = REACH * float(np.linalg.norm(np.ptp(rest, axis=0))) / most if most > 0 else 0.0
+    head = _passing_head(passing, factor)
+    with off_screen():
+        swung = np.concatenate([b.vertices + factor * b.displacement for frame in passing.frames for b in frame.bodies])
+        view = fitted(np.concatenate([rest, swung]), MOVING_TILE, MARGIN)
+        images = [
+            np.vstack([head, displaced(view, frame.bodies, factor, most), _strip(passing, frame)]) for frame in passing.frames
+        ]
+    write_gif(path, images, PACE, _liveliest(passing.frames))
+
+
+def _liveliest(frames: Sequence[Frame]) -> int:
+    """The frame with the largest displacement, which has all the colours."""
+    return int(np.argmax([largest(frame.bodies) for frame in frames]))
+
+
+def _passing_head(passing: Passing, factor: float) -> Image:
+    figure, canvas = blank(MOVING_TILE[0], PASSING_HEAD)
+    write(canvas, 18, 28, passing.title, 20, weight="bold", va="center")
+    write(canvas, 18, 60, f"{passing.text}, displacement drawn {factor:.0f} times as large", 14, FAINT, va="center")
+    return pixels(figure)
+
+
+def _strip(passing: Passing, frame: Frame) -> Image:
+    """The load up to the moment of `frame` and, paler, what is still to come."""
+    width = MOVING_TILE[0]
+    figure, canvas = blank(width, STRIP)
+    write(canvas, 18, 20, f"{frame.frequency:.2f} Hz", 22, weight="bold", va="center")
+    write(canvas, 150, 21, f"at {frame.time:.2f} s", 15, FAINT, va="center")
+    write(canvas, width - 18, 21, "dashed: the rigid body, M a", 14, FAINT, va="center", ha="right")
+    axes = figure.add_axes((78 / width, 46 / STRIP, (width - 98) / width, (STRIP - 90) / STRIP))
+    past = passing.time <= frame.time
+    axes.plot(passing.time, passing.load, color=TO_COME, linewidth=0.7)
+    axes.plot(passing.time[past], passing.load[past], color=SHOWN, linewidth=0.8)
+    for sign in (-1, 1):
+        axes.plot(passing.time, sign * passing.rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)))
+    axes.axvline(passing.resonance, color=FAINT, linewidth=0.9)
+    axes.axvline(frame.time, color=NOW, linewidth=1.2)
+    axes.set_xlim(passing.time[0], passing.time[-1])
+    reach = 1.08 * max(float(np.abs(passing.load).max()), float(passing.rigid.max()), float(np.finfo(np.float64).tiny))
+    axes.set_ylim(-reach, reach)
+    axes.tick_params(labelsize=13 * 72 / DPI, colors=INK)
+    axes.set_xlabel("time [s]", fontsize=13 * 72 / DPI, labelpad=1)
+    axes.set_ylabel(passing.label, fontsize=13 * 72 / DPI)
+    return pixels(figure)

@@ -1,0 +1,900 @@
+"""The figures beside the picture, as lines of text: what each row says, before anybody decides how it looks."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.article import Article
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, frozen
+from geometry.inertia import Inertia, require_physical
+from validation.report.charts.style import (
+    ABOUT,
+    AXES,
+    ELLIPSOID,
+    FAINT,
+    INK,
+    PAPER,
+    UNCOUNTED,
+    Label,
+    arranged,
+    require_format,
+    save,
+)
+from validation.report.charts.style import colours as palette_colours
+
+# What a picture draws: closed meshes with a name, a material, and whether their mass counts.
+
+
+CHORD = 1e-4
+"""Chord error [m] of drawn surfaces: less than a pixel for anything that fills a picture."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DrawnBody:
+    """One body of a picture.
+
+    Attributes
+    ----------
+    name : as in the article
+    material : name of the material; bodies of one material share a colour
+    vertices : (n, 3) [m], in the article's frame
+    faces : (k, 3), indices of the vertices of each triangle
+    counted : False for what is drawn but does not belong to the inertia
+    """
+
+    name: str
+    material: str
+    vertices: Array
+    faces: npt.NDArray[np.int64]
+    counted: bool = True
+
+    def __post_init__(self) -> None:
+        vertices = np.asarray(self.vertices)
+        object.__setattr__(self, "vertices", frozen(vertices, (len(vertices), 3), "vertices"))
+        faces = np.array(self.faces, dtype=np.int64)
+        if faces.ndim != 2 or faces.shape[1] != 3 or faces.min(initial=0) < 0 or faces.max(initial=0) >= len(vertices):
+            raise ValueError(f"`faces` must be (k, 3) indices of {len(vertices)} vertices, found shape {faces.shape}")
+        faces.setflags(write=False)
+        object.__setattr__(self, "faces", faces)
+
+
+def drawn_bodies(article: Article, chord: float = CHORD) -> tuple[DrawnBody, ...]:
+    """Every part of `article`, counted or not, tessellated with chord error `chord` [m], in the article's frame."""
+    from geometry.cad import tessellate
+
+    meshes = [(part, tessellate(part, chord)) for part in article.parts]
+    return tuple(
+        DrawnBody(name=part.name, material=part.material.name, vertices=mesh.vertices, faces=mesh.faces, counted=part.counted)
+        for part, mesh in meshes
+    )
+
+
+# Principal axes fit to be drawn, and the homogeneous ellipsoid that has a body's mass and moments.
+
+
+EQUAL = 1e-6
+"""Principal moments closer than this, relative to the largest, are equal: their axes are free to turn."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ellipsoid:
+    """Equivalent inertia ellipsoid of a body.
+
+    Attributes
+    ----------
+    centre : (3,) [m], the CoG in the body's frame
+    axes : (3, 3), principal axes as columns, right-handed
+    moments : (3,) [kg m²], principal moments about the CoG, ascending
+    semi_axes : (3,) [m] along the principal axes
+    """
+
+    centre: Array
+    axes: Array
+    moments: Array
+    semi_axes: Array
+
+    def stretched(self, unit: npt.ArrayLike) -> Array:
+        """Points (n, 3) of the unit ball laid into the ellipsoid [m], in the body's frame."""
+        return np.asarray(unit, dtype=np.float64) * self.semi_axes @ self.axes.T + self.centre
+
+    @property
+    def equal(self) -> tuple[tuple[int, int], ...]:
+        """Neighbouring principal axes, counted from 0, whose moments are equal."""
+        close = np.diff(self.moments) <= EQUAL * self.moments[2]
+        return tuple((i, i + 1) for i in range(2) if close[i])
+
+
+def equivalent_ellipsoid(inertia: Inertia) -> Ellipsoid:
+    """The homogeneous ellipsoid of the body's mass, CoG and principal moments.
+
+    A homogeneous ellipsoid has I1 = m/5 (b² + c²) and so on, hence a² = 5 (I2 + I3 - I1) / (2 m). Exists for every physical
+    body; a semi-axis of an ideal one is zero.
+    """
+    moments, axes = inertia.principal()
+    squares = 5 * (moments.sum() - 2 * moments) / (2 * inertia.mass)
+    return Ellipsoid(
+        centre=frozen(inertia.cog, (3,), "centre"),
+        axes=frozen(_settled(moments, axes), (3, 3), "axes"),
+        moments=frozen(moments, (3,), "moments"),
+        semi_axes=frozen(np.sqrt(np.maximum(squares, 0)), (3,), "semi_axes"),
+    )
+
+
+def _settled(moments: Array, axes: Array) -> Array:
+    """The axes with their freedom used up: those of equal moments along the frame, all as far as can be its positive way."""
+    first, second = np.diff(moments) <= EQUAL * moments[2]
+    one, two, three = (_forward(axis) for axis in axes.T)
+    if first and second:
+        return np.eye(3)
+    if first:
+        one = _nearest_in_plane(three)
+        two = np.cross(three, one)
+    elif second:
+        two = _nearest_in_plane(one)
+        three = np.cross(one, two)
+    return _right_handed(np.column_stack([one, two, three]))
+
+
+def _right_handed(axes: Array) -> Array:
+    """When all forward axes are left-handed one has to point back: that along y, so that up stays up."""
+    if np.linalg.det(axes) < 0:
+        back = np.argmax(np.abs(axes[1]))
+        axes[:, back] = -axes[:, back]
+    return axes
+
+
+def _forward(axis: Array) -> Array:
+    """`axis` or its opposite, whichever has its largest component positive."""
+    return np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))]))
+
+
+def _nearest_in_plane(normal: Array) -> Array:
+    """The frame axis that lies best in the plane across `normal`, laid into it."""
+    axis = np.eye(3)[np.argmin(np.round(np.abs(normal), 6))]
+    flat = axis - np.dot(axis, normal) * normal
+    return np.asarray(flat / np.linalg.norm(flat))
+
+
+MM = 1e3
+NOTHING = 1e-9
+"""Products smaller than this, relative to the largest moment, are rounding and print as 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LegendRow:
+    """One line: name, value, unit and, for a principal axis, its colour."""
+
+    name: str
+    value: str
+    unit: str = ""
+    colour: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """A heading, an explanation in small type, and rows."""
+
+    heading: str
+    rows: tuple[LegendRow, ...]
+    small: str = ""
+
+
+def blocks(bodies: Sequence[DrawnBody], inertia: Inertia, ellipsoid: Ellipsoid) -> tuple[Block, ...]:
+    """All figures of a picture, from top to bottom."""
+    return (
+        Block(heading="Mass", rows=(LegendRow(name="$m$", value=f"{significant(inertia.mass, 5)}", unit="kg"),)),
+        _cog(inertia),
+        _tensor(inertia),
+        _principal(ellipsoid),
+        _ellipsoid(ellipsoid),
+        _size(bodies),
+    )
+
+
+def significant(value: float, digits: int) -> str:
+    """`value` with so many significant digits, trailing zeros kept, without an exponent while that is readable."""
+    if value == 0:
+        return "0"
+    exponent = int(np.floor(np.log10(abs(value))))
+    if not -4 <= exponent < 7:
+        return f"{value:.{digits - 1}e}".replace("-", "−")
+    return f"{value:.{max(digits - 1 - exponent, 0)}f}".replace("-", "−")
+
+
+def millimetres(length: float, digits: int = 2) -> str:
+    """`length` [m] in millimetres, without a negative zero."""
+    text = f"{round(length * MM, digits) + 0.0:.{digits}f}"
+    return text.replace("-", "−")
+
+
+def _cog(inertia: Inertia) -> Block:
+    rows = tuple(
+        LegendRow(name=f"${axis}$", value=millimetres(value), unit="mm") for axis, value in zip("xyz", inertia.cog, strict=True)
+    )
+    return Block(heading="Centre of gravity", small="from the origin of the frame", rows=rows)
+
+
+def _tensor(inertia: Inertia) -> Block:
+    zero = NOTHING * float(inertia.moments_cog.max())
+    named = zip(("xx", "yy", "zz", "xy", "xz", "yz"), (*inertia.moments_cog, *inertia.products_cog), strict=True)
+    rows = tuple(
+        LegendRow(name=rf"$\Theta_{{{axes}}}$", value=significant(0.0 if abs(value) < zero else value, 5), unit="kg m²")
+        for axes, value in named
+    )
+    return Block(heading="Inertia about the CoG", small="frame axes; products as matrix entries", rows=rows)
+
+
+def _principal(ellipsoid: Ellipsoid) -> Block:
+    rows = tuple(
+        LegendRow(
+            name=rf"$I_{i + 1}$ {direction(ellipsoid.axes[:, i])}",
+            value=significant(moment, 5),
+            unit="kg m²",
+            colour=AXES[i],
+        )
+        for i, moment in enumerate(ellipsoid.moments)
+    )
+    return Block(heading="Principal moments", small=_freedom(ellipsoid), rows=rows)
+
+
+def _freedom(ellipsoid: Ellipsoid) -> str:
+    if len(ellipsoid.equal) == 2:
+        return "all equal: every axis is a principal axis"
+    if ellipsoid.equal:
+        i, j = ellipsoid.equal[0]
+        return f"{i + 1} and {j + 1} equal: any axes in their plane"
+    return ""
+
+
+def direction(axis: Array) -> str:
+    """A unit vector (3,) in words: ``along z`` when it is a frame axis, else its components."""
+    k = int(np.argmax(np.abs(axis)))
+    if abs(axis[k]) > 1 - 1e-9:
+        return f"along {'−' if axis[k] < 0 else ''}${'xyz'[k]}$"
+    return "(" + ", ".join(f"{round(c, 3) + 0.0:.3f}" for c in axis).replace("-", "−") + ")"
+
+
+def _ellipsoid(ellipsoid: Ellipsoid) -> Block:
+    value = " × ".join(millimetres(semi_axis, 1) for semi_axis in ellipsoid.semi_axes)
+    return Block(
+        heading="Equivalent ellipsoid",
+        small="homogeneous, same mass and principal moments",
+        rows=(LegendRow(name="semi-axes", value=value, unit="mm"),),
+    )
+
+
+def _size(bodies: Sequence[DrawnBody]) -> Block:
+    points = np.concatenate([body.vertices for body in bodies if body.counted])
+    value = " × ".join(millimetres(extent, 1) for extent in np.ptp(points, axis=0))
+    return Block(
+        heading="Bounding box", small="of the counted bodies", rows=(LegendRow(name="$x, y, z$", value=value, unit="mm"),)
+    )
+
+
+# Several pictures side by side on one sheet, small enough for a README.
+
+
+COLUMNS = 2
+TILE = (800, 600)
+COLOURS = 255
+"""A PNG sheet keeps so many colours, spread over all that occur: a third of the size, and no difference to the eye."""
+
+
+def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
+    """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
+
+    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+
+    Raises
+    ------
+    BadInput : no picture, a file that is none, or an unknown ending of `path`.
+    """
+    from PIL import Image
+
+    if not paths:
+        raise BadInput(source=str(path), field="paths", problem="no picture was given", remedy="Give at least one")
+    rows = -(-len(paths) // COLUMNS)
+    sheet = Image.new("RGB", (COLUMNS * TILE[0], rows * TILE[1]), "white")
+    for index, tile in enumerate(paths):
+        row, column = divmod(index, COLUMNS)
+        sheet.paste(_tile(tile), (column * TILE[0], row * TILE[1]))
+    octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
+    finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
+    more = {"pnginfo": _noted(about)} if path.suffix == ".png" and about else {}
+    save(path, lambda temporary: finished.save(temporary, optimize=True, **more))
+
+
+def _noted(about: str) -> Any:
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    info.add_text(ABOUT, about)
+    return info
+
+
+def _tile(path: Path) -> Any:
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            return image.convert("RGB").resize(TILE, Image.Resampling.LANCZOS)
+    except OSError as error:
+        raise BadInput(
+            source=str(path), problem=f"this is no picture that can be read ({error})", remedy="Draw it again"
+        ) from None
+
+
+# The camera: a parallel projection, so that a scale bar is true everywhere in the picture.
+
+
+AZIMUTH = np.radians(-62.0)
+"""Where the camera stands, from +x towards +y: x runs to the right, y into the picture."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Projection:
+    """A parallel projection onto an image.
+
+    Attributes
+    ----------
+    right, up, towards : (3,), the image's axes and the way to the camera, an orthonormal right-handed set in the article's frame
+    centre : (3,) [m], what is in the middle of the image
+    scale : [m] a pixel
+    size : width and height of the image [pixel]
+    """
+
+    right: Array
+    up: Array
+    towards: Array
+    centre: Array
+    scale: float
+    size: tuple[int, int]
+
+    def pixel(self, points: npt.ArrayLike) -> Array:
+        """Where `points` (..., 3) [m] appear: (..., 2) [pixel], to the right and down from the upper left corner."""
+        arm = np.asarray(points, dtype=np.float64) - self.centre
+        across, upwards = arm @ self.right / self.scale, arm @ self.up / self.scale
+        width, height = self.size
+        return np.stack([width / 2 + across, height / 2 - upwards], axis=-1)
+
+
+def fitted(points: Array, size: tuple[int, int], margin: float) -> Projection:
+    """The view in which `points` (n, 3) [m] fill an image of `size` [pixel] but for `margin` [pixel] on every side.
+
+    A flat article is looked at from higher up, so that its upper face shows.
+    """
+    towards = _direction(_elevation(points))
+    right = np.cross([0.0, 0.0, 1.0], towards)
+    right /= np.linalg.norm(right)
+    up = np.cross(towards, right)
+    axes = np.column_stack([right, up, towards])
+    lower, upper = (points @ axes).min(axis=0), (points @ axes).max(axis=0)
+    room = np.array(size) - 2 * margin
+    return Projection(
+        right=frozen(right, (3,), "right"),
+        up=frozen(up, (3,), "up"),
+        towards=frozen(towards, (3,), "towards"),
+        centre=frozen(axes @ ((lower + upper) / 2), (3,), "centre"),
+        scale=float(((upper - lower)[:2] / room).max()),
+        size=size,
+    )
+
+
+def _direction(elevation: float) -> Array:
+    c, s = np.cos(elevation), np.sin(elevation)
+    return np.array([c * np.cos(AZIMUTH), c * np.sin(AZIMUTH), s])
+
+
+def _elevation(points: Array) -> float:
+    """Camera height above the horizon [rad]: 18° for what is at least as tall as wide, 34° for a plate."""
+    extent = np.ptp(points, axis=0)
+    slender = min(extent[2] / max(extent[0], extent[1], 1e-12), 1.0)
+    return float(np.radians(34.0 - 16.0 * slender))
+
+
+# An OpenGL window that nobody sees: where VTK gets it from, and what is said when there is none.
+#
+# Left alone, VTK asks an X server first, complains on standard error, tries EGL, then OSMesa, and crashes when all are missing.
+# Pictures need no screen, so on Linux EGL is asked at once, whether a display exists or not: the same picture everywhere. A
+# child process tries it first, because a crash in the driver cannot be caught in this one.
+
+
+OFF_SCREEN = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", "EGL_LOG_LEVEL": "fatal"}
+"""Environment that makes VTK render through EGL, and Mesa keep to itself which hardware it did not find."""
+
+TRIAL = """
+import pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(16, 16))
+plotter.add_mesh(pyvista.Sphere(), color="black")
+if plotter.screenshot(return_img=True).min() > 128:
+    raise SystemExit(3)
+"""
+
+PATIENCE = 120
+"""Seconds after which a driver that does not answer counts as none."""
+
+
+@contextmanager
+def off_screen() -> Iterator[None]:
+    """Windows made inside need no screen; the environment is restored afterwards.
+
+    Raises
+    ------
+    CheckFailed : nothing can be rendered on this machine; the message names the packages that are missing.
+    """
+    _require_renderer()
+    before = {name: os.environ.get(name) for name in _environment()}
+    os.environ.update(_environment())
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            _restore(name, value)
+
+
+@cache
+def _require_renderer() -> None:
+    """Render a black ball in a child process, once a session."""
+    environment = os.environ | _environment()
+    try:
+        command = [sys.executable, "-P", "-c", TRIAL]
+        trial = subprocess.run(command, env=environment, capture_output=True, timeout=PATIENCE, check=False)
+    except subprocess.TimeoutExpired:
+        raise _no_renderer("it did not answer", "") from None
+    if trial.returncode != 0:
+        raise _no_renderer(f"a trial ended with code {trial.returncode}", trial.stderr.decode(errors="replace"))
+
+
+def _no_renderer(what: str, said: str) -> CheckFailed:
+    return CheckFailed(
+        f"no picture can be rendered: OpenGL is not available without a screen ({what}). "
+        "On Debian install the packages libegl1, libgl1 and libgl1-mesa-dri (software rendering, no graphics card needed), "
+        "or ask for the tables without pictures",
+        said=said,
+    )
+
+
+def _environment() -> dict[str, str]:
+    return OFF_SCREEN if sys.platform == "linux" else {}
+
+
+def _restore(name: str, value: str | None) -> None:
+    if value is None:
+        os.environ.pop(name, None)
+    else:
+        os.environ[name] = value
+
+
+# The three-dimensional part of a picture, rendered by pyvista: bodies one can look into, ellipsoid, axes and frame.
+
+
+Image = npt.NDArray[np.uint8]
+"""Pixels (height, width, 3), red, green and blue."""
+
+SUPERSAMPLING = 2
+"""Pixels are rendered so many times finer in each direction and averaged."""
+
+PEELS = 12
+"""Layers of translucent surfaces that are sorted; what lies deeper than that no one sees."""
+
+SEEN_THROUGH = 0.45
+"""How strongly arrows shine through the bodies in front of them."""
+
+Plotter = Any
+"""A `pyvista.Plotter`; the library is imported inside the functions."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Arrow:
+    """An arrow from `start` to `end` (3,) [m] with a shaft of `radius` [m]."""
+
+    start: Array
+    end: Array
+    radius: float
+    colour: str
+
+
+def rendered(view: Projection, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> Image:
+    """The scene as seen by `view`, without an ellipsoid where there is none.
+
+    Raises
+    ------
+    CheckFailed : nothing can be rendered on this machine.
+    """
+    with off_screen():
+        whole = shot(view, lambda plotter: _all(plotter, bodies, ellipsoid, arrows))
+        on_top = shot(view, lambda plotter: _arrows(plotter, arrows), transparent=True)
+    alpha = SEEN_THROUGH * on_top[..., 3:] / 255.0
+    blended = whole * (1 - alpha) + on_top[..., :3] * alpha
+    return np.round(averaged(blended)).astype(np.uint8)
+
+
+def shot(view: Projection, draw: Any, transparent: bool = False, peels: int = PEELS) -> npt.NDArray[np.uint8]:
+    """One rendering, `SUPERSAMPLING` times finer than the view; with an alpha channel when `transparent`.
+
+    `draw` puts things into the plotter it is given; `peels` layers of translucent surfaces are sorted, 0 where there are none.
+    To be called inside of `off_screen`.
+    """
+    import pyvista
+
+    width, height = view.size
+    pixels = [width * SUPERSAMPLING, height * SUPERSAMPLING]
+    plotter: Plotter = pyvista.Plotter(off_screen=True, window_size=pixels, lighting="none")
+    try:
+        plotter.disable_anti_aliasing()  # multisampling and depth peeling together lose the translucent bodies under Mesa
+        plotter.set_background(PAPER)
+        _light(plotter)
+        draw(plotter)
+        _look(plotter, view)
+        if peels and not transparent:
+            plotter.enable_depth_peeling(peels, 0.0)
+        return np.asarray(plotter.screenshot(return_img=True, transparent_background=transparent))
+    finally:
+        plotter.close()
+
+
+def _look(plotter: Plotter, view: Projection) -> None:
+    camera = plotter.camera
+    camera.enable_parallel_projection()
+    distance = 10 * view.scale * max(view.size)
+    camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
+    camera.parallel_scale = view.scale * view.size[1] / 2
+    camera.clipping_range = (distance * 0.5, distance * 1.5)
+
+
+def _light(plotter: Plotter) -> None:
+    """Key light over the left shoulder, fill from the right, a little from behind; all move with the camera."""
+    import pyvista
+
+    for position, intensity in (((-1.0, 1.2, 2.0), 0.62), ((2.0, 0.3, 1.2), 0.36), ((0.0, 1.0, -1.5), 0.15)):
+        light = pyvista.Light(light_type="camera light", intensity=intensity)
+        light.position = position
+        plotter.add_light(light)
+
+
+def _all(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> None:
+    colour = palette_colours(body.material for body in bodies)
+    for body in bodies:
+        _body(plotter, body, colour[body.material])
+    if ellipsoid is not None:
+        _scene_ellipsoid(plotter, ellipsoid)
+    _arrows(plotter, arrows)
+
+
+def _body(plotter: Plotter, body: DrawnBody, colour: str) -> None:
+    import pyvista
+
+    shown, opacity, line = (colour, 0.55, 1.6) if body.counted else (UNCOUNTED, 0.10, 1.0)
+    faces = np.column_stack([np.full(len(body.faces), 3), body.faces])
+    mesh = pyvista.PolyData(body.vertices, faces.ravel())
+    plotter.add_mesh(mesh, color=shown, opacity=opacity, ambient=0.62, diffuse=0.5, specular=0.08)
+    edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
+    if edges.n_cells:
+        edge_colour = pyvista.Color(shown).float_rgb
+        darker = tuple(0.55 * c for c in edge_colour) if body.counted else edge_colour
+        plotter.add_mesh(edges, color=darker, line_width=line * SUPERSAMPLING / 2, lighting=False)
+
+
+def _scene_ellipsoid(plotter: Plotter, ellipsoid: Ellipsoid) -> None:
+    import pyvista
+
+    ball = pyvista.Sphere(radius=1.0, theta_resolution=96, phi_resolution=96)
+    surface = pyvista.PolyData(ellipsoid.stretched(ball.points), ball.faces)
+    plotter.add_mesh(surface, color=ELLIPSOID, opacity=0.13, ambient=0.75, diffuse=0.35, smooth_shading=True)
+    turn = np.linspace(0, 2 * np.pi, 181)
+    for i in range(3):
+        ring = np.zeros((len(turn), 3))
+        ring[:, i - 2], ring[:, i - 1] = np.cos(turn), np.sin(turn)
+        plotter.add_mesh(
+            pyvista.MultipleLines(points=ellipsoid.stretched(ring)),
+            color=ELLIPSOID,
+            line_width=1.2 * SUPERSAMPLING / 2,
+            lighting=False,
+        )
+
+
+def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
+    import pyvista
+
+    for arrow in arrows:
+        reach = arrow.end - arrow.start
+        length = float(np.linalg.norm(reach))
+        mesh = pyvista.Arrow(
+            start=arrow.start,
+            direction=reach,
+            scale=length,
+            shaft_radius=arrow.radius / length,
+            tip_radius=3 * arrow.radius / length,
+            tip_length=9 * arrow.radius / length,
+            shaft_resolution=24,
+            tip_resolution=32,
+        )
+        plotter.add_mesh(mesh, color=arrow.colour, ambient=0.45, diffuse=0.6, specular=0.1)
+
+
+def averaged(image: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """`image`, `SUPERSAMPLING` times finer than wanted, at the size wanted."""
+    height, width = (length // SUPERSAMPLING for length in image.shape[:2])
+    return np.asarray(image.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3).mean(axis=(1, 3)))
+
+
+# One page: the rendered scene, what is written into it, and the figures beside it. Laid out by matplotlib, in pixels.
+
+
+SIZE = (1600, 1200)
+SCENE = (1120, 1010)
+SCENE_CORNER = (10, 100)
+SCENE_BOX = (np.array([SCENE_CORNER[0] + SCENE[0] / 2, SCENE_CORNER[1] + SCENE[1] / 2]), SCENE)
+"""Middle and size of the scene on the page: labels stay inside."""
+
+MARGIN = 44.0
+DPI = 100
+
+PANEL = (1156, 1556)
+"""Left and right edge of the panel [pixel]."""
+
+LEGEND_ENTRIES = 20
+"""There is no room for more; of very many materials the last in the alphabet are named."""
+
+AXIS_LENGTH, FRAME_LENGTH = 190.0, 95.0
+AXIS_RADIUS, FRAME_RADIUS = 3.6, 2.2
+CORNER = (150, 110)
+FAR_ORIGIN = 1.6
+"""An origin that would make the article smaller by this factor stays outside; the frame then stands in the corner."""
+
+COG_RADIUS = 13.0
+
+Canvas = Any
+"""Matplotlib axes in pixels from the upper left corner; the library is imported inside the functions."""
+
+
+def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Path, note: str = "") -> None:
+    """Write a picture, 1600 x 1200 pixels, of `bodies` with the CoG, principal axes and equivalent ellipsoid of `inertia`.
+
+    Parameters
+    ----------
+    title : what the picture shows
+    bodies : closed meshes in the article's frame; those that do not count are drawn as ghosts
+    inertia : of the counted bodies, in the same frame, about any reference point
+    path : of the picture; the ending (.png, .jpg) chooses the format; written whole or not at all
+    note : sentences under the picture: assumptions, "a reconstruction"
+
+    Raises
+    ------
+    BadInput : no body counts, no body can have this `inertia`, or the ending of `path` is unknown.
+    CheckFailed : nothing can be rendered on this machine.
+    """
+    require_format(path)
+    if not any(body.counted for body in bodies):
+        raise BadInput(source=f"picture of {title}", field="bodies", problem="no body counts", remedy="Give at least one")
+    ellipsoid = equivalent_ellipsoid(require_physical(inertia, f"picture of {title}"))
+    view = view_of(bodies, ellipsoid)
+    image = rendered(view, bodies, ellipsoid, [*_frame(view), *_page_principal(view, ellipsoid)])
+    figure, canvas = _blank()
+    x, y = SCENE_CORNER
+    canvas.imshow(image, extent=(x, x + SCENE[0], y + SCENE[1], y), interpolation="none", zorder=0)
+    _title(canvas, title)
+    _marks(canvas, view, ellipsoid)
+    _scale_bar(canvas, view)
+    bottom = _panel(canvas, blocks(bodies, inertia, ellipsoid))
+    _legend(canvas, bodies, bottom)
+    _note(canvas, note if _origin_shown(view) else f"The frame's origin lies outside the picture; its axes are shown. {note}")
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+
+
+def view_of(bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid) -> Projection:
+    """The view that shows all bodies, the whole ellipsoid, and the frame's origin unless that would make them small."""
+    points = np.concatenate([*(body.vertices for body in bodies), ellipsoid.stretched(_ball())])
+    without = fitted(points, SCENE, MARGIN)
+    whole = fitted(np.vstack([points, np.zeros(3)]), SCENE, MARGIN)
+    return whole if whole.scale < FAR_ORIGIN * without.scale else without
+
+
+def _ball() -> Array:
+    """Points (n, 3) all over the unit ball, five degrees apart."""
+    turn, height = np.meshgrid(np.linspace(0, 2 * np.pi, 73), np.linspace(-np.pi / 2, np.pi / 2, 37))
+    return np.column_stack([f.ravel() for f in (np.cos(turn) * np.cos(height), np.sin(turn) * np.cos(height), np.sin(height))])
+
+
+def _page_principal(view: Projection, ellipsoid: Ellipsoid) -> list[Arrow]:
+    length, radius = AXIS_LENGTH * view.scale, AXIS_RADIUS * view.scale
+    return [
+        Arrow(start=ellipsoid.centre, end=ellipsoid.centre + length * axis, radius=radius, colour=colour)
+        for axis, colour in zip(ellipsoid.axes.T, AXES, strict=True)
+    ]
+
+
+def _frame(view: Projection) -> list[Arrow]:
+    length, radius, foot = FRAME_LENGTH * view.scale, FRAME_RADIUS * view.scale, _frame_foot(view)
+    return [Arrow(start=foot, end=foot + length * axis, radius=radius, colour=INK) for axis in np.eye(3)]
+
+
+def _frame_foot(view: Projection) -> Array:
+    """Where the frame is drawn (3,) [m]: at its origin, or in the lower left corner when that lies outside the picture."""
+    if _origin_shown(view):
+        return np.zeros(3)
+    width, height = SCENE
+    return np.asarray(view.centre + view.scale * ((CORNER[0] - width / 2) * view.right + (CORNER[1] - height / 2) * view.up))
+
+
+def _origin_shown(view: Projection) -> bool:
+    return bool(np.all((view.pixel(np.zeros(3)) >= 0) & (view.pixel(np.zeros(3)) <= SCENE)))
+
+
+def _blank() -> tuple[Any, Canvas]:
+    """A white figure and axes that cover it, one unit a pixel, y downwards."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(SIZE[0] / DPI, SIZE[1] / DPI), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    canvas = figure.add_axes((0, 0, 1, 1))
+    canvas.set_axis_off()
+    canvas.set_autoscale_on(False)
+    canvas.set(xlim=(0, SIZE[0]), ylim=(SIZE[1], 0))
+    return figure, canvas
+
+
+def _write(canvas: Canvas, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> Any:
+    """Text at a place [pixel], `size` in pixels; dollar signs are mathematics only where `parse_math` says so."""
+    return canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", **{"parse_math": False} | how)
+
+
+def _title(canvas: Canvas, title: str) -> None:
+    _write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
+
+
+def shortened(text: str, longest: int) -> str:
+    """`text` with its middle left out when it is longer than `longest` characters: both ends of a path tell something."""
+    half = (longest - 1) // 2
+    return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
+
+
+def _marks(canvas: Canvas, view: Projection, ellipsoid: Ellipsoid) -> None:
+    """The CoG symbol and the labels of CoG, principal axes and frame."""
+    cog = _on_page(view, ellipsoid.centre)
+    _cog_symbol(canvas, cog)
+    labels = [*_axis_labels(view, ellipsoid), _cog_label(cog), *_frame_labels(view)]
+    taken = [(cog, (2 * COG_RADIUS, 2 * COG_RADIUS)), *_shafts(view, [*_frame(view), *_page_principal(view, ellipsoid)])]
+    for label, place in zip(labels, arranged(labels, taken, SCENE_BOX), strict=True):
+        canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.8, zorder=4)
+        box = {"boxstyle": "round,pad=0.22", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.82}
+        how = {"ha": "center", "va": "center", "weight": "bold", "bbox": box, "zorder": 6}
+        _write(canvas, place[0], place[1], label.text, 19, label.colour, **how)
+
+
+def _shafts(view: Projection, arrows: Sequence[Arrow]) -> list[tuple[Array, tuple[float, float]]]:
+    """Small squares strung along the arrows, which labels are to keep clear of."""
+    steps = np.linspace(0, 1, 24)[:, None]
+    points = np.concatenate([arrow.start + steps * (arrow.end - arrow.start) for arrow in arrows])
+    return [(place, (8.0, 8.0)) for place in _on_page(view, points)]
+
+
+def _axis_labels(view: Projection, ellipsoid: Ellipsoid) -> list[Label]:
+    arrows = enumerate(_page_principal(view, ellipsoid), start=1)
+    return [_tip_label(view, str(i), arrow.start, arrow.end, arrow.colour) for i, arrow in arrows]
+
+
+def _frame_labels(view: Projection) -> list[Label]:
+    return [_tip_label(view, name, arrow.start, arrow.end, INK) for name, arrow in zip("xyz", _frame(view), strict=True)]
+
+
+def _tip_label(view: Projection, text: str, start: Array, tip: Array, colour: str) -> Label:
+    anchor = _on_page(view, tip)
+    return Label(text=text, anchor=anchor, wish=anchor - _on_page(view, start), extent=(26, 30), gap=8, colour=colour)
+
+
+def _cog_label(cog: Array) -> Label:
+    return Label(text="CoG", anchor=cog, wish=np.array([-1.0, -0.35]), extent=(62, 30), gap=COG_RADIUS + 16, colour=INK)
+
+
+def _cog_symbol(canvas: Canvas, place: Array, radius: float = COG_RADIUS) -> None:
+    """The circle with two black and two white quarters."""
+    from matplotlib.patches import Circle, Wedge
+
+    centre = (float(place[0]), float(place[1]))
+    canvas.add_patch(Circle(centre, radius + 2, facecolor=PAPER, edgecolor="none", zorder=5))
+    canvas.add_patch(Circle(centre, radius, facecolor=PAPER, edgecolor=INK, linewidth=1.4, zorder=5))
+    for start in (0, 180):
+        canvas.add_patch(Wedge(centre, radius, start, start + 90, facecolor="black", edgecolor="none", zorder=5))
+
+
+def _on_page(view: Projection, point: Array) -> Array:
+    return np.asarray(view.pixel(point) + SCENE_CORNER)
+
+
+def _scale_bar(canvas: Canvas, view: Projection) -> None:
+    """A bar of a round length, true in every direction of the picture plane."""
+    length = _round_length(200 * view.scale)
+    x, y, width = 48.0, SCENE_CORNER[1] + SCENE[1] - 6.0, length / view.scale
+    canvas.plot([x, x, x, x + width, x + width, x + width], [y - 7, y + 7, y, y, y - 7, y + 7], color=INK, linewidth=1.6)
+    text = f"{length * 1e3:g} mm" if length < 1 else f"{length:g} m"
+    _write(canvas, x + width / 2, y - 12, text, 16, ha="center", va="bottom")
+
+
+def _round_length(length: float) -> float:
+    """The largest 1, 2 or 5 times a power of ten that is not longer than `length` [m]."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(power * max(step for step in (1, 2, 5) if step * power <= length))
+
+
+def _panel(canvas: Canvas, contents: Sequence[Block]) -> float:
+    """The blocks of figures from top to bottom; returns where they end [pixel]."""
+    left, right = PANEL
+    y = 132.0
+    for block in contents:
+        _write(canvas, left, y, block.heading, 18, weight="bold", va="baseline")
+        if block.small:
+            y += 20
+            _write(canvas, left, y, block.small, 13.5, FAINT, va="baseline")
+        for row in block.rows:
+            y += 26
+            _write(canvas, left + 8, y, row.name, 16.5, row.colour or INK, va="baseline", parse_math=True)
+            _write(canvas, right - 62, y, row.value, 16.5, ha="right", va="baseline")
+            _write(canvas, right - 52, y, row.unit, 16.5, FAINT, va="baseline")
+        y += 40
+    return y
+
+
+def _legend(canvas: Canvas, bodies: Sequence[DrawnBody], y: float) -> None:
+    """Materials, ghosts, ellipsoid and the CoG symbol with their colours."""
+    from matplotlib.patches import Rectangle
+
+    left, _ = PANEL
+    _write(canvas, left, y, "Legend", 18, weight="bold", va="baseline")
+    shown = palette_colours(body.material for body in bodies if body.counted)
+    entries = [(colour, 0.75, name) for name, colour in shown.items()]
+    entries += [(UNCOUNTED, 0.25, "not counted")] if any(not body.counted for body in bodies) else []
+    entries += [(ELLIPSOID, 0.3, "equivalent ellipsoid")]
+    for i, (colour, opacity, text) in enumerate(entries[-LEGEND_ENTRIES:]):
+        x, line = left + 8 + 200 * (i % 2), y + 30 + 28 * (i // 2)
+        canvas.add_patch(Rectangle((x, line - 15), 26, 18, facecolor=colour, alpha=opacity, edgecolor=INK, linewidth=0.8))
+        _write(canvas, x + 36, line, shortened(text, 20), 15.5, va="baseline")
+
+
+def _note(canvas: Canvas, note: str) -> None:
+    for i, line in enumerate(textwrap.wrap(note, 180, max_lines=3, placeholder=" …")):
+        _write(canvas, 48, 1142 + 21 * i, line, 14.5, FAINT, va="baseline")
+
+
+# Colours of the inputs of an uncertainty: the same input has the same colour in every picture, expected and found.
+
+
+OF_INPUTS = {
+    "noise": "#2456c4",
+    "elasticity": "#c8283c",
+    "tare": "#33373d",
+    "force-gain": "#1f8a4c",
+    "force-delay": "#7fc29b",
+    "force-crosstalk": "#5f9ea0",
+    "accelerometer-gain": "#d9541e",
+    "accelerometer-delay": "#f0b27a",
+    "accelerometer-position": "#c9a227",
+    "accelerometer-misalignment": "#8e6fc0",
+    "cell-stiffness": "#b5838d",
+    "fmd-compliance": "#6b7a3a",
+}
+
+FURTHER = ("#4aa3df", "#a0522d", "#d987b9", "#7a869a")
+"""Of inputs that are not among these, in turn."""
+
+
+def colours(names: Iterable[str]) -> dict[str, str]:
+    """By input its colour, in the order of `names`."""
+    wanted = list(names)
+    others = [name for name in wanted if name not in OF_INPUTS]
+    further = {name: FURTHER[k % len(FURTHER)] for k, name in enumerate(others)}
+    return {name: OF_INPUTS.get(name) or further[name] for name in wanted}

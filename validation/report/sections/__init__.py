@@ -1,1 +1,0 @@
-"""The sections of the page, one file each: `html(report, figures)`, empty where there is nothing to say."""

@@ -1,0 +1,293 @@
+"""From what table, cover plate and load cells do to what 22 sensors read: true places, directions, gains and summation.
+
+Every channel is a weighted sum of 28 signals: six accelerations of the table, six of the cover plate, three forces of each of
+four cells, and two tilts of the table and of the cover plate, which only count where one half of gravity is switched off.
+
+With both halves on, the motion of a virtual test is the *apparent* acceleration, which the structure feels and the accelerometers
+sense alike. With alpha and beta the tilt, apparent and kinematic acceleration differ by
+
+    a_x (kinematic) = a_x (apparent) + g beta,    a_y (kinematic) = a_y (apparent) - g alpha.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.base_excitation.response import Channels, cell_forces
+from fem.base_excitation.rig import LoadCell, Rig, RigStructure
+from geometry.articles import NAMES, built_in, changes_of
+from geometry.errors import BadInput
+from geometry.frames import Array, frozen, rigid_transformation
+from geometry.inertia import Inertia
+from geometry.sensors import Channel
+from validation.virtual_test import plan as virtual_test_plan
+from validation.virtual_test.layout import CELLS, ChainTruth, Layout, letter
+from validation.virtual_test.plan import RIGID, Plan, changed_parts
+
+if TYPE_CHECKING:
+    from fem.damping import Damping
+    from fem.modes import Modes
+    from fem.structure import Structure
+    from validation.excite.rig import ArticleOnTable
+    from validation.flexible.model import Flexible
+
+
+AXES = "xyz"
+TABLE, COVER, FORCES = slice(0, 6), slice(6, 12), slice(12, 12 + 3 * CELLS)
+TABLE_TILT, COVER_TILT = slice(24, 26), slice(26, 28)
+WIDTH = 28
+
+MOTION_OF: Mapping[str, tuple[slice, slice]] = {"table": (TABLE, TABLE_TILT), "cover": (COVER, COVER_TILT)}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sensors:
+    """Rows (c, 28) of all channels on the signals of the head of this file, and `delay` (c,) [s]."""
+
+    rows: Array
+    delay: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rows", frozen(self.rows, (len(self.delay), WIDTH), "rows"))
+        object.__setattr__(self, "delay", frozen(self.delay, np.shape(self.delay), "delay"))
+
+
+def sensors(layout: Layout, chain: ChainTruth, gravity: float) -> Sensors:
+    """The sensors of `layout` as `chain` says they are; `gravity` in m/s²."""
+    channels = layout.table.channels
+    rows = np.array([_row(channel, layout, chain, gravity) for channel in channels])
+    gains = np.array([1 + chain.gain.get(channel.name, 0.0) for channel in channels])
+    delay = np.array([chain.delay.get(channel.name, 0.0) for channel in channels])
+    return Sensors(rows=gains[:, None] * rows, delay=delay)
+
+
+def channels(sensors: Sensors, structure: RigStructure) -> Channels:
+    """What all channels read, undelayed and without the tilt of the table, as sums of the motions of a rig."""
+    table, forces = np.eye(6, structure.mass.shape[0]), cell_forces(structure)
+    rows = sensors.rows
+    return Channels(
+        names=tuple(f"channel {number}" for number in range(1, len(rows) + 1)),
+        acceleration=rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover,
+        velocity=rows[:, FORCES] @ forces.velocity,
+        displacement=rows[:, FORCES] @ forces.displacement + rows[:, COVER_TILT] @ (structure.cover - table)[3:5],
+    )
+
+
+def tilted(sensors: Sensors, motion: Array) -> Array | float:
+    """What the tilt of the table adds to all channels (c, k), `motion` (3, 6, k) of the table; 0 where it cancels."""
+    rows = sensors.rows[:, TABLE_TILT] + sensors.rows[:, COVER_TILT]
+    return np.asarray(rows @ motion[0, 3:5]) if rows.any() else 0.0
+
+
+def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:
+    return _force(channel, layout, chain) if channel.quantity == "force" else _acceleration(channel, layout, chain, gravity)
+
+
+def _acceleration(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:
+    from scipy.spatial.transform import Rotation
+
+    place, nothing = channel.places[0], np.zeros(3)
+    direction = Rotation.from_rotvec(np.array(chain.angle.get(channel.name, nothing))).apply(np.array(place.direction))
+    position = place.position + chain.position.get(channel.name, nothing) - layout.table.origin
+    motion, tilt = MOTION_OF[channel.group]
+    row = np.zeros(WIDTH)
+    row[motion] = direction @ rigid_transformation(position)
+    row[tilt] = (chain.gravity - chain.accelerometer_tilt) * gravity * np.array([-direction[1], direction[0]])
+    return row
+
+
+def _force(channel: Channel, layout: Layout, chain: ChainTruth) -> Array:
+    """A summation of cells; cross-talk of the resultants in equal parts; cell moments that nobody measures."""
+    axis = AXES.index(letter(channel.name))
+    alike = sum(letter(other.name) == AXES[axis] for other in layout.table.channels if other.quantity == "force")
+    cells = np.zeros((CELLS, 3))
+    cells[list(layout.cells_of(channel)), axis] = 1.0
+    cells += chain.crosstalk[axis] / alike
+    if axis == AXES.index("z"):
+        cells += _of_moments(layout, chain)[layout.cells_of(channel)[0]]
+    row = np.zeros(WIDTH)
+    row[FORCES] = cells.ravel()
+    return row
+
+
+def _of_moments(layout: Layout, chain: ChainTruth) -> Array:
+    """(4, 3) what the z force of each cell has of a lateral force that acts `plane_offset` off the plane.
+
+    M_y = -sum x f_z loses h_x F_x and M_x = sum y f_z gains h_y F_y.
+    """
+    x, y = layout.cells[:, 0], layout.cells[:, 1]
+    found = np.zeros((CELLS, 3))
+    found[:, 0] = chain.plane_offset[0] * x / (x @ x)
+    found[:, 1] = chain.plane_offset[1] * y / (y @ y)
+    return found
+
+
+# What stands on the table in a virtual test: the stack of the plan with the FMD, the cells and the parts that its seed draws.
+
+
+FMD = "fmd"
+
+MODES = 40
+"""Asked for at most; those above `Plan.highest` answer statically."""
+
+ONE_SHEET = ("-bottom", "-top")
+"""Endings of parts that are one sheet of material: they are drawn as one."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SetUp:
+    """What stands on the table.
+
+    Attributes
+    ----------
+    rig : as it is driven, effects of the plan not yet in it
+    modes : of the article above the FMD, its base held; None for the FMD alone or a rigid article
+    parts : what was drawn for each part of the structure
+    """
+
+    rig: Rig
+    modes: Modes | None
+    parts: Mapping[str, virtual_test_plan.Part]
+
+
+def set_up(plan: Plan, chain: ChainTruth) -> SetUp:
+    """The rig of `plan`, with the cells that `chain` says.
+
+    Raises
+    ------
+    BadInput : no stack on the FMD, or one that cannot be built.
+    """
+    require_stack(plan.article)
+    mounted, parts = _mounted(plan)
+    cover = virtual_test_plan.moving_part(plan, nominal_fmd(plan))
+    cells = tuple(_cell(cell, chain, number) for number, cell in enumerate(mounted.rig.cells))
+    if not plan.on_fmd:
+        return SetUp(rig=_bare(mounted.rig, cover, cells), modes=None, parts=parts)
+    modes = None if plan.model == RIGID or mounted.model is None else mounted.model.modes
+    return SetUp(rig=replace(mounted.rig, cover=cover, cells=cells), modes=modes, parts=parts)
+
+
+def require_stack(article: str) -> None:
+    """Refuse what does not stand on the FMD.
+
+    Raises
+    ------
+    BadInput : an unknown part, or a stack that does not begin with the FMD.
+    """
+    first = article.split("+")[0]
+    if first in NAMES and first != FMD:
+        problem = f"the virtual shaker measures by the FMD, which must be the lowest of the stack, found {article}"
+        raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {FMD}+{article}")
+    built_in(article)
+
+
+def parts_of(plan: Plan) -> tuple[str, ...]:
+    """Parts of the structure that stands on the FMD; none of a rigid one, and none of the FMD alone."""
+    if not plan.on_fmd or plan.model == RIGID:
+        return ()
+    structure = _nominal(plan.on_fmd, tuple(sorted(changes_of(plan.on_fmd, plan.dimensions).items()))).structure
+    return () if structure is None else tuple(dict.fromkeys(_sheet(name) for name in structure.part_stiffness))
+
+
+def middles_of_cells(plan: Plan) -> Array:
+    """(4, 3) [m] middles of the FMD's load cells."""
+    from geometry.article import rectangle
+    from geometry.articles.dimensions import load
+
+    side = load(FMD, changes_of(FMD, plan.dimensions))["load_cell"]["square"]
+    return np.array([[x, y, 0.0] for x, y in rectangle(side, side)])
+
+
+def nominal_fmd(plan: Plan) -> Inertia:
+    """Inertia of the FMD's moving part as drawn, about F."""
+    from geometry.routes import inertia
+
+    return inertia(built_in(FMD, changes_of(FMD, plan.dimensions)))
+
+
+def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, virtual_test_plan.Part]]:
+    """The nominal rig but for the parts of the structure, and what was drawn for these."""
+    from validation.excite.question import Attached
+    from validation.excite.rig import assembled, mounted
+    from validation.flexible.model import FlexibleOptions
+
+    asked, attached = FlexibleOptions(count=MODES, damping=plan.damping, changes=plan.dimensions), Attached(cells=True)
+    if not plan.on_fmd:
+        return mounted(plan.article, "beam", asked, attached), {}
+    nominal = _nominal(plan.on_fmd, tuple(sorted(changes_of(plan.on_fmd, plan.dimensions).items())))
+    if plan.model == RIGID:
+        return assembled(plan.article, nominal, asked, attached, highest=0.0), {}
+    made, parts = _scattered(plan, nominal)
+    return assembled(plan.article, made, asked, attached, highest=_highest(plan, made.modes)), parts
+
+
+@lru_cache(maxsize=8)
+def _nominal(above: str, dimensions: tuple[tuple[str, float], ...]) -> Flexible:
+    """The model as drawn, the same for every seed."""
+    from validation.flexible.model import FlexibleOptions, flexible
+
+    return flexible(above, "beam", FlexibleOptions(count=MODES, changes=dict(dimensions)))
+
+
+def _scattered(plan: Plan, nominal: Flexible) -> tuple[Flexible, dict[str, virtual_test_plan.Part]]:
+    """The model with the moduli and the damping of `plan.seed`."""
+    from fem.modes import fixed_base
+
+    if nominal.structure is None:
+        return nominal, {}
+    parts = changed_parts(
+        {name: virtual_test_plan.part(plan, _sheet(name)) for name in nominal.structure.part_stiffness}, plan.effects
+    )
+    structure = _stiffened(nominal.structure, parts)
+    kept = int(np.sum(nominal.modes.frequency <= _highest(plan, nominal.modes)))
+    modes = fixed_base(structure, kept, damping=_damping(plan, kept))
+    return replace(nominal, structure=structure, modes=modes), {_sheet(name): part for name, part in parts.items()}
+
+
+def _stiffened(structure: Structure, parts: Mapping[str, virtual_test_plan.Part]) -> Structure:
+    """`structure` with every part's stiffness and loss factor changed; itself where nothing was drawn."""
+    if not any(part.modulus or part.loss or part.added_loss for part in parts.values()):
+        return structure
+    stiffness = {name: (1 + parts[name].modulus) * matrix for name, matrix in structure.part_stiffness.items()}
+    first, *others = stiffness.values()
+    losses = {name: (1 + parts[name].loss) * eta + parts[name].added_loss for name, eta in structure.loss_factors.items()}
+    return replace(structure, stiffness=sum(others, start=first), part_stiffness=stiffness, loss_factors=losses)
+
+
+def _damping(plan: Plan, count: int) -> Damping | None:
+    """The damping that the plan states, scattered where it is given by mode."""
+    if plan.damping is None or plan.damping.ratio is None:
+        return plan.damping
+    ratio = np.broadcast_to(np.asarray(plan.damping.ratio, dtype=np.float64), (count,))
+    return replace(plan.damping, ratio=ratio * virtual_test_plan.damping_factors(plan, count))
+
+
+def _highest(plan: Plan, modes: Modes) -> float:
+    """[Hz] up to which modes are kept: the first one always is, or a stiff article would be a rigid one."""
+    return max(plan.highest, 1.25 * float(modes.frequency[0]))
+
+
+def _sheet(part: str) -> str:
+    for ending in ONE_SHEET:
+        part = part.removesuffix(ending)
+    return part
+
+
+def _bare(rig: Rig, moving: Inertia, cells: tuple[LoadCell, ...]) -> Rig:
+    """The FMD alone: cover plate and article are one half of it each."""
+    from fem.base_excitation import rig as body
+
+    half = moving.scaled(0.5)
+    return replace(rig, article=body.rigid(FMD, half), cover=half, cells=cells)
+
+
+def _cell(cell: LoadCell, chain: ChainTruth, number: int) -> LoadCell:
+    """`cell` with its own stiffness, and its damping in proportion."""
+    lateral, vertical = chain.compliance
+    factor = (1 + chain.cell_stiffness[number]) / np.array([lateral, lateral, vertical])
+    return replace(cell, stiffness=cell.stiffness * factor, damping=cell.damping * factor)
