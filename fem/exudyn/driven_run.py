@@ -277,7 +277,7 @@ def respond(
     rig: Rig,
     motion: BaseMotion,
     *,
-    solver: Solver = Solver(),  # noqa: B008 - frozen
+    solver: Solver = Solver(),
     progress: Progress | None = None,
     keep_coordinates: bool = False,
 ) -> Response:

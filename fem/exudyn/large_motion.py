@@ -471,7 +471,7 @@ def respond(
 def respond_of_plan(
     plan: Plan,
     motion: BaseMotion,
-    conditions: Conditions = Conditions(),  # noqa: B008 - frozen
+    conditions: Conditions = Conditions(),
     *,
     solver: Solver = SOLVER,
     progress: Progress | None = None,
@@ -630,7 +630,7 @@ def of_a_sine(
     plan: Plan,
     axes: Sequence[str],
     factors: Sequence[float] = FACTORS,
-    conditions: Conditions = Conditions(),  # noqa: B008 - frozen
+    conditions: Conditions = Conditions(),
     *,
     frequency: float = 4.0,
     progress: Progress | None = None,

@@ -174,7 +174,7 @@ def require_known(name: str, source: str, field: str) -> None:
 
 def _module(path: Path) -> Any:
     require_known(path.name, str(path), "")
-    return import_module(f"identification.files.files.{FORMATS[path.suffix.lower()]}")
+    return import_module(f"identification.files.{FORMATS[path.suffix.lower()]}")
 
 
 # The common axis: is it evenly sampled, and at what rate, when the file says so in a few digits only?

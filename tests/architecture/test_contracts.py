@@ -15,7 +15,7 @@ PACKAGES = ("geometry", "fem", "identification", "validation")
 TRESPASSES = {
     "layers": ("geometry", "from validation import cli"),
     "independence": ("fem", "import identification"),
-    "engine": ("validation/engine", "from identification import sensitivity"),
+    "engine": ("validation/estimation", "from identification import plain"),
     "cadquery": ("geometry", "from OCP.gp import gp_Trsf"),
     "gmsh": ("fem", "import gmsh"),
     "skfem": ("validation", "from skfem import MeshTet2"),
@@ -29,8 +29,8 @@ TRESPASSES = {
     "matplotlib": ("validation", "from PIL import Image"),
     "plotly": ("validation/report", "import plotly.graph_objects"),
     "trame": ("validation", "from trame.app import get_server"),
-    "faces": ("validation/diagnosing", "from validation import plots"),
-    "face-layers": ("validation/report", "from validation import desk"),
+    "faces": ("validation/diagnose", "from validation.report import charts"),
+    "face-layers": ("validation/report", "from validation import app"),
 }
 """For every contract a package that is not its door, and an import that it forbids there, directly or on the way."""
 

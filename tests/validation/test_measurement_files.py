@@ -88,7 +88,9 @@ def test_constructed_readings_are_called_so_and_itemised(command: str, name: str
 
 def test_a_file_may_be_a_path_and_json_is_one_object(tmp_path: Path) -> None:
     copy = tmp_path / "mine.toml"
-    shipped_text = (Path(import_module("validation").__file__ or "").parent / "published" / "clumod-4-weighing.toml").read_text()
+    shipped_text = (
+        Path(import_module("validation").__file__ or "").parent / "reference" / "in_print" / "clumod-4-weighing.toml"
+    ).read_text()
     copy.write_text(shipped_text, encoding="utf-8")
     assert rows("weigh", str(copy)) == rows("weigh", "clumod-4-weighing.toml")
 
@@ -337,7 +339,9 @@ def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(nam
 
 def impossible_body(folder: Path) -> str:
     """The shipped pendulum file, one swing of which took half its cycles in ten times the time."""
-    shipped_text = (Path(files.__file__).parent / "published" / "clumod-4-pendulum.toml").read_text(encoding="utf-8")
+    shipped_text = (Path(files.__file__).parents[1] / "reference" / "in_print" / "clumod-4-pendulum.toml").read_text(
+        encoding="utf-8"
+    )
     path = folder / "p.toml"
     path.write_text(shipped_text.replace("cycles = 20", "cycles = 10", 1).replace("62.225", "620", 1), encoding="utf-8")
     return str(path)

@@ -1,1 +1,1 @@
-"""The workbench in the browser: the door to trame. It shows what the desk says and computes nothing."""
+"""The workbench in the browser: the door to trame."""

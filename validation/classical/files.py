@@ -169,7 +169,7 @@ def shipped(kinds: tuple[str, ...] = KINDS) -> tuple[str, ...]:
 @cache
 def _shipped_kinds() -> dict[str, str]:
     """Kind by name of everything published that has one; what has none (a table, a result file) is no measurement file."""
-    entries = [entry for entry in files("validation").joinpath("published").iterdir() if entry.name.endswith(".toml")]
+    entries = [entry for entry in files("validation.reference").joinpath("in_print").iterdir() if entry.name.endswith(".toml")]
     tables = {entry.name.removesuffix(".toml"): tomllib.loads(entry.read_text(encoding="utf-8")) for entry in entries}
     return {name: table["kind"] for name, table in tables.items() if "kind" in table}
 
@@ -177,7 +177,7 @@ def _shipped_kinds() -> dict[str, str]:
 def _table(name: str, kinds: tuple[str, ...]) -> dict[str, Any]:
     bare = name.removesuffix(".toml")
     if bare in shipped() and not Path(name).is_file():
-        return tomllib.loads(files("validation").joinpath("published", f"{bare}.toml").read_text(encoding="utf-8"))
+        return tomllib.loads(files("validation.reference").joinpath("in_print", f"{bare}.toml").read_text(encoding="utf-8"))
     known = shipped(kinds)
     return toml_file.read(name, remedy=f"{toml_file.nearest(name, known)}Shipped with massline are {', '.join(known)}")
 

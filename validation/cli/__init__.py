@@ -1,1 +1,1 @@
-"""One file a command; each holds a click command called `command` and imports what is heavy inside it."""
+"""The command line: one function a command, heavy imports inside it."""

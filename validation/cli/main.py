@@ -1,4 +1,4 @@
-"""The command line: parses, calls, prints. One file a command in `validation/commands`, imported only when it is asked for."""
+"""The command line: parses, calls, prints. The module of a command is imported only when it is asked for."""
 
 from __future__ import annotations
 
@@ -107,6 +107,14 @@ COMMANDS = {
 }
 """Every command and its line in the help; `validation.cli.<name>` holds it."""
 
+MODULES = {
+    "crosscheck": ("model", "compare", "diagnose", "correct", "add", "ladder", "report", "undo", "app", "effects"),
+    "reference": ("reference", "validate", "weigh", "cog", "pendulum"),
+    "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate"),
+    "identify": ("pretest", "check", "identify"),
+}
+"""The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
+
 
 class _LazyGroup(click.Group):
     """A group that knows its commands by name and imports one only to run it, so that help answers in a blink."""
@@ -117,8 +125,8 @@ class _LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
         if cmd_name not in COMMANDS:
             raise click.exceptions.NoSuchCommand(cmd_name, possibilities=COMMANDS, ctx=ctx)
-        module = import_module(f"validation.cli.{cmd_name.replace('-', '_')}")
-        command: click.Command = module.command
+        module = next(module for module, names in MODULES.items() if cmd_name in names)
+        command: click.Command = getattr(import_module(f"validation.cli.{module}"), f"{cmd_name.replace('-', '_')}_command")
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

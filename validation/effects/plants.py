@@ -1,4 +1,4 @@
-"""How a family is planted in a virtual test: ``plant=at("signals", "of_signals.saturation")``.
+"""How a family is planted in a virtual test: ``plant=at("signals", "saturation")``.
 
 The makers of the package are named, not imported: `validation.virtual_test` needs the catalogue to read what it is asked for.
 """
@@ -27,7 +27,7 @@ def at(place: Place, maker: Maker | str) -> Callable[[Named], PlantedEffect]:
 
     Parameters
     ----------
-    maker : a function, or ``module.function`` in `validation.virtual_test.effects`
+    maker : a function, or the name of one in `validation.virtual_test.planted`
     """
     return partial(_planted, place, maker)
 
@@ -42,6 +42,5 @@ def _planted(place: Place, maker: Maker | str, named: Named) -> PlantedEffect:
 def _made(maker: Maker | str) -> Maker:
     if not isinstance(maker, str):
         return maker
-    module, _, function = maker.partition(".")
-    found: Maker = getattr(import_module(f"validation.virtual_test.effects.{module}"), function)
+    found: Maker = getattr(import_module("validation.virtual_test.planted"), maker)
     return found

@@ -1,1 +1,1 @@
-"""Cross-check of a prediction with data. Knows parameters, lines, channels and effects - and of none of them what it is."""
+"""Any prediction held against any data: likelihood, fits, errors, screening. Knows no channel, effect or structure."""

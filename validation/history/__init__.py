@@ -1,1 +1,1 @@
-"""The ladder of model versions: add an effect, watch the error fall, go back, branch."""
+"""The history of a model: add an effect, watch the error fall, go back, branch."""

@@ -930,7 +930,7 @@ def _of_file(path: Path) -> str:
 
 
 def _shipped(name: str) -> str:
-    held = files("validation").joinpath("published").joinpath(f"{name.removesuffix('.toml')}.toml")
+    held = files("validation.reference").joinpath("in_print", f"{name.removesuffix('.toml')}.toml")
     return sha256(held.read_bytes()).hexdigest()
 
 

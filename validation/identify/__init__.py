@@ -1,1 +1,1 @@
-"""`massline identify` around the driver: what is asked, the known article, classical results as data, tables, JSON, pictures."""
+"""Identification of mass, centre of gravity and inertia: what is asked, the known article, the band, the plan of a test."""

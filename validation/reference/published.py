@@ -85,7 +85,7 @@ def _tables() -> dict[str, Any]:
 
 
 def _text(name: str) -> str:
-    return files("validation.reference.published").joinpath(name).read_text(encoding="utf-8")
+    return files("validation.reference").joinpath("in_print", name).read_text(encoding="utf-8")
 
 
 # What the paper prints about the eigenfrequencies of an article, and whether a model's are so.
@@ -127,4 +127,4 @@ def _claim(entry: Mapping[str, Any], frequency: Array) -> Claim:
 
 @cache
 def _table() -> dict[str, Any]:
-    return tomllib.loads(files("validation.reference.published").joinpath("modes.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(files("validation.reference").joinpath("in_print", "modes.toml").read_text(encoding="utf-8"))

@@ -40,7 +40,7 @@ from geometry.routes import inertia as drawn_inertia
 from identification.dynamic_mass import Estimate, from_runs
 from identification.spectra.line_spectra import full_record
 
-SHIPPED = Path(parts.__file__).with_suffix(".toml")
+SHIPPED = Path(parts.__file__).with_name("clumod.toml")
 START = Path("..") / "shared" / "clumod" / "reconstruction.json"
 DECIMALS = 4
 """Of a millimetre, in the file that is written."""

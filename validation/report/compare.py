@@ -31,7 +31,7 @@ from validation.report.parts import notes as parts_notes
 from validation.study import CompareOptions, ready
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
+    from validation.report.charts.style import Figure
 
 
 # The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes,

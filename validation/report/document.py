@@ -25,8 +25,9 @@ from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, Refe
 from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, TENSOR, Quantity, Row, Stated, rounded
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
     from rich.table import Table
+
+    from validation.report.charts.style import Figure
 
 
 # HTML that cannot be broken into: whatever is not `Safe` is escaped on its way in.

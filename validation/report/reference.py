@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem.user_model.reading import is_model
 from geometry.errors import BadInput, CheckFailed
@@ -57,7 +57,11 @@ def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
     return path
 
 
+if TYPE_CHECKING:
+    from validation.report.scenes.scene import DrawnBody
+
 _Drawing = tuple[str, "tuple[DrawnBody, ...]", Inertia, str]
+"""Title, bodies, inertia and note of a picture."""
 
 
 def drawing(name: str, asked: ArticleOptions) -> _Drawing:

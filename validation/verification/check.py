@@ -150,11 +150,28 @@ FAMILIES = {
 }
 """Families by the name that the command takes, in the order of the table."""
 
-_MODULES = {"time": "base_excitation", "pendulum": "rope_pendulum", "dynamic-mass": "dynamic_mass", "exudyn": "exudyn_beams"}
-"""Where the module of this package is not called like its family."""
+_ROWS = {
+    "essentials": "solids.ESSENTIALS_CHECKS",
+    "beams": "beams.CHECKS",
+    "sandwich": "beams.SANDWICH_CHECKS",
+    "exudyn": "beams.EXUDYN_BEAMS_CHECKS",
+    "solids": "solids.CHECKS",
+    "plates": "solids.PLATES_CHECKS",
+    "rods": "solids.RODS_CHECKS",
+    "dynamic-mass": "dynamics.CHECKS",
+    "time": "dynamics.BASE_EXCITATION_CHECKS",
+    "pendulum": "dynamics.ROPE_PENDULUM_CHECKS",
+}
+"""Module of this package and name of its rows, by family."""
 
 
 def checks(*families: str) -> tuple[Check, ...]:
     """The rows of `families`, of all when none is named."""
     chosen = families or tuple(FAMILIES)
-    return tuple(check for family in chosen for check in import_module(f"{__name__}.{_MODULES.get(family, family)}").CHECKS)
+    return tuple(check for family in chosen for check in _rows(family))
+
+
+def _rows(family: str) -> tuple[Check, ...]:
+    module, _, name = _ROWS[family].partition(".")
+    rows: tuple[Check, ...] = getattr(import_module(f"validation.verification.{module}"), name)
+    return rows

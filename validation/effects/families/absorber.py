@@ -26,5 +26,5 @@ FAMILY = Family(
     confirmed_by="hold it still by hand or with wax: its frequency is gone; a sensor on it",
     reference="J. P. Den Hartog, Mechanical Vibrations, 1956, section 3.2; H. Frahm, US patent 989958, 1911",
     sentence="Something small swings at {target}: it splits or dents the resonances near its own frequency.",
-    plant=at("rig", "of_structure.absorber"),
+    plant=at("rig", "absorber"),
 )

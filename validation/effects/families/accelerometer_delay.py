@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="shift theorem of the Fourier transform",
     sentence="The accelerometer {target} is recorded a little later than the others: its filter lags, or it rings at a resonance "
     "of its mounting far above the band.",
-    plant=at("chain", "of_chain.delay"),
+    plant=at("chain", "delay"),
 )

@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="paper Eq. 6: a rigid plate moves in six ways, and eight pick-ups check each other",
     sentence="The accelerometer {target} reads too much or too little by a constant share: its sensitivity is not the one that "
     "was typed in. A plate that only shifts then seems to tilt too, and the tilt gets the blame for forces.",
-    plant=at("chain", "of_chain.gain"),
+    plant=at("chain", "gain"),
 )

@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="paper Eq. 3; transverse sensitivity of an accelerometer is the same equation (ISO 16063-31)",
     sentence="The accelerometer {target} does not point quite along its axis: it reads a share of the motion across it. The "
     "transverse sensitivity of its data sheet does exactly the same.",
-    plant=at("chain", "of_chain.misalignment"),
+    plant=at("chain", "misalignment"),
 )

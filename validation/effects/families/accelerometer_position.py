@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="paper Eq. 3: acceleration of a point of a rigid body, with small rotations",
     sentence="The accelerometer {target} is not where the channel table says. When the plate rotates it reads too much or too "
     "little; when the plate only shifts nothing is seen.",
-    plant=at("chain", "of_chain.position"),
+    plant=at("chain", "position"),
 )

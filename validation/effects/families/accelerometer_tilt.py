@@ -17,5 +17,5 @@ FAMILY = Family(
     reference="an accelerometer reads a - g in its own axes; the two halves cancel for a rigid body (identification.base_motion)",
     sentence="Whether accelerometers feel gravity when the plate tilts, as all real ones do. Optical sensors and a table's own "
     "control do not; calling one the other shifts the height of the centre of gravity by g / ω², 15.5 mm at 4 Hz.",
-    plant=at("chain", "of_chain.tilt"),
+    plant=at("chain", "tilt"),
 )

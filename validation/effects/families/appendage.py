@@ -36,5 +36,5 @@ FAMILY = Family(
     "look for loose cables and covers that swing at that frequency",
     reference="J. P. Den Hartog, Mechanical Vibrations, 1956, section 3.2; paper Eq. 8",
     sentence="Something that is not the article swings along {target} on the cover plate: a cover, a connector, a loose cable.",
-    plant=at("rig", "of_structure.appendage"),
+    plant=at("rig", "appendage"),
 )

@@ -18,5 +18,5 @@ FAMILY = Family(
     reference="shift theorem of the Fourier transform",
     sentence="All channels of the {target} board are recorded a little later than those of the other boards: the boards are not "
     "started or clocked together. If all boards lag alike, nobody can see it, and it does no harm.",
-    plant=at("chain", "of_chain.board_delay"),
+    plant=at("chain", "board_delay"),
 )

@@ -30,5 +30,5 @@ FAMILY = Family(
     confirmed_by="a run without it; it grows towards low frequency as 1/ω², as no stiffness inside the article does",
     reference="D. J. Ewins, Modal Testing, 2000, chapter 3 (support of the test piece)",
     sentence="A cable or hose ties {target} to the laboratory and carries part of the load past the load cells.",
-    plant=at("rig", "of_structure.cable"),
+    plant=at("rig", "cable"),
 )

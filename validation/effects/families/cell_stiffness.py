@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="statically indeterminate plate on springs: loads share by stiffness, and none is lost",
     sentence="One load cell, {target} by number and axis, is softer or stiffer than the other three and takes another share of "
     "the load. The resultants stay right: only the single channels, and the balance between them, tell.",
-    plant=at("chain", "of_chain.cell_stiffness"),
+    plant=at("chain", "cell_stiffness"),
 )

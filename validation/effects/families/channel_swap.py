@@ -19,5 +19,5 @@ FAMILY = Family(
     confirmed_by="a tap on one pick-up at a time",
     reference="definition of the channels in the campaign file",
     sentence="The plugs of {targets} were crossed: each of the two channels holds what the other measured.",
-    plant=at("record", "of_signals.swap"),
+    plant=at("record", "swap"),
 )

@@ -17,5 +17,5 @@ FAMILY = Family(
     reference="static deflection of an elastic plate under its load, quasi-static below its first mode",
     sentence="The cover plate bends under the article, and its pick-ups ride on the dent: they no longer tell how the article's "
     "foot moves. The error grows with the square of frequency and with the vertical load.",
-    plant=at("signals", "of_signals.flexible_cover"),
+    plant=at("signals", "flexible_cover"),
 )

@@ -19,5 +19,5 @@ FAMILY = Family(
     reference="springs in series: a cover plate on K moves by K⁻¹ F against the table",
     sentence="The load cells give more or less in {target} direction than their data sheet says, so that table and cover plate "
     "do not move alike. Only the pick-ups on the table can be misled by it.",
-    plant=at("chain", "of_chain.compliance"),
+    plant=at("chain", "compliance"),
 )

@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="cross-talk matrix of a three-component load cell, as its calibration sheet states it",
     sentence="Of the pair {target}, a share of the force along the second axis shows in the channels along the first: the cells' "
     "crystals or the plates are not square to each other.",
-    plant=at("chain", "of_chain.crosstalk"),
+    plant=at("chain", "crosstalk"),
 )

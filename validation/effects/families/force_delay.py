@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="shift theorem of the Fourier transform",
     sentence="The force channel {target} is recorded a little later than the others: its filter or its sampling board lags. "
     "Forces and accelerations then turn against each other, which looks like damping that grows with frequency.",
-    plant=at("chain", "of_chain.delay"),
+    plant=at("chain", "delay"),
 )

@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="paper Eq. 7: resultants are sums of channels, so a gain of one channel is a false force and a false moment",
     sentence="The force channel {target} reads too much or too little by a constant share: its charge amplifier, its cell or its "
     "calibration value is off. Near a mass line this looks like another mass and a shifted centre of gravity.",
-    plant=at("chain", "of_chain.gain"),
+    plant=at("chain", "gain"),
 )

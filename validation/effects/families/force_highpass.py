@@ -18,5 +18,5 @@ FAMILY = Family(
     reference="first-order high-pass of a charge amplifier, corner 1 / (2π R C) of its feedback",
     sentence="The charge amplifier of {target} lets slow forces fade: below a corner frequency it reads too little, too early. "
     "Only the low end of the band shows it, and there it looks like a spring or a damper to the ground.",
-    plant=at("signals", "of_signals.highpass"),
+    plant=at("signals", "highpass"),
 )

@@ -18,5 +18,5 @@ FAMILY = Family(
     reference="moment of a force moved to a parallel line, as in paper Eq. 7",
     sentence="The load cells feel the force along {target} in another plane than the one the moments are counted from. The whole "
     "article then seems to sit higher or lower by that distance.",
-    plant=at("chain", "of_chain.plane_offset"),
+    plant=at("chain", "plane_offset"),
 )

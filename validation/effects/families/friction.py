@@ -82,5 +82,5 @@ FAMILY = Family(
     "Structural Dynamics 11 (1983), 135",
     sentence="Something lies loose on the {target} and slips when it is shaken hard: below the slip force it is a mass, above it "
     "takes energy and weighs less.",
-    plant=at("rig", "of_structure.friction"),
+    plant=at("rig", "friction"),
 )

@@ -24,5 +24,5 @@ FAMILY = Family(
     reference="describing function of a one-sided clipped sine (Gelb and Vander Velde, Multiple-Input Describing Functions)",
     sentence="Cell {target} has lost its pre-stress: where the load pulls harder than what is left, the plate lifts off it and "
     "teeters on the other three. The sums hardly change, the single channels do.",
-    plant=at("rig", "of_structure.gap"),
+    plant=at("rig", "gap"),
 )

@@ -17,5 +17,5 @@ FAMILY = Family(
     confirmed_by="rotation sweeps at low frequency; sensors that do not feel tilt (optical) beside those that do",
     reference="paper Eq. 1, whose m g acts by its tilt alone; IEEE Std 1293, 1998 (accelerometers read a - g)",
     sentence="A table that turns lets the article's weight pull sideways; this says whether the loads contain that share.",
-    plant=at("chain", "of_chain.gravity"),
+    plant=at("chain", "gravity"),
 )

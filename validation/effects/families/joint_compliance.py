@@ -42,5 +42,5 @@ FAMILY = Family(
     "R. A. Ibrahim and C. L. Pettit, J. Sound and Vibration 279 (2005), 857 (bolted joints)",
     sentence="Between the article's flange and the cover plate something gives ({target}): every frequency falls a little, those "
     "that load the joint most.",
-    plant=at("rig", "of_structure.joint"),
+    plant=at("rig", "joint"),
 )

@@ -33,5 +33,5 @@ FAMILY = Family(
     reference="E. M. Kerwin, J. Acoustical Society of America 31 (1959), 952; D. Ross, E. E. Ungar and E. M. Kerwin, Structural "
     "Damping, 1959",
     sentence="The soft layer inside {target} takes more energy out of the blade's bending than the model says.",
-    plant=at("parts", "of_structure.layer_damping"),
+    plant=at("parts", "layer_damping"),
 )

@@ -18,5 +18,5 @@ FAMILY = Family(
     reference="parallel springs: a path of stiffness k_s beside cells of k takes the share k_s / (k + k_s)",
     sentence="Part of the force along {target} goes from the article to the table without passing a load cell: through the "
     "pre-stressing bolts, a cable or a seal. The article looks lighter along this axis than along the others.",
-    plant=at("chain", "of_chain.shunt"),
+    plant=at("chain", "shunt"),
 )

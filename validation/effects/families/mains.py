@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="leakage of a sine into a rectangular record (Harris, Proc. IEEE 66 (1978) 51-83)",
     sentence="The mains hum gets into the channels more than usual: an earth loop or a missing screen. Inside the band only its "
     "leak is seen, weak and the same whatever is driven.",
-    plant=at("chain", "of_chain.mains"),
+    plant=at("chain", "mains"),
 )

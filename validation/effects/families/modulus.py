@@ -22,5 +22,5 @@ FAMILY = Family(
     "J. Sound and Vibration 167 (1993), 347 (model updating)",
     sentence="{target} is stiffer (positive) or softer than drawn by this share: another material, another thickness, or a "
     "weakness of the model where it joins.",
-    plant=at("parts", "of_structure.modulus"),
+    plant=at("parts", "modulus"),
 )

@@ -32,5 +32,5 @@ FAMILY = Family(
     confirmed_by="mount it again, turned by 180°: the offset stays where it was, a shifted centre of gravity turns along",
     reference="paper Eq. 3; J. Wittenburg, Dynamics of Multibody Systems, 2008, section 3.1 (parallel axes)",
     sentence="The article stands beside its place by this much along {target}.",
-    plant=at("rig", "of_structure.offset"),
+    plant=at("rig", "offset"),
 )

@@ -21,5 +21,5 @@ FAMILY = Family(
     reference="variances of independent noise add; Bendat and Piersol, Random Data, chapter 9",
     sentence="The channel {target} is noisier than its noise floor says: a bad cable, a range too large, a loose screw. It "
     "shifts nothing on average, but what is concluded from it is less certain.",
-    plant=at("chain", "of_chain.noise"),
+    plant=at("chain", "noise"),
 )

@@ -34,5 +34,5 @@ FAMILY = Family(
     reference="paper Eq. 3 and section 2.1 (axes of the reference point); R. M. Murray, Z. Li and S. S. Sastry, A Mathematical "
     "Introduction to Robotic Manipulation, 1994, chapter 2",
     sentence="The article was bolted on turned about {target} by this angle.",
-    plant=at("rig", "of_structure.orientation"),
+    plant=at("rig", "orientation"),
 )

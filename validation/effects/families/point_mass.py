@@ -28,5 +28,5 @@ FAMILY = Family(
     reference="Rayleigh, The Theory of Sound, 1877, chapter 4 (small changes of a system); D. J. Ewins, Modal Testing, 2000",
     sentence="Something of this mass sits at {target} that the model does not have, or is missing there when "
     "the figure is negative.",
-    plant=at("rig", "of_structure.point_mass"),
+    plant=at("rig", "point_mass"),
 )

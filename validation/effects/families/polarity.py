@@ -20,5 +20,5 @@ FAMILY = Family(
     reference="definition of the channel's direction in the campaign file",
     sentence="The channel {target} has the wrong sign: the pick-up is mounted the other way round, or its direction was typed "
     "with the other sign.",
-    plant=at("chain", "of_chain.polarity"),
+    plant=at("chain", "polarity"),
 )

@@ -36,5 +36,5 @@ FAMILY = Family(
     confirmed_by="weigh it, hang it for its centre of gravity, swing it on a pendulum; the Cuboid on the same FMD",
     reference="paper Eqs. 1 and 4; C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5 (1986), 101",
     sentence="The article's inertia parameter {target} differs from the drawing by this much, with no effect on how it bends.",
-    plant=at("rig", "of_structure.rigid_inertia"),
+    plant=at("rig", "rigid_inertia"),
 )

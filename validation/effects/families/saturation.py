@@ -21,5 +21,5 @@ FAMILY = Family(
     reference="describing function of a cubic characteristic (Gelb and Vander Velde, Multiple-Input Describing Functions)",
     sentence="The channel {target} is driven to its limit and rounds off its peaks, so it reads too little where it is loud and "
     "right where it is quiet. At one level that is a gain that depends on frequency.",
-    plant=at("signals", "of_signals.saturation"),
+    plant=at("signals", "saturation"),
 )

@@ -27,5 +27,5 @@ FAMILY = Family(
     reference="H. N. Abramson (ed.), The Dynamic Behavior of Liquids in Moving Containers, NASA SP-106, 1966; R. A. Ibrahim, "
     "Liquid Sloshing Dynamics, 2005",
     sentence="A liquid swings sideways at {target}, as strongly along x as along y.",
-    plant=at("rig", "of_structure.slosh"),
+    plant=at("rig", "slosh"),
 )

@@ -31,5 +31,5 @@ FAMILY = Family(
     "Kurdila, Fundamentals of Structural Dynamics, 2006",
     sentence="{target} takes more energy out of the motion than the model says: every resonance in which it bends is "
     "lower and wider.",
-    plant=at("parts", "of_structure.damping"),
+    plant=at("parts", "damping"),
 )

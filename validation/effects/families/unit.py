@@ -20,5 +20,5 @@ FAMILY = Family(
     confirmed_by="the factor itself: 9.81, 1000, 4.45 and their inverses are units, 1.07 is a gain",
     reference="definition of the units (SI brochure); g_n = 9.80665 m/s², 1 lbf = 4.4482216 N",
     sentence="The numbers of {target} are in another unit than the file says: g taken for m/s², mm for m, pounds for newtons.",
-    plant=at("record", "of_signals.unit"),
+    plant=at("record", "unit"),
 )

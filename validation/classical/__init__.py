@@ -1,0 +1,1 @@
+"""Classical measurements: weighing, centre of gravity by crane and balance, pendulum periods, each with its tolerance."""

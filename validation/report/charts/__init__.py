@@ -1,0 +1,1 @@
+"""Charts, printed and interactive: the door to matplotlib and plotly."""

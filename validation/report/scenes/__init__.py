@@ -1,0 +1,1 @@
+"""Pictures of structures in space, still and moving: the door to pyvista."""
