@@ -516,9 +516,9 @@ def _crosstalk(x: Offsets) -> Iterator[tuple[str, Array]]:
 
 
 def _offsets(x: Offsets) -> Iterator[tuple[str, Array]]:
-    for axis, (row, column, sign) in OFFSETS.items():
+    for axis, (cell, motion, sign) in OFFSETS.items():
         if (key := f"force-plane-offset:{axis}") in x:
-            yield key, sign * _unit(row, column)
+            yield key, sign * _unit(cell, motion)
 
 
 def _reading_changes(part: Loads, x: Offsets) -> Iterator[tuple[str, Array]]:

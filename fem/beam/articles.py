@@ -193,8 +193,8 @@ def reach(radius: float, thickness: float) -> float:
     """Distance [m] from the mast's axis at which a half-blade of `thickness` between collars of `radius` begins to bend.
 
     The collars end at their radius; a plate is not held rigidly at the edge of what clamps it but yields over a length of the
-    order of its thickness. Local solid models (`fem.beam.articles`) give 0.9 to 1.4 thicknesses between the thick collars of the lower
-    blades; one is taken. Thin collars and the mast's wall yield more: that is left to the joints.
+    order of its thickness. Local solid models (`fem.beam.articles`) give 0.9 to 1.4 thicknesses between the thick collars of
+    the lower blades; one is taken. Thin collars and the mast's wall yield more: that is left to the joints.
     """
     return radius - thickness
 

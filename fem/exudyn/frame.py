@@ -1,6 +1,7 @@
 """A frame made of exudyn's own items: geometrically exact beams, rigid bodies, joints and springs.
 
-What there is comes from a `fem.beam.frame.Plan` - places, sections, rigid bodies, who rides on whom - and none of our matrices. The
+What there is comes from a `fem.beam.frame.Plan` - places, sections, rigid bodies, who rides on whom - and none of our matrices.
+The
 beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock in
 shear but bends too stiffly by the square of the element length, so two meshes say where they go
 (`fem.exudyn.linear`). Every node is given without rotation and every section turned into the frame's axes; exudyn

@@ -336,7 +336,8 @@ def _symmetric(matrix: Array) -> Array:
 
 # Eigenfrequencies and dynamic mass by exudyn: from native beams for the built-in articles, from full matrices for any solid.
 #
-# The native beams are the default of ``--model exudyn``. They take from `fem.beam.articles` where things are and what their sections are,
+# The native beams are the default of ``--model exudyn``. They take from `fem.beam.articles` where things are and what their
+# sections are,
 # and nothing of its elements or eigen-solution. `modes_of_solid` gives exudyn a solid's full sparse matrices; there exudyn
 # solves, but the elements are ours.
 

@@ -81,7 +81,8 @@ Dimensions = dict[str, Any]
 def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dimensions:
     """The dimensions of the built-in part `name`, from ``geometry/articles/<name>.toml``; lengths [m], angles [rad].
 
-    `changes` replace entries, in the file's own units; `geometry.articles.dimensions` says how they are named and what is refused.
+    `changes` replace entries, in the file's own units; `geometry.articles.dimensions` says how they are named and what is
+    refused.
     """
     text = files("geometry.articles").joinpath(f"{name}.toml").read_text(encoding="utf-8")
     return to_si(apply(tomllib.loads(text), name, changes))

@@ -1496,8 +1496,8 @@ def _folded(parts: Sequence[str]) -> tuple[str, ...]:
 
 
 def _handed_files(folder: Path) -> Iterator[Path]:
-    for where, _, names in os.walk(folder):
-        yield from (Path(where) / name for name in names)
+    for where, _, held in os.walk(folder):
+        yield from (Path(where) / name for name in held)
 
 
 def _refused(name: str, problem: str) -> BadInput:

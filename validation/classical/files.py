@@ -5,7 +5,8 @@
     title = "..."                # a sentence, printed above the results
     origin = "..."               # where the numbers come from; printed with every result
 
-What else a file holds depends on its kind; `validation.classical.weigh`, `validation.classical.weigh`, `validation.classical.pendulum` and
+What else a file holds depends on its kind; `validation.classical.weigh`, `validation.classical.weigh`,
+`validation.classical.pendulum` and
 `validation.classical.files` say so. A key that a kind does not know is refused by name, since a misspelt tolerance is a lost one.
 """
 

@@ -278,7 +278,8 @@ def _why(one: SearchStep) -> str:
         worse = next(each.evidence for each in one.tried if each.id == one.again)
         return f"{one.added} brings {one.tried[0].evidence:.1f} nats {beside}, and {one.again} only {worse:.1f}"
     if one.added:
-        return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {evidence_threshold(one.tried[0].family):g} are asked for"
+        asked = evidence_threshold(one.tried[0].family)
+        return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {asked:g} are asked for"
     if not one.tried:
         return _no_fit(one)
     asked = evidence_threshold(one.tried[0].family)

@@ -218,7 +218,8 @@ SNAP = 0.2
 
 
 FAR = 0.25
-"""Distance (`validation.diagnose.mistakes.distance`) at which a reading still is not what a mistake says: a gain of two thirds."""
+"""Distance (`validation.diagnose.mistakes.distance`) at which a reading still is not what a mistake says: a gain of two
+thirds."""
 
 IMPOSSIBLE = -1e9
 """[nats] Of an accelerometer that holds a force."""

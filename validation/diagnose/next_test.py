@@ -16,7 +16,7 @@ from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import inverse, minimise
 from validation.diagnose.candidates import candidates, is_resonator, opened
 from validation.diagnose.diagnosis import Advice, Candidate, FittedData
-from validation.diagnose.next_test_offers import TestOffer, menu
+from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effects_of, knowledge, lines_of, reading, template
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS
@@ -70,7 +70,7 @@ class _Differences:
     others: tuple[Normal, ...]
 
 
-def told(offer: TestOffer, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
+def told(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
     """Nats that `offer` is expected to tell of `first` against each of `others`, as far as a straight line goes.
 
     Raises
@@ -129,7 +129,7 @@ def _scaled(one: Normal, factor: float) -> Normal:
     return Normal(cost=factor * one.cost, gradient=factor * one.gradient, matrix=factor * one.matrix)
 
 
-def _of_facts(offer: TestOffer, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
+def _of_facts(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
     """(predicted - measured) / deviation of every number, as each explanation has it."""
     every = [offer.facts(one.effects) for one in (first, *others)]
     known = {one.name: one for facts in every[::-1] for fact in facts for one in fact.parameters}
@@ -168,7 +168,7 @@ ROUGHLY = 0.5
 """Standard deviations that the last step may be: it leaves an eighth of a nat."""
 
 
-def following(test: PlannedTest, offer: TestOffer, right: Knowledge, wrong: Knowledge) -> float:
+def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Knowledge) -> float:
     """Nats that are left of the difference between `right` and `wrong` when the latter was fitted to what the former reads.
 
     Raises
@@ -368,7 +368,7 @@ class Forecast:
     gains : by other explanation, nats between it and the first
     """
 
-    offer: TestOffer
+    offer: OfferedTest
     gains: tuple[float, ...]
 
     @property
@@ -437,7 +437,7 @@ def chosen(
     return tuple(_advice(one, names) for one in useful if one.apart) or (_none(useful, effects, names),)
 
 
-def _looked(offer: TestOffer, first: Knowledge, others: Sequence[Knowledge]) -> Forecast | None:
+def _looked(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> Forecast | None:
     """What a straight line expects; None where a model breaks down in the test."""
     try:
         return Forecast(offer=offer, gains=told(offer, first, others))
@@ -472,7 +472,7 @@ def _followed(one: Forecast, first: Knowledge, others: Sequence[Knowledge]) -> F
         return None
 
 
-def _between(test: PlannedTest, offer: TestOffer, first: Knowledge, other: Knowledge) -> float:
+def _between(test: PlannedTest, offer: OfferedTest, first: Knowledge, other: Knowledge) -> float:
     probability = first.odds(other)
     here = following(test, offer, first, other)
     return here if probability > CERTAIN else either(probability, here, following(test, offer, other, first))

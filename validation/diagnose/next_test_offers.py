@@ -40,7 +40,7 @@ def no_facts(effects: Sequence[Added]) -> tuple[Fact, ...]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TestOffer:
+class OfferedTest:
     """A test of the menu: a campaign, or numbers of another measurement.
 
     Attributes
@@ -115,7 +115,7 @@ def named(article: str) -> str:
     return IN_WORDS.get(article, article)
 
 
-def others(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def others(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """Articles that were not tested yet."""
     there = {above_fmd(one.tested.campaign.article) for one in templates}
     for other in OTHERS:
@@ -126,7 +126,7 @@ def others(templates: Sequence[Template]) -> Iterator[TestOffer]:
         )
 
 
-def turned(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def turned(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """What was tested, and the Cuboid, turned about z."""
     for one in templates:
         campaign = one.tested.campaign
@@ -140,7 +140,7 @@ def turned(templates: Sequence[Template]) -> Iterator[TestOffer]:
         yield from _run("turned", words, TURNS[0][1], templates[0], _posed(campaign, _about_z(campaign, TURNS[0][0])))
 
 
-def lying(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def lying(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """The Cuboid on its broad side: the same mass at another height."""
     campaign = _with(templates[0], CUBOID)
     yield from _run(
@@ -148,10 +148,10 @@ def lying(templates: Sequence[Template]) -> Iterator[TestOffer]:
     )
 
 
-def _run(kind: str, words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[TestOffer]:
+def _run(kind: str, words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[OfferedTest]:
     """The offer; none where the model cannot describe what would stand there."""
     try:
-        yield TestOffer(kind=kind, words=words, hours=hours, test=planned(of, campaign))
+        yield OfferedTest(kind=kind, words=words, hours=hours, test=planned(of, campaign))
     except BadInput:
         return
 
@@ -209,7 +209,7 @@ METHODS = (
 """With the tolerances of the examples that are shipped."""
 
 
-def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[TestOffer]:
+def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[OfferedTest]:
     """Of every article that stood on the FMD, unless its numbers are among the facts that are `there`."""
     model = templates[0].tested.model
     known = [one for one in there if isinstance(one, ArticleFact)]
@@ -217,7 +217,7 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
         for method in METHODS if what else ():
             facts = _facts(model, what, method)
             if any(not _is_known(one, known) for one in facts):
-                yield TestOffer(
+                yield OfferedTest(
                     kind=method.words,
                     words=method.words.format(named(what)),
                     hours=method.hours,
@@ -260,30 +260,30 @@ FINER = 0.05
 HALF = 0.5
 
 
-def lower(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def lower(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """A slow sweep below what was driven."""
     for of in templates:
         lines = np.arange(LOWEST, of.frequency[0] - FINER / 2, FINER)
         if len(lines):
             words = f"Run {_what(of)} in a slow sweep from {LOWEST:g} to {of.frequency[0]:g} Hz"
-            yield TestOffer(kind="lower", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
+            yield OfferedTest(kind="lower", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
 
 
-def higher(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def higher(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """A sweep above what was driven, of what has modes."""
     for of in (one for one in templates if one.tested.carried.standing.modes):
         lines = np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)
         if len(lines):
             words = f"Run {_what(of)} in a sweep from {of.frequency[-1]:g} to {HIGHEST:g} Hz"
-            yield TestOffer(kind="higher", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
+            yield OfferedTest(kind="higher", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
 
 
-def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[TestOffer]:
+def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[OfferedTest]:
     """The same at half the level, where one of the explanations asks for it."""
     if any(FAMILIES[one].side == AMPLITUDE for one in families):
         for of in templates:
             words = f"Run {_what(of)} at half the level"
-            yield TestOffer(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF))
+            yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF))
 
 
 def _what(of: Template) -> str:
@@ -305,7 +305,7 @@ MOST = 2
 """Places of an article at which a mass is offered at most."""
 
 
-def on_plate(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def on_plate(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """On a corner of the cover plate, beside what stands there: it loads one cell more than the others."""
     of = templates[0]
     place = locations("fmd")[CORNER]
@@ -314,10 +314,10 @@ def on_plate(templates: Sequence[Template]) -> Iterator[TestOffer]:
     made = _carrying(test, replace(bare, moving=bare.moving + _point(ON_PLATE, place)))
     beside = named(above_fmd(of.tested.campaign.article))
     words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
-    yield TestOffer(kind="load on the plate", words=words, hours=HOURS, test=made)
+    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=made)
 
 
-def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[TestOffer]:
+def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
     """On places of the article that has most of them: those that are `asked` about, and the highest."""
     of = max(templates, key=lambda one: len(_places(one)))
     there = _places(of)
@@ -325,7 +325,7 @@ def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[
     asked_about = sum(place in there for place in asked)
     for place in list(chosen)[: min(max(asked_about, 1), MOST)]:
         words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
-        yield TestOffer(kind="load on the article", words=words, hours=HOURS, test=_with_mass(of, place))
+        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=_with_mass(of, place))
 
 
 def _with_mass(of: Template, place: str) -> PlannedTest:
@@ -381,7 +381,7 @@ MOUNTED = (COVER, "table")
 AXES = "xyz"
 
 
-def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[TestOffer]:
+def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
     """An accelerometer that is `asked` about and one of the same direction change places."""
     of = templates[0]
     for one in _accelerometers(of, asked):
@@ -389,39 +389,39 @@ def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[T
             pairs = ((one.name, other.name), (other.name, one.name))
             moved = {f"{family}:{a}": Origin(name=f"{family}:{b}") for family in ITS_OWN for a, b in pairs}
             words = f"Run {_beneath(of)} with the accelerometers {one.name} and {other.name} exchanged"
-            yield TestOffer(kind="exchanged", words=words, hours=1.0, test=planned(of, of.tested.campaign), moved=moved)
+            yield OfferedTest(kind="exchanged", words=words, hours=1.0, test=planned(of, of.tested.campaign), moved=moved)
 
 
-def moved(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[TestOffer]:
+def moved(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
     """An accelerometer that is `asked` about sits elsewhere, and its new place is measured with care."""
     of = templates[0]
     for one in _accelerometers(of, asked):
         anew = tuple(f"{family}:{one.name}:{axis}" for family in WHERE for axis in AXES)
         campaign = replace(of.tested.campaign, table=_changed(of, [replace(one, places=_inwards(of, one))]))
         words = f"Run {_beneath(of)} with the accelerometer {one.name} moved inwards, and its place measured again"
-        yield TestOffer(
+        yield OfferedTest(
             kind="moved", words=words, hours=1.0, test=planned(of, campaign), moved=dict.fromkeys(anew, Origin()), gone=anew
         )
 
 
-def more(templates: Sequence[Template]) -> Iterator[TestOffer]:
+def more(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """Every second accelerometer of the cover plate has another one beside it, nearer to the middle."""
     of = templates[0]
     beside = [replace(one, name=f"{one.name}-b", places=_inwards(of, one)) for one in _on(of, COVER)[::2]]
     if beside:
         campaign = replace(of.tested.campaign, table=_changed(of, beside))
         words = f"Run {_beneath(of)} with {len(beside)} more accelerometers on the cover plate"
-        yield TestOffer(kind="more", words=words, hours=2.0, test=planned(of, campaign))
+        yield OfferedTest(kind="more", words=words, hours=2.0, test=planned(of, campaign))
 
 
-def without_tilt(templates: Sequence[Template], families: Sequence[str]) -> Iterator[TestOffer]:
+def without_tilt(templates: Sequence[Template], families: Sequence[str]) -> Iterator[OfferedTest]:
     """The motion of the cover plate is measured by what feels no tilt, where one of `families` is about that."""
     for of in templates if set(TILTED) & set(families) else ():
         kinematic = [replace(one, senses_gravity=False) for one in _on(of, COVER) if one.senses_gravity]
         if kinematic:
             campaign = replace(of.tested.campaign, table=_changed(of, kinematic))
             words = f"Run {_beneath(of)} with the motion of the cover plate measured by vibrometers, which feel no tilt"
-            yield TestOffer(kind="tilt", words=words, hours=8.0, test=planned(of, campaign))
+            yield OfferedTest(kind="tilt", words=words, hours=8.0, test=planned(of, campaign))
 
 
 def _beneath(of: Template) -> str:
@@ -483,7 +483,7 @@ LEFT = 0.5
 """Share of an effect that is taken to be left when bolts were torqued again."""
 
 
-def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[TestOffer]:
+def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[OfferedTest]:
     """Of every one of `effects` that a hand can reach, on the campaign in which it acts first."""
     for added in effects:
         of = next((one for one in templates if acts(added.named, one.tested.carried.standing.there)), None)
@@ -497,13 +497,13 @@ def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[
             () if gone else (prediction_effects.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic)
         )
         moved = {name: Origin(name=name, factor=LEFT) for name in names}
-        yield TestOffer(kind=added.named.family, words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)
+        yield OfferedTest(kind=added.named.family, words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)
 
 
 # The menu: every test that could be offered after the present data. What is in them already is not offered.
 
 
-def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequence[Fact]) -> Iterator[TestOffer]:
+def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequence[Fact]) -> Iterator[OfferedTest]:
     """Of a laboratory that has done the campaigns of `templates` and knows `facts`, and wonders about `effects`."""
     asked = tuple(target for one in effects for target in one.named.targets)
     families = [one.named.family for one in effects]

@@ -240,8 +240,8 @@ def load(directory: str | Path) -> tuple[Family, ...]:
 
     Raises
     ------
-    BadInput : no such folder, a file without a family, or one that is not whole (`validation.effects.catalogue`); then none of the
-        folder's is added.
+    BadInput : no such folder, a file without a family, or one that is not whole (`validation.effects.catalogue`); then none of
+    the     folder's is added.
     """
     paths = files(Path(directory))
     new = [path for path in paths if path not in _files]

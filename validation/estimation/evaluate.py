@@ -514,8 +514,8 @@ def _even(prediction: Prediction, quick: bool) -> Lines | None:
 # Residuals line by line, beside the deviation that is to be expected of them.
 #
 # Where inputs are not known, every channel is held against what all the others say of it, as for the plain error, so that an
-# error stays in the channel that has it. What is left, e = G y (`validation.estimation.cost`), is expected to scatter by noise, by
-# the model-error floor, and by the tolerances that were not fitted:
+# error stays in the channel that has it. What is left, e = G y (`validation.estimation.cost`), is expected to scatter by noise,
+# by the model-error floor, and by the tolerances that were not fitted:
 #
 #     sigma² = |G|² (noise² + floor²) + sum_k |G (dA/dk) u|² tolerance_k²
 #

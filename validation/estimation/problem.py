@@ -341,7 +341,8 @@ def _require_agreement(first: Parameter, said_by: str, second: Parameter, source
 # Which lines a fit uses: few where nothing happens, more where the level of the channels turns quickly with frequency.
 #
 # Beside resonances the model's own error is strongly correlated from line to line, so that neighbours add time and false
-# certainty (identification/self_calibration/likelihood.py). Lines are therefore spread evenly over a measure of what happens: half of
+# certainty (identification/self_calibration/likelihood.py). Lines are therefore spread evenly over a measure of what happens:
+# half of
 # it is the frequency itself, half the turning of the levels, each line counted no more than `STEEPEST`. Phases turn with the
 # sweep.
 

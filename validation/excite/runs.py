@@ -406,7 +406,8 @@ def _model(question: ExciteOptions) -> str:
 
 # Runs as signal files: every channel of a `Response` by name, as the campaign format has them, whole or not at all.
 #
-# Universal files, HDF5, CSV and MATLAB are written by `identification.files.files`, which a campaign is read by; ``.npz`` holds one
+# Universal files, HDF5, CSV and MATLAB are written by `identification.files.files`, which a campaign is read by; ``.npz`` holds
+# one
 # array a channel and ``sampling_rate``. Values are SI; but for the thirteen digits of an ASCII universal file they are bit for
 # bit those that were computed.
 

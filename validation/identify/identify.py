@@ -708,8 +708,8 @@ def _checks(found: Identification) -> tuple[Finding, ...]:
 def _of_tares(found: Identification) -> Iterator[str]:
     """What contradicts itself in the tares, each with the tare's name."""
     request = found.request
-    for tare, read in zip(request.tares, found.tares, strict=True):
-        checks = consistency.of_spectra(read, request.tolerances, gravity=tare.campaign.gravity)
+    for tare, spectra in zip(request.tares, found.tares, strict=True):
+        checks = consistency.of_spectra(spectra, request.tolerances, gravity=tare.campaign.gravity)
         yield from (f"{text}, in the tare {tare.campaign.article}" for text in identification_identify.contradictions(checks))
 
 

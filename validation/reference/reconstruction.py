@@ -10,7 +10,8 @@ The method is Gauss-Newton with the inertias as linearised equality constraints.
 the way, which bends the path at every crossing, so the steps are short and grow shorter, and a path that gets lost is begun again
 from a seeded start nearby.
 
-Run ``python -m validation.reference.reconstruction``; it writes ``geometry/articles/clumod.toml``, its comments and fixed details kept.
+Run ``python -m validation.reference.reconstruction``; it writes ``geometry/articles/clumod.toml``, its comments and fixed
+details kept.
 """
 
 from __future__ import annotations

@@ -543,8 +543,8 @@ def _physics(result: Statement) -> tuple[bool | None, str]:
 #
 # - ``format = 1``;
 # - `article`, optional: what was identified; a result about another article than the one at hand is refused;
-# - `frame`, optional: where the file's own frame sits in the article's (see `validation.reference.statement`); left out, the file is taken
-#   to be in the frame in which it is to be shown, by default the article's.
+# - `frame`, optional: where the file's own frame sits in the article's (see `validation.reference.statement`); left out, the
+# file is taken   to be in the frame in which it is to be shown, by default the article's.
 #
 # The same may be written in JSON. Missing values are allowed and come out as not stated.
 
@@ -616,7 +616,8 @@ def _is_built_in(article: str) -> bool:
 def _table(name: str) -> dict[str, Any]:
     if name in reference_published.RESULTS and not Path(name).exists():
         return reference_published.result_table(name)
-    remedy = f"{toml_file.nearest(name, reference_published.RESULTS)}Give a result file, or one that ships: {', '.join(reference_published.RESULTS)}"
+    shipped = reference_published.RESULTS
+    remedy = f"{toml_file.nearest(name, shipped)}Give a result file, or one that ships: {', '.join(shipped)}"
     return toml_file.read(name, remedy=remedy)
 
 

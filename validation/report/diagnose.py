@@ -868,7 +868,8 @@ def diagnosis_opening(found: Diagnosis) -> Iterator[str]:
         yield found.text
     if found.verdict == NOTHING and found.ranking and found.ranking[0].evidence >= CLOSE:
         one = found.ranking[0]
-        yield f"The closest is {diagnose_diagnosis.cause(one)}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
+        cause = diagnose_diagnosis.cause(one)
+        yield f"The closest is {cause}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
 
 
 def diagnosis_grids(found: Diagnosis) -> list[Grid]:
@@ -1034,7 +1035,8 @@ def _columns(columns: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 def _diagnosis_alike(id: str, known: Cause | None) -> str:
     if known is None:
         return f"does the same to these data, and was not fitted: {diagnose_diagnosis.what(id)}"
-    return f"{'; '.join(diagnose_diagnosis.sized(known, size) for size in known.sizes)}, {known.evidence:+.1f} nats: {known.named.what}"
+    sizes = "; ".join(diagnose_diagnosis.sized(known, size) for size in known.sizes)
+    return f"{sizes}, {known.evidence:+.1f} nats: {known.named.what}"
 
 
 def _advised(test: str, separates: Sequence[str]) -> str:

@@ -342,7 +342,8 @@ def apart_text(found: Sequence[Apart], first: str, second: str) -> str:
     if off is None:
         return f"{second} and {first}: every line lies at a resonance."
     return (
-        f"Off resonance {second} and {first} differ by at most {_dynamic_mass_table_percent(off.off_resonance, off.off_frequency)} of the largest "
+        f"Off resonance {second} and {first} differ by at most "
+        f"{_dynamic_mass_table_percent(off.off_resonance, off.off_frequency)} of the largest "
         f"entry of a block there or in the rigid body, in {off.block}."
     )
 

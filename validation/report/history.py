@@ -191,8 +191,8 @@ def distances(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
     """How far the identified inertia of `article` lies from the model's, rung by rung: in mm or per cent, and in sigmas."""
     header = ["identified - reference"]
     columns: list[tuple[str, ...]] = [tuple(quantity.label for quantity in QUANTITIES)]
-    for number, body in bodies:
-        header += [f"{article}, rung {number}", "σ"]
+    for rung, body in bodies:
+        header += [f"{article}, rung {rung}", "σ"]
         columns.append(aligned(tuple(f"{one:+.3g} {name}" for one, name in zip(body.shown, SHOWN, strict=True))))
         columns.append(aligned(tuple(f"{one:+.1f}" for one in body.sigmas)))
     return Grid(header=tuple(header), lines=tuple(zip(*columns, strict=True)))
@@ -202,8 +202,8 @@ def values(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
     """The identified inertia of `article` rung by rung with its 95 % intervals, and the model's own on the last."""
     header = ["identified ± 95 %"]
     columns: list[tuple[str, ...]] = [tuple(f"{quantity.label} [{quantity.unit}]" for quantity in QUANTITIES)]
-    for number, body in bodies:
-        header.append(f"{article}, rung {number}")
+    for rung, body in bodies:
+        header.append(f"{article}, rung {rung}")
         columns.append(aligned(tuple(_value(body, k) for k in range(len(QUANTITIES)))))
     header.append("reference")
     last = bodies[-1][1]

@@ -1043,9 +1043,9 @@ def _surfaces(found: PretestFindings, model: Flexible) -> dict[str, tuple[Moving
     most: list[MovingBody] = []
     for body, edges, moved in moved_bodies(model, model.modes.shapes):
         shares = largest_share(moved, body.vertices + found.seat, model.modes, found.seat, lines)
-        for drawn, size in zip((start, most), shares, strict=True):
+        for sheet, size in zip((start, most), shares, strict=True):
             motion = size[:, None] * [1.0, 0.0, 0.0]
-            drawn.append(MovingBody(name=body.name, vertices=body.vertices, faces=body.faces, edges=edges, displacement=motion))
+            sheet.append(MovingBody(name=body.name, vertices=body.vertices, faces=body.faces, edges=edges, displacement=motion))
     low, high = float(lines[0]), float(lines[-1])
     return {f"at {low:g} Hz": tuple(start), f"at most, {low:g} to {high:g} Hz": tuple(most)}
 

@@ -25,7 +25,7 @@ EXAMPLE = "force-lowpass:fmd-z2=1e-3"
 
 WHOLE = """
 from dataclasses import replace
-from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, Size
+from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
 
 def change(reading, targets, values):
     rows = reading.rows.copy()
@@ -37,7 +37,7 @@ FAMILY = Family(
     side=FORCES,
     what="a gain of my own",
     targets=("force channel",),
-    sizes=(Size(unit="1", low=-0.5, high=0.5, plausible=0.1),),
+    sizes=(SizeSpec(unit="1", low=-0.5, high=0.5, plausible=0.1),),
     example="drift-of-gain:fmd-z2=0.1",
     stage=CHANNEL_STAGE,
     change=change,
@@ -130,14 +130,16 @@ def changed(old: str, new: str) -> str:
         (
             changed("return replace(reading, rows=rows)", "return rows"),
             "change",
-            "must return the changed Reading, found ndarray",
+            "must return the changed ChannelResponse, found ndarray",
         ),
         (changed("rows = reading.rows.copy()", "rows = reading.rows"), "change", "line 7, `rows[:, reading.column(targets[0])]"),
         (changed('values[""]', 'values["size"]'), "change", "raised KeyError: 'size'"),
         (
-            changed('sizes=(Size(unit="1", low=-0.5, high=0.5, plausible=0.1),)', "sizes=Size(unit='1', low=0.0, high=1.0)"),
+            changed(
+                'sizes=(SizeSpec(unit="1", low=-0.5, high=0.5, plausible=0.1),)', "sizes=SizeSpec(unit='1', low=0.0, high=1.0)"
+            ),
             "sizes",
-            "a tuple of Size",
+            "a tuple of SizeSpec",
         ),
         (changed('targets=("force channel",)', 'targets="force channel"'), "targets", "a tuple of texts"),
         (

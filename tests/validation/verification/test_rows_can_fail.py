@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
-import fem.frame
-import fem.solid.elasticity
 import numpy as np
 import pytest
 
+import fem.beam.frame
+import fem.solid.assembly
 import fem.solid.model
 from fem import dynamic_mass
 from fem.base_excitation import response, rig
@@ -39,23 +39,23 @@ def scaled(patch: Patch, module: object, name: str, factor: float = SOFT) -> Non
 
 
 def beam_stiffness(patch: Patch) -> None:
-    right = fem.frame.timoshenko
-    patch.setattr(fem.frame, "timoshenko", lambda *args: _times(right(*args), SOFT, 1.0))
+    right = fem.beam.frame.timoshenko
+    patch.setattr(fem.beam.frame, "timoshenko", lambda *args: _times(right(*args), SOFT, 1.0))
 
 
 def beam_mass(patch: Patch) -> None:
-    right = fem.frame.timoshenko
-    patch.setattr(fem.frame, "timoshenko", lambda *args: _times(right(*args), 1.0, SOFT))
+    right = fem.beam.frame.timoshenko
+    patch.setattr(fem.beam.frame, "timoshenko", lambda *args: _times(right(*args), 1.0, SOFT))
 
 
 def beam_grounded(patch: Patch) -> None:
-    right = fem.frame.timoshenko
+    right = fem.beam.frame.timoshenko
 
     def wrong(*args: object) -> object:
         element = right(*args)
         return replace(element, stiffness={part: k + np.diag(np.diag(k)) for part, k in element.stiffness.items()})
 
-    patch.setattr(fem.frame, "timoshenko", wrong)
+    patch.setattr(fem.beam.frame, "timoshenko", wrong)
 
 
 def _times(element: object, stiffness: float, mass: float) -> object:
@@ -68,22 +68,22 @@ def layer_stiffness(patch: Patch) -> None:
 
 
 def solid_stiffness(patch: Patch) -> None:
-    scaled(patch, fem.solid.elasticity, "_stiffness")
+    scaled(patch, fem.solid.assembly, "_stiffness")
 
 
 def solid_mass(patch: Patch) -> None:
-    scaled(patch, fem.solid.elasticity, "_mass")
+    scaled(patch, fem.solid.assembly, "_mass")
 
 
 def solid_grounded(patch: Patch) -> None:
-    right = fem.solid.elasticity._stiffness
+    right = fem.solid.assembly._stiffness
 
     def wrong(*args: object) -> np.ndarray:
         K = right(*args)
         size = K.shape[1] * 3
         return K + 1e8 * np.eye(size).reshape(K.shape[1:])
 
-    patch.setattr(fem.solid.elasticity, "_stiffness", wrong)
+    patch.setattr(fem.solid.assembly, "_stiffness", wrong)
 
 
 def second_source(patch: Patch) -> None:

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import fem.solid.elasticity
 import pytest
 
+import fem.solid.assembly
 from validation.cli import main
 from validation.output import plain_unit
 from validation.report.flexible import cells
@@ -69,8 +69,8 @@ def _result(row: dict[str, Any]) -> CheckResult:
 def test_a_failed_check_ends_with_exit_code_1_and_its_name(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    right = fem.solid.elasticity._mass
-    monkeypatch.setattr(fem.solid.elasticity, "_mass", lambda *args: 1.01 * right(*args))
+    right = fem.solid.assembly._mass
+    monkeypatch.setattr(fem.solid.assembly, "_mass", lambda *args: 1.01 * right(*args))
     assert main.run(["verify", "essentials"]) == main.FAILED_CHECK
     said = capsys.readouterr()
     assert "2 of 16 checks fail: Rigid mass matrix of hexahedra; Rigid mass matrix of tetrahedra." in said.err

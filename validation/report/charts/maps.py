@@ -296,10 +296,10 @@ def draw_accelerances(
     figure = new_figure(16.0, 9.2)
     room = {"left": 0.055, "right": 0.985, "top": 0.86, "bottom": 0.1, "hspace": 0.09, "wspace": 0.09}
     panels = figure.subplots(2, len(measured.runs), sharex=True, sharey="row", squeeze=False, gridspec_kw=room)
-    for run, name in enumerate(measured.runs):
-        upper, lower = panels[:, run]
-        _readings(upper, measured, models, run)
-        _errors(lower, measured, models, run)
+    for k, name in enumerate(measured.runs):
+        upper, lower = panels[:, k]
+        _readings(upper, measured, models, k)
+        _errors(lower, measured, models, k)
         upper.set_title(name, fontsize=12, loc="left", color=INK)
         lower.set_xlabel("frequency [Hz]", fontsize=10)
     panels[0, 0].set_ylabel("|acceleration / force| [1/kg]", fontsize=10)

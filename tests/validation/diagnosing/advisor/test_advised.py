@@ -11,7 +11,7 @@ from geometry.frames import rotation_about
 from validation.diagnose.candidates import aliases, alike
 from validation.diagnose.diagnosis import Candidate, FittedData
 from validation.diagnose.next_test import advised, following, imagined, told
-from validation.diagnose.next_test_offers import TestOffer, menu
+from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, knowledge, template
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import INDISTINGUISHABLE_NATS
@@ -45,7 +45,7 @@ def known(of: Pair) -> tuple[Knowledge, Knowledge]:
     return knowledge(of[1]), knowledge(of[2])
 
 
-def menu_of(of: Pair) -> dict[str, TestOffer]:
+def menu_of(of: Pair) -> dict[str, OfferedTest]:
     first, _ = known(of)
     effects = tuple(one for hypothesis in of[1:] for one in hypothesis.effects)
     return {one.words: one for one in menu([template(one, first) for one in of[0].made], effects, of[0].facts(()))}
