@@ -26,9 +26,9 @@ from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -53,6 +53,8 @@ NOTHING = 1e-15
 
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-]\d\d:\d\d| UTC)?")
+VERSION = re.compile(r"\b\d+(?:\.\d+){2,}\b")
+SYSTEM = re.compile(r"\b(?:Linux|macOS|Windows)-\S+")
 DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
 RULE = re.compile(r"([─━═-])\1{2,}")
 
@@ -123,8 +125,8 @@ class Asking:
         """Without what another day, folder or version changes."""
         for place, name in self.places.items():
             text = text.replace(place, name)
-        text = text.replace(f"massline {version('massline')}", "massline <version>")
-        text = DIGEST.sub("<digest>", DATE.sub("<date>", text))
+        for pattern, name in ((DATE, "<date>"), (DIGEST, "<digest>"), (VERSION, "<version>"), (SYSTEM, "<system>")):
+            text = pattern.sub(name, text)
         return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
     def _clean(self, data: Any) -> Any:
@@ -140,7 +142,7 @@ class Asking:
 def here(words: list[str]) -> tuple[int, str, str]:
     """Exit code, output and errors of a command line in this process: importing the libraries takes longer than most lines."""
     out, err = io.StringIO(), io.StringIO()
-    with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings():
+    with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings(), patch.object(sys, "argv", ["massline", *words]):
         warnings.simplefilter("ignore", RuntimeWarning)  # as `main` does
         code = cli.run(words)
     return code, out.getvalue(), err.getvalue()
