@@ -5,11 +5,12 @@ meant to answer otherwise gets its answers stored anew, to be read in the differ
 
     MASSLINE_RENEW_ANSWERS=1 python -m pytest tests/answers
 
-Everything goes through the command line, so that the code behind it may move; `workbench` alone goes deeper.
+Everything goes through the command line, so that the code behind it may move; the function `workbench` alone goes deeper.
 """
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import gzip
 import io
@@ -25,9 +26,9 @@ from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -52,6 +53,8 @@ NOTHING = 1e-15
 
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-]\d\d:\d\d| UTC)?")
+VERSION = re.compile(r"\b\d+(?:\.\d+){2,}\b")
+SYSTEM = re.compile(r"\b(?:Linux|macOS|Windows)-\S+")
 DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
 RULE = re.compile(r"([─━═-])\1{2,}")
 
@@ -98,6 +101,10 @@ class Asking:
             if words[0] == "show":
                 yield self._shown(line, (self.folder / words[1]).read_text(encoding="utf-8"))
                 continue
+            if words[0] == "workbench":
+                states = workbench(self.folder / "desk", words[1], words[2:])
+                yield from (Answer(line=f"{line}: {step}", text="", data=self._clean(state)) for step, state in states.items())
+                continue
             code, out, err = (in_process if self.process else here)(words)
             head = f"exit code {code}\n"
             if "--json" in words and out.startswith("{"):
@@ -118,8 +125,8 @@ class Asking:
         """Without what another day, folder or version changes."""
         for place, name in self.places.items():
             text = text.replace(place, name)
-        text = text.replace(f"massline {version('massline')}", "massline <version>")
-        text = DIGEST.sub("<digest>", DATE.sub("<date>", text))
+        for pattern, name in ((DATE, "<date>"), (DIGEST, "<digest>"), (VERSION, "<version>"), (SYSTEM, "<system>")):
+            text = pattern.sub(name, text)
         return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
     def _clean(self, data: Any) -> Any:
@@ -135,7 +142,7 @@ class Asking:
 def here(words: list[str]) -> tuple[int, str, str]:
     """Exit code, output and errors of a command line in this process: importing the libraries takes longer than most lines."""
     out, err = io.StringIO(), io.StringIO()
-    with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings():
+    with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings(), patch.object(sys, "argv", ["massline", *words]):
         warnings.simplefilter("ignore", RuntimeWarning)  # as `main` does
         code = main.run(words)
     return code, out.getvalue(), err.getvalue()
@@ -146,6 +153,46 @@ def in_process(words: list[str]) -> tuple[int, str, str]:
     command = [sys.executable, "-P", "-c", "from validation.cli.main import main; main()", *words]
     done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
     return done.returncode, done.stdout, done.stderr
+
+
+PAGE_ONLY = ("examples", "view", "view_label", "view_note", "view_far", "scheme", "live")
+"""Of the workbench's state: what is not about the data, and pictures."""
+
+
+def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
+    """What the page of `massline app` shows after compare, diagnose, add and undo, by step; figures as `report` has them.
+
+    The only function here that knows what is behind the commands: the page has no other door than a browser.
+    """
+    from types import SimpleNamespace
+
+    from validation.app.asked import Opened
+    from validation.app.bench import Bench
+    from validation.app.page import first_state
+    from validation.app.working import stands
+    from validation.desk import climbing, jobs
+    from validation.desk.desk import begun
+
+    class State(SimpleNamespace):
+        def flush(self) -> None: ...
+
+        def __getitem__(self, name: str) -> Any:
+            return getattr(self, name)
+
+    bench = Bench(state=State(**first_state()), folder=folder.parent, opened=Opened(), desk=begun(folder, model, data))
+    object.__setattr__(bench, "begin", lambda work: work.close())  # pictures of the structure and what-if are left out
+
+    def shown() -> dict[str, Any]:
+        asyncio.run(stands(bench))
+        state = {key: value for key, value in vars(bench.state).items() if key not in PAGE_ONLY}
+        return _shortened(json.loads(json.dumps(state, default=lambda one: one.tolist())))
+
+    steps = {}
+    for kind, asked in ((jobs.COMPARE, {}), (jobs.DIAGNOSE, {}), (jobs.ADD, {"effect": "force-gain:fmd-z2"})):
+        assert jobs.start(bench.desk, kind, **asked).wait().error == ""
+        steps[kind] = shown()
+    climbing.undone(bench.desk)
+    return {**steps, "undo": shown()}
 
 
 class Text(HTMLParser):
@@ -255,9 +302,13 @@ def read(path: Path) -> Answer:
     return Answer(line=line, text=head, data=json.loads(brace + data))
 
 
+NAMED = {"figures": 2, "text": 2, "show": 1, "workbench": -1}
+"""Which word of a line tells its file from others."""
+
+
 def file_name(number: int, answer: Answer) -> str:
     words = answer.line.split()
-    name = words[0] if words[0] not in ("figures", "text", "show") else f"{words[0]}-{words[2 if words[0] != 'show' else 1]}"
+    name = words[0] if words[0] not in ("figures", "text", "show", "workbench") else f"{words[0]}-{words[NAMED[words[0]]]}"
     return f"{number:02d}-{name.replace('/', '-')}.{'txt' if answer.data is None else 'json'}"
 
 
