@@ -54,6 +54,7 @@ NOTHING = 1e-15
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-]\d\d:\d\d| UTC)?")
 VERSION = re.compile(r"\b\d+(?:\.\d+){2,}\b")
+MODULE = re.compile(r"\b(?:geometry|fem|identification|validation)(?:\.[a-z_]+)+")
 SYSTEM = re.compile(r"\b(?:Linux|macOS|Windows)-\S+")
 DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
 RULE = re.compile(r"([─━═-])\1{2,}")
@@ -125,7 +126,13 @@ class Asking:
         """Without what another day, folder or version changes."""
         for place, name in self.places.items():
             text = text.replace(place, name)
-        for pattern, name in ((DATE, "<date>"), (DIGEST, "<digest>"), (VERSION, "<version>"), (SYSTEM, "<system>")):
+        for pattern, name in (
+            (DATE, "<date>"),
+            (DIGEST, "<digest>"),
+            (VERSION, "<version>"),
+            (SYSTEM, "<system>"),
+            (MODULE, "<module>"),
+        ):
             text = pattern.sub(name, text)
         return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
@@ -166,12 +173,11 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
     """
     from types import SimpleNamespace
 
-    from validation.app.asked import Opened
-    from validation.app.bench import Bench
-    from validation.app.page import first_state
-    from validation.app.working import stands
-    from validation.desk import climbing, jobs
-    from validation.desk.desk import begun
+    from validation.app import session, workers
+    from validation.app.options import StartOptions
+    from validation.app.panels import stands
+    from validation.app.state import WindowState
+    from validation.app.window import first_state
 
     class State(SimpleNamespace):
         def flush(self) -> None: ...
@@ -179,7 +185,9 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
         def __getitem__(self, name: str) -> Any:
             return getattr(self, name)
 
-    bench = Bench(state=State(**first_state()), folder=folder.parent, opened=Opened(), desk=begun(folder, model, data))
+    bench = WindowState(
+        state=State(**first_state()), folder=folder.parent, opened=StartOptions(), desk=session.begun(folder, model, data)
+    )
     object.__setattr__(bench, "begin", lambda work: work.close())  # pictures of the structure and what-if are left out
 
     def shown() -> dict[str, Any]:
@@ -188,10 +196,10 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
         return _shortened(json.loads(json.dumps(state, default=lambda one: one.tolist())))
 
     steps = {}
-    for kind, asked in ((jobs.COMPARE, {}), (jobs.DIAGNOSE, {}), (jobs.ADD, {"effect": "force-gain:fmd-z2"})):
-        assert jobs.start(bench.desk, kind, **asked).wait().error == ""
+    for kind, asked in ((workers.COMPARE, {}), (workers.DIAGNOSE, {}), (workers.ADD, {"effect": "force-gain:fmd-z2"})):
+        assert workers.start(bench.desk, kind, **asked).wait().error == ""
         steps[kind] = shown()
-    climbing.undone(bench.desk)
+    session.undone(bench.desk)
     return {**steps, "undo": shown()}
 
 
