@@ -106,7 +106,9 @@ def _all(bench: FittedData) -> Iterator[Added]:
     families = [one for one in FAMILIES.values() if one.side in SIDES and one.stage in SHOWN]
     every = [named for family in families for named in _everywhere(family, words) if named.id not in known]
     found = [Added(named=one, fixed=_is_switch(one)) for one in every if any(acts(one, place) for place in there)]
-    opened = _opened(bench, found)
+    # Parameters that effects without an equation would open; a chain makes them when they are asked for
+    asking = tuple(replace(one, fixed=False) for one in found if not _has_equation(one))
+    opened = {one.name for made in bench.made for one in made.with_effects((*bench.model.effects, *asking)).parameters}
     yield from (one for one in found if _has_equation(one) or one.named.id in opened)
     yield from (one for one in of_swings(bench) if one.named.id not in known)
 
@@ -119,28 +121,19 @@ def _there(bench: FittedData) -> Iterator[There]:
 
 def _everywhere(family: Family, words: Vocabulary) -> Iterator[Named]:
     for targets in product(*(words.legal(kind) or () for kind in family.targets)):
-        yield _at_nothing(family, targets)
+        sizes = family.sizes_at(targets)
+        if tuple(size.key for size in sizes) == RESONATOR:
+            at_nothing = Named(family=family.name, targets=targets, values=TINY_AT)
+        else:
+            values = {}
+            for size in sizes:
+                values[size.key] = size.null if size.plausible > 0 or size.default is None else size.default
+            at_nothing = Named(family=family.name, targets=targets, values=values)
+        yield at_nothing
 
 
 def _has_equation(added: Added) -> bool:
     return FAMILIES[added.named.family].stage != OPENED
-
-
-def _opened(bench: FittedData, found: Sequence[Added]) -> set[str]:
-    """Parameters that effects without an equation would open; a chain makes them when they are asked for."""
-    asking = tuple(replace(one, fixed=False) for one in found if not _has_equation(one))
-    return {one.name for made in bench.made for one in made.with_effects((*bench.model.effects, *asking)).parameters}
-
-
-def _at_nothing(family: Family, targets: tuple[str, ...]) -> Named:
-    sizes = family.sizes_at(targets)
-    if tuple(size.key for size in sizes) == RESONATOR:
-        return Named(family=family.name, targets=targets, values=TINY_AT)
-    return Named(family=family.name, targets=targets, values={size.key: _nothing(size) for size in sizes})
-
-
-def _nothing(size: SizeSpec) -> float:
-    return size.null if size.plausible > 0 or size.default is None else size.default
 
 
 def _is_switch(named: Named) -> bool:
@@ -254,7 +247,8 @@ def looked_up(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[S
     problem = bench.problem((*at.effects, *menu))
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
-    frequency = _frequencies(of)
+    low, high = _band(one.frequency for one in of.products)
+    frequency = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
     places = [(float(f), zeta) for zeta in DAMPING for f in frequency]
     by_set = {k: np.stack([_shape(one.frequency, f, zeta) for f, zeta in places]) for k, one in enumerate(of.products)}
     return [found for name, one in names.items() if (found := _best(of, name, one, places, by_set)) is not None]
@@ -291,11 +285,6 @@ def _best(
         plausible=np.inf,
         usual=told[usual],
     )
-
-
-def _frequencies(of: Screen) -> Array:
-    low, high = _band(one.frequency for one in of.products)
-    return np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
 
 
 def _band(frequencies: Iterable[Array]) -> tuple[float, float]:

@@ -441,18 +441,18 @@ def _of_one_quantity(of: ObservedFacts, beside: tuple[MeasurementComparison, ...
         sd = float(np.sqrt(max(of.covariance[i, i] + of.covariance[j, j] - 2 * of.covariance[i, j], 1e-300)))
         if abs(apart) > DISAGREE * sd:
             values = " and ".join(said(each.value, beside[i].unit, 4) for each in (one, other))
+            # In what two swings differ, as far as the file says
+            if one.swing is None or other.swing is None:
+                differing: str = ""
+            else:
+                differ = [name for name, (a, b) in _conditions(one, other).items() if a != b]
+                differing = (
+                    f"; they differ in {' and '.join(differ)}" if differ else "; the file says of nothing in which they differ"
+                )
             yield (
                 f"{one.name} and {other.name} contradict each other: {values}, "
-                f"{abs(apart) / sd:.0f} standard deviations apart{_differing(one, other)}"
+                f"{abs(apart) / sd:.0f} standard deviations apart{differing}"
             )
-
-
-def _differing(one: ArticleFact, other: ArticleFact) -> str:
-    """In what two swings differ, as far as the file says."""
-    if one.swing is None or other.swing is None:
-        return ""
-    differ = [name for name, (a, b) in _conditions(one, other).items() if a != b]
-    return f"; they differ in {' and '.join(differ)}" if differ else "; the file says of nothing in which they differ"
 
 
 def _conditions(one: ArticleFact, other: ArticleFact) -> dict[str, tuple[object, object]]:
@@ -546,7 +546,8 @@ def weighed(curve: InterpolatedCurve, plausible: float, left: Array, precision: 
     peak = density.max()
     share = steps(sizes) * np.exp(density - peak)
     low, value, high = quantiles(sizes, share)
-    best = _best(curve, left, precision)
+    best_sizes, found = _around(curve, lambda x: _gain(curve, x, left, precision), NEAR)
+    best = float(best_sizes[int(np.argmax(found))])
     gained = float(_gain(curve, np.array([best]), left, precision)[0])
     return Weighed(
         evidence=float(peak + np.log(share.sum())),
@@ -597,11 +598,6 @@ def _around(curve: InterpolatedCurve, density: Callable[[Array], Array], far: fl
         there = np.flatnonzero(found > found.max() - far)
         low, high = sizes[max(there[0] - 1, 0)], sizes[min(there[-1] + 1, POINTS - 1)]
     return sizes, found
-
-
-def _best(curve: InterpolatedCurve, left: Array, precision: Array) -> float:
-    sizes, found = _around(curve, lambda x: _gain(curve, x, left, precision), NEAR)
-    return float(sizes[int(np.argmax(found))])
 
 
 def is_end(curve: InterpolatedCurve, size: float) -> bool:
@@ -762,14 +758,23 @@ def judged(answers: Sequence[Answering], left: Array, precision: Array, of_perio
     tried = tuple(sorted((_tried(one, left, precision) for one in answers), key=lambda one: -one.found.evidence))
     chi2, n = float(left @ precision @ left), len(left)
     good = [one for one in tried if explains(one, n)]
-    alike = tuple(one for one in good if _is_worth(good[0]) and _alike(one, good[0]))
+    alike = tuple(one for one in good if good[0].found.evidence > EVIDENCE_THRESHOLD and _alike(one, good[0]))
     pair: tuple[ClassicalCandidateFit, ...] = ()
     if alike:
         verdict = MISSING if len(alike) == 1 else AMBIGUOUS
     elif chance(chi2, n) > (SURE if good else UNLIKELY):
         verdict = NOTHING
     else:
-        pair = _pair(tried, left, precision, np.zeros(n) if of_period is None else of_period)
+        # The best two at once that leave what tolerances leave, each as it is beside the other; nothing where no two do
+        pair_of_period = np.zeros(n) if of_period is None else of_period
+        found = []
+        for two in combinations(tried[:OF_PAIRS], 2) if len(left) > PAIR else ():
+            curves, plausible = (two[0].curve, two[1].curve), (two[0].answering.plausible, two[1].answering.plausible)
+            shared = pair_of_period * all(one.candidate.of_pendulum for one in two)
+            beside = both(curves, plausible, left, precision, shared)
+            if beside[0].evidence > EVIDENCE_THRESHOLD and chance(beside[0].chi2, len(left) - PAIR) > UNLIKELY:
+                found.append(tuple(replace(one, found=each) for one, each in zip(two, beside, strict=True)))
+        pair = max(found, key=lambda pair: pair[0].found.evidence, default=())
         verdict = SEVERAL if pair else UNKNOWN
     return ClassicalVerdict(
         verdict=verdict, tried=tried, alike=alike, pair=pair, measurements=n, chi2=chi2, probability=chance(chi2, n)
@@ -787,10 +792,6 @@ def _alike(one: ClassicalCandidateFit, best: ClassicalCandidateFit) -> bool:
     return best.found.evidence - one.found.evidence < INDISTINGUISHABLE_NATS or alias
 
 
-def _is_worth(one: ClassicalCandidateFit) -> bool:
-    return one.found.evidence > EVIDENCE_THRESHOLD
-
-
 def chance(chi2: float, degrees: int) -> float:
     """Probability of a larger `chi2` by chance; 1 where nothing is left to be judged."""
     from scipy.special import chdtrc
@@ -801,20 +802,6 @@ def chance(chi2: float, degrees: int) -> float:
 def explains(one: ClassicalCandidateFit, measurements: int) -> bool:
     """Whether what an effect leaves by itself is what tolerances leave."""
     return chance(one.found.chi2, measurements - 1) > UNLIKELY
-
-
-def _pair(
-    tried: Sequence[ClassicalCandidateFit], left: Array, precision: Array, of_period: Array
-) -> tuple[ClassicalCandidateFit, ...]:
-    """The best two at once that leave what tolerances leave, each as it is beside the other; nothing where no two do."""
-    found = []
-    for two in combinations(tried[:OF_PAIRS], 2) if len(left) > PAIR else ():
-        curves, plausible = (two[0].curve, two[1].curve), (two[0].answering.plausible, two[1].answering.plausible)
-        shared = of_period * all(one.candidate.of_pendulum for one in two)
-        beside = both(curves, plausible, left, precision, shared)
-        if beside[0].evidence > EVIDENCE_THRESHOLD and chance(beside[0].chi2, len(left) - PAIR) > UNLIKELY:
-            found.append(tuple(replace(one, found=each) for one, each in zip(two, beside, strict=True)))
-    return max(found, key=lambda pair: pair[0].found.evidence, default=())
 
 
 # The smallest size at which classical measurements would name an effect: where its own answer, without noise, is worth it.
@@ -831,20 +818,17 @@ def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tup
 
 def _found(tried: Sequence[ClassicalCandidateFit], precision: Array) -> Iterator[Detectable]:
     for one in tried:
-        size = smallest(one, precision)
+        # Positive size at which the evidence is `WORTH`; the end of what is looked at where it is not
+        low, high = 0.0, one.curve.high
+        if not _named(one, high, precision):
+            size = high
+        else:
+            for _ in range(HALVINGS):
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if _named(one, middle, precision) else (middle, high)
+            size = high
         if size < one.curve.high:
             yield Detectable(id=one.id, size=size, unit=one.candidate.size.unit)
-
-
-def smallest(one: ClassicalCandidateFit, precision: Array) -> float:
-    """Positive size at which the evidence is `WORTH`; the end of what is looked at where it is not."""
-    low, high = 0.0, one.curve.high
-    if not _named(one, high, precision):
-        return high
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if _named(one, middle, precision) else (middle, high)
-    return high
 
 
 def _named(one: ClassicalCandidateFit, size: float, precision: Array) -> bool:

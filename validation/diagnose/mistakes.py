@@ -22,7 +22,6 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array
-from geometry.sensors import ChannelTable
 from identification.consistency import candidates
 from identification.quality import NORMAL_90
 from validation.diagnose.accept import as_it_stands
@@ -116,7 +115,8 @@ class LowFrequencyReadings:
 def low_frequency_readings(one: SeriesPrediction) -> LowFrequencyReadings:
     """The lowest lines of `one`, by its model as it stands."""
     measured = one.measured
-    lines = _lines(measured.frequency)
+    low = np.flatnonzero(measured.frequency <= REACH * measured.frequency[0])
+    lines = np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
     rows = one.at({parameter.name: parameter.start for parameter in one.parameters}, lines, derivatives=False).rows
     y = measured.values[:, lines]
     p = _agreed(rows if rows.ndim == 4 else rows[None], y, ~measured.judged)
@@ -147,11 +147,6 @@ def level(p: ComplexArray) -> Array:
 
 def _norm(values: ComplexArray) -> Array:
     return np.asarray(np.linalg.norm(values, axis=(-3, -2)))
-
-
-def _lines(frequency: Array) -> npt.NDArray[np.int64]:
-    low = np.flatnonzero(frequency <= REACH * frequency[0])
-    return np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
 
 
 def _agreed(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) -> ComplexArray:
@@ -262,10 +257,32 @@ def mistakes(bench: FittedData) -> tuple[Cause, ...]:
     CheckFailed : a mistake of one campaign that another contradicts.
     """
     every = [low_frequency_readings(one.with_effects(bench.model.effects)) for one in bench.made]
-    known = _factors(bench.made[0].tested.campaign.table, every[0].channels)
+    channels = every[0].channels
+    units = [one for one in candidates(bench.made[0].tested.campaign.table) if one.kind == "unit" and len(one.channels) == 1]
+    of = {name: [one for one in units if one.channels == (name,)] for name in channels}
+    known = tuple(
+        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
+    )
     found = _decided(every, known)
     for one in every if len(every) > 1 else ():
-        _require_agreement(one, every, _decided([one], known))
+        # Refuse a mistake of campaign `one` that another contradicts
+        for taken in _decided([one], known):
+            for other in every:
+                right, wrong = (
+                    _likelihood([other], taken.channel, plug, factor)
+                    for plug, factor in ((taken.channel, 1.0), (taken.plug, taken.factor))
+                )
+                if not taken.is_right and right - wrong > SURE:
+                    channel, plug = one.channels[taken.channel], one.channels[taken.plug]
+                    holds = (
+                        f"{channel} holds the signal of {plug}" if taken.plug != taken.channel else f"{channel} reads as expected"
+                    )
+                    what = holds if taken.factor == 1 else f"{holds} times {taken.factor:.4g}"
+                    raise CheckFailed(
+                        f"the campaigns contradict one another: in {one.name} {what}, in {other.name} it is as the file says; "
+                        f"correct that campaign alone (`massline correct`), or leave it out",
+                        evidence_nats={one.name: taken.gain, other.name: right - wrong},
+                    )
     return tuple(_causes(every[0].channels, _whole(found, every[0], known)))
 
 
@@ -275,14 +292,6 @@ class _Known:
 
     values: Array
     units: tuple[tuple[str, str], ...]
-
-
-def _factors(table: ChannelTable, channels: Sequence[str]) -> tuple[_Known, ...]:
-    units = [one for one in candidates(table) if one.kind == "unit" and len(one.channels) == 1]
-    of = {name: [one for one in units if one.channels == (name,)] for name in channels}
-    return tuple(
-        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
-    )
 
 
 def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> tuple[Taken, ...]:
@@ -400,60 +409,30 @@ def _whole(taken: tuple[Taken, ...], of: LowFrequencyReadings, known: Sequence[_
     )
 
 
-def _require_agreement(one: LowFrequencyReadings, every: Sequence[LowFrequencyReadings], alone: Sequence[Taken]) -> None:
-    """Refuse a mistake of campaign `one` that another contradicts."""
-    for taken in alone:
-        for other in every:
-            right, wrong = (
-                _likelihood([other], taken.channel, plug, factor)
-                for plug, factor in ((taken.channel, 1.0), (taken.plug, taken.factor))
-            )
-            if not taken.is_right and right - wrong > SURE:
-                what = _said(one.channels, taken)
-                raise CheckFailed(
-                    f"the campaigns contradict one another: in {one.name} {what}, in {other.name} it is as the file says; "
-                    f"correct that campaign alone (`massline correct`), or leave it out",
-                    evidence_nats={one.name: taken.gain, other.name: right - wrong},
-                )
-
-
-def _said(channels: Sequence[str], one: Taken) -> str:
-    channel, plug = channels[one.channel], channels[one.plug]
-    holds = f"{channel} holds the signal of {plug}" if one.plug != one.channel else f"{channel} reads as expected"
-    return holds if one.factor == 1 else f"{holds} times {one.factor:.4g}"
-
-
 def _causes(channels: Sequence[str], taken: Sequence[Taken]) -> Iterator[Cause]:
     """Signs of sensors, then plugs, then units of the files."""
     for one in taken:
         if one.factor < 0:
             yield _cause("polarity", (channels[one.plug],), one.gain)
-    yield from _swaps(channels, taken)
+    # Exchanges of two that, one after the other, bring every plug where it was found
+    at = list(range(len(taken)))
+    for c, each in enumerate(taken):
+        if at[c] != each.plug:
+            other = at.index(each.plug)
+            at[c], at[other] = at[other], at[c]
+            yield _cause("channel-swap", (channels[c], channels[other]), each.gain + taken[other].gain)
     for one in taken:
         if abs(one.factor) != 1:
             yield _unit(channels[one.channel], one)
-
-
-def _swaps(channels: Sequence[str], taken: Sequence[Taken]) -> Iterator[Cause]:
-    """Exchanges of two that, one after the other, bring every plug where it was found."""
-    at = list(range(len(taken)))
-    for c, one in enumerate(taken):
-        if at[c] != one.plug:
-            other = at.index(one.plug)
-            at[c], at[other] = at[other], at[c]
-            yield _cause("channel-swap", (channels[c], channels[other]), one.gain + taken[other].gain)
 
 
 def _unit(channel: str, one: Taken) -> Cause:
     value = abs(one.factor)
     half = 0.0 if one.units[0] else NORMAL_90 * OFF * value
     size = EffectEstimate(key="", value=value, unit="1", low=value - half, high=value + half)
-    return _cause("unit", (channel,), one.gain, {"": value}, (size,), _in_words(one))
-
-
-def _in_words(one: Taken) -> str:
     taken, true = one.units
-    return f"its numbers are in {true}, and the file says {taken}" if taken else ""
+    in_words = f"its numbers are in {true}, and the file says {taken}" if taken else ""
+    return _cause("unit", (channel,), one.gain, {"": value}, (size,), in_words)
 
 
 def _cause(

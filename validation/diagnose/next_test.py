@@ -113,7 +113,7 @@ def _of_lines(test: PlannedTest, first: Knowledge, others: Sequence[Knowledge]) 
         found.append(likelihood.total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
     return _Differences(
         parameters=tuple(parameters[name] for name in names),
-        others=tuple(_scaled(one, worth) for one in found),
+        others=tuple(Normal(cost=worth * one.cost, gradient=worth * one.gradient, matrix=worth * one.matrix) for one in found),
     )
 
 
@@ -123,10 +123,6 @@ def _of_effects(test: PlannedTest, of: Knowledge, lines: Lines) -> tuple[dict[st
     parameters = {one.name: one for one in own.parameters if one.kind == EFFECT and one.tolerance > 0}
     changes = own.at(of.offsets, lines, derivatives=frozenset(parameters)).changes if parameters else {}
     return parameters, {name: change for name, change in changes.items() if name in parameters}
-
-
-def _scaled(one: Normal, factor: float) -> Normal:
-    return Normal(cost=factor * one.cost, gradient=factor * one.gradient, matrix=factor * one.matrix)
 
 
 def _of_facts(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
@@ -258,27 +254,21 @@ def imagined(bench: FittedData, of: Candidate) -> tuple[Alternative, ...]:
     """In place of the last effect of a hypothesis: nothing, and the effects that come nearest of those it is mistaken for."""
     effect = of.effects[-1]
     if effect.fixed:
-        return (_switched_off(of, effect),)
-    menu = lookalikes(bench, effect.named)
+        # Of an effect that is there or not: the same without it, which was not asked for because it is far worse
+        known = knowledge(of)
+        left = tuple(one for one in known.effects if one.named.id != effect.named.id)
+        switched_off = Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE))
+        return (switched_off,)
+    # The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one
+    named = effect.named
+    wanted = FAMILIES[named.family].mistaken_for
+    lookalikes_found = (one for one in candidates(bench) if one.named.family in wanted or one.named.id in wanted)
+    menu = tuple(one for one in lookalikes_found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
     ground = _ground(bench, of, menu)
     without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
     found = [_instead(ground, of, effect, without, one) for one in (None, *menu)]
     nothing, *others = (one for one in found if one is not None)
     return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:IMAGINED_MOST])
-
-
-def _switched_off(of: Candidate, effect: Added) -> Alternative:
-    """Of an effect that is there or not: the same without it, which was not asked for because it is far worse."""
-    known = knowledge(of)
-    left = tuple(one for one in known.effects if one.named.id != effect.named.id)
-    return Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE))
-
-
-def lookalikes(bench: FittedData, named: Named) -> tuple[Added, ...]:
-    """The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one."""
-    wanted = FAMILIES[named.family].mistaken_for
-    found = (one for one in candidates(bench) if one.named.family in wanted or one.named.id in wanted)
-    return tuple(one for one in found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
 
 
 def _shares(one: Named, other: Named) -> bool:
@@ -402,20 +392,22 @@ def advised(bench: FittedData, rivals: Sequence[Candidate], progress: Progress |
     """
     tell = progress or (lambda share: None)
     if len(rivals) == 1:
-        return _confirming(bench, rivals[0], tell)
+        # Tests that would tell a single explanation from nothing, and from what it could be mistaken for
+        one = rivals[0]
+        if not one.effects:
+            return ()
+        confirming_others = imagined(bench, one)
+        effects = tuple(added for each in confirming_others for added in each.known.effects if added.named.id == each.id)
+        names = [one.effects[-1].named.id, *(each.id for each in confirming_others)]
+        return chosen(bench, knowledge(one), [each.known for each in confirming_others], names, (one.effects[-1], *effects), tell)
     first, *others = (knowledge(one) for one in rivals)
-    own = suspected(rivals)
-    return chosen(bench, first, others, [worded(one) for one in own], _all(own), tell)
-
-
-def _confirming(bench: FittedData, one: Candidate, progress: Progress) -> tuple[Advice, ...]:
-    """Tests that would tell a single explanation from nothing, and from what it could be mistaken for."""
-    if not one.effects:
-        return ()
-    others = imagined(bench, one)
-    effects = tuple(added for each in others for added in each.known.effects if added.named.id == each.id)
-    names = [one.effects[-1].named.id, *(each.id for each in others)]
-    return chosen(bench, knowledge(one), [each.known for each in others], names, (one.effects[-1], *effects), progress)
+    # Of every hypothesis the effects that not all of them have
+    common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
+    own = [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
+    # Effects by their ids
+    return chosen(
+        bench, first, others, [" with ".join(each.named.id for each in one) or "nothing" for one in own], _all(own), tell
+    )
 
 
 def chosen(
@@ -485,30 +477,16 @@ def _advice(one: Forecast, names: Sequence[str]) -> Advice:
 
 def _none(tried: Sequence[Forecast], effects: Sequence[Added], names: Sequence[str]) -> Advice:
     """That no test helps, which comes nearest, and what the catalogue knows of a laboratory."""
-    apart = f"no test of the menu is expected to tell {_listed(names)} apart"
+    listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    apart = f"no test of the menu is expected to tell {listed} apart"
     nearest = f"; the nearest to it, with {tried[0].gain:.1f} nats: {_small(tried[0].offer.words)}" if tried else ""
     ways = dict.fromkeys(FAMILIES[one.named.family].confirmed_by for one in effects)
     said = "; ".join(way for way in ways if way)
     return Advice(test=f"{apart}{nearest}{'. What would: ' + said if said else ''}", gain=0.0)
 
 
-def suspected(rivals: Sequence[Candidate]) -> list[tuple[Added, ...]]:
-    """Of every hypothesis the effects that not all of them have."""
-    common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
-    return [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
-
-
-def worded(effects: Sequence[Added]) -> str:
-    """Effects by their ids."""
-    return " with ".join(one.named.id for one in effects) or "nothing"
-
-
 def _all(own: Sequence[Sequence[Added]]) -> tuple[Added, ...]:
     return tuple({one.named.id: one for effects in own for one in effects}.values())
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _small(words: str) -> str:

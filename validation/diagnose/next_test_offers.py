@@ -13,7 +13,7 @@ import numpy as np
 from geometry.articles.dimensions import load
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, rotation_about
+from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place
 from identification import request
@@ -143,9 +143,10 @@ def turned(templates: Sequence[Template]) -> Iterator[OfferedTest]:
 def lying(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """The Cuboid on its broad side: the same mass at another height."""
     campaign = _with(templates[0], CUBOID)
-    yield from _run(
-        "lying", "Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, _on_its_side(campaign))
-    )
+    pose, _ = mounted(campaign)
+    _, depth, height = load(CUBOID)["size"]
+    down = Pose(position=np.array([0.0, height / 2, depth / 2]), rotation=rotation_about("x", pi / 2))
+    yield from _run("lying", "Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, pose @ down))
 
 
 def _run(kind: str, words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[OfferedTest]:
@@ -171,13 +172,6 @@ def _posed(campaign: Campaign, pose: Pose) -> Campaign:
 def _about_z(campaign: Campaign, degrees: float) -> Pose:
     pose, _ = mounted(campaign)
     return Pose(position=pose.position, rotation=rotation_about("z", degrees * pi / 180) @ pose.rotation)
-
-
-def _on_its_side(campaign: Campaign) -> Pose:
-    pose, _ = mounted(campaign)
-    _, depth, height = load(CUBOID)["size"]
-    down = Pose(position=np.array([0.0, height / 2, depth / 2]), rotation=rotation_about("x", pi / 2))
-    return pose @ down
 
 
 # Tests of the menu that need no shaker: a balance, a crane, a pendulum, each about an article that was tested.
@@ -216,7 +210,10 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
     for what in dict.fromkeys(above_fmd(one.tested.campaign.article) for one in templates):
         for method in METHODS if what else ():
             facts = _facts(model, what, method)
-            if any(not _is_known(one, known) for one in facts):
+            if any(
+                not any(other.of.article == one.of.article and np.array_equal(other.weights, one.weights) for other in known)
+                for one in facts
+            ):
                 yield OfferedTest(
                     kind=method.words,
                     words=method.words.format(named(what)),
@@ -238,10 +235,6 @@ def _facts(model: Model, what: str, method: Method) -> tuple[ArticleFact, ...]:
         size = abs(float(weights @ ten)) if key in SHARES else 1.0
         found.append(ArticleFact(name=key, of=of, weights=weights, value=0.0, deviation=size * tolerance / NORMAL_95))
     return tuple(found)
-
-
-def _is_known(one: ArticleFact, known: Sequence[ArticleFact]) -> bool:
-    return any(other.of.article == one.of.article and np.array_equal(other.weights, one.weights) for other in known)
 
 
 def _classical_with(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> tuple[Fact, ...]:
@@ -305,18 +298,6 @@ MOST = 2
 """Places of an article at which a mass is offered at most."""
 
 
-def on_plate(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """On a corner of the cover plate, beside what stands there: it loads one cell more than the others."""
-    of = templates[0]
-    place = locations("fmd")[CORNER]
-    test = planned(of, of.tested.campaign)
-    bare = test.prediction.tested.carried
-    made = _carrying(test, replace(bare, moving=bare.moving + _point(ON_PLATE, place)))
-    beside = named(above_fmd(of.tested.campaign.article))
-    words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
-    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=made)
-
-
 def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
     """On places of the article that has most of them: those that are `asked` about, and the highest."""
     of = max(templates, key=lambda one: len(_places(one)))
@@ -325,24 +306,16 @@ def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[
     asked_about = sum(place in there for place in asked)
     for place in list(chosen)[: min(max(asked_about, 1), MOST)]:
         words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
-        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=_with_mass(of, place))
-
-
-def _with_mass(of: Template, place: str) -> PlannedTest:
-    test = planned(of, of.tested.campaign)
-    tested = test.prediction.tested
-    stands = tested.carried.standing
-    heavy = None if stands.matrices is None else heavier(stands.matrices, (place,), {"": ON_ARTICLE})
-    return _carrying(test, supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy)))
+        test = planned(of, of.tested.campaign)
+        tested = test.prediction.tested
+        stands = tested.carried.standing
+        heavy = None if stands.matrices is None else heavier(stands.matrices, (place,), {"": ON_ARTICLE})
+        with_mass = _carrying(test, supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy)))
+        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=with_mass)
 
 
 def _carrying(test: PlannedTest, what: SupportedDynamicMass) -> PlannedTest:
     return replace(test, prediction=replace(test.prediction, tested=replace(test.prediction.tested, carried=what)))
-
-
-def _point(mass: float, position: Array) -> Inertia:
-    """About F."""
-    return Inertia.from_cog(mass, position, np.zeros((3, 3)))
 
 
 def _places(of: Template) -> tuple[str, ...]:
@@ -385,7 +358,10 @@ def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[O
     """An accelerometer that is `asked` about and one of the same direction change places."""
     of = templates[0]
     for one in _accelerometers(of, asked):
-        for other in _alike(of, one)[:1]:
+        # Others of its group along the same direction
+        along = one.places[0].direction
+        alike = [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ along > PARALLEL]
+        for other in alike[:1]:
             pairs = ((one.name, other.name), (other.name, one.name))
             moved = {f"{family}:{a}": Origin(name=f"{family}:{b}") for family in ITS_OWN for a, b in pairs}
             words = f"Run {_beneath(of)} with the accelerometers {one.name} and {other.name} exchanged"
@@ -435,12 +411,6 @@ def _on(of: Template, group: str) -> list[Channel]:
 def _accelerometers(of: Template, asked: Sequence[str]) -> list[Channel]:
     there = of.tested.campaign.table.channels
     return [one for one in there if one.name in asked and one.quantity == "acceleration" and one.group in MOUNTED]
-
-
-def _alike(of: Template, one: Channel) -> list[Channel]:
-    """Others of its group along the same direction."""
-    along = one.places[0].direction
-    return [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ along > PARALLEL]
 
 
 def _inwards(of: Template, one: Channel) -> tuple[Place, ...]:
@@ -511,7 +481,16 @@ def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequenc
     yield from others(templates)
     yield from turned(templates)
     yield from lying(templates)
-    yield from on_plate(templates)
+    # On a corner of the cover plate, beside what stands there: it loads one cell more than the others
+    of = templates[0]
+    place = locations("fmd")[CORNER]
+    test = planned(of, of.tested.campaign)
+    bare = test.prediction.tested.carried
+    # About F
+    made = _carrying(test, replace(bare, moving=bare.moving + Inertia.from_cog(ON_PLATE, place, np.zeros((3, 3)))))
+    beside = named(above_fmd(of.tested.campaign.article))
+    words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
+    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=made)
     yield from on_article(templates, asked)
     yield from exchanged(templates, asked)
     yield from moved(templates, asked)

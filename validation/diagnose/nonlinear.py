@@ -157,7 +157,19 @@ FREE = 1e-3
 def driven_runs(one: SeriesPrediction) -> Driven:
     """The runs of `one`; what its model knows of an amplitude is taken off their readings."""
     measured = one.measured
-    share, partner = _levels(one)
+    # (r,) shares of the strongest run that drove the same, and (r,) that run
+    drive = np.stack([of.amplitude for of in one.tested.drives])
+    size = np.linalg.norm(drive, axis=1)
+    if not np.all(size > 0):
+        drive, size = _as_read(one)
+    along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
+    same = along @ along.T > SAME_SHAPE
+    strongest = np.where(same, size[None], 0.0).max(axis=1)
+    share = size / strongest
+    partner = np.arange(len(size))
+    for k in np.flatnonzero(share < WEAKER):
+        rivals = np.flatnonzero(same[k] & (share >= WEAKER))
+        partner[k] = rivals[np.argmax([_coherence(one, int(k), int(other)) for other in rivals])]
     linear = one.with_effects([effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE])
     start = {parameter.name: parameter.start for parameter in one.parameters}
     rows = linear.at(start, derivatives=False).rows
@@ -181,23 +193,6 @@ def driven_runs(one: SeriesPrediction) -> Driven:
 
 SILENT = 0.01
 """Share of what channels of its kind read at which a channel counts as silent."""
-
-
-def _levels(one: SeriesPrediction) -> tuple[Array, Indices]:
-    """(r,) shares of the strongest run that drove the same, and (r,) that run."""
-    drive = np.stack([of.amplitude for of in one.tested.drives])
-    size = np.linalg.norm(drive, axis=1)
-    if not np.all(size > 0):
-        drive, size = _as_read(one)
-    along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
-    same = along @ along.T > SAME_SHAPE
-    strongest = np.where(same, size[None], 0.0).max(axis=1)
-    share = size / strongest
-    partner = np.arange(len(size))
-    for k in np.flatnonzero(share < WEAKER):
-        rivals = np.flatnonzero(same[k] & (share >= WEAKER))
-        partner[k] = rivals[np.argmax([_coherence(one, int(k), int(other)) for other in rivals])]
-    return share, partner
 
 
 def _as_read(one: SeriesPrediction) -> tuple[Array, Array]:
@@ -232,21 +227,19 @@ def _linear(one: SeriesPrediction, rows: ComplexArray) -> ComplexArray:
 def beyond(of: Driven, runs: Sequence[int] | None = None) -> tuple[Beyond, ...]:
     """What each of the weaker `runs` (all by default) holds beyond the stronger ones; none where channels are too few."""
     basis = of.values[list(of.stronger)].transpose(1, 2, 0)
-    missing = not _spans(of, basis)
+    # Whether the stronger runs move in all six ways, well above their noise, at most lines
+    if basis.shape[2] < MOTIONS_OF_A_PLATE:
+        spans: bool = False
+    else:
+        noise = np.sqrt(np.mean(of.noise[list(of.stronger)] ** 2, axis=0))
+        noise = np.maximum(noise, FLOOR * of.level[list(of.stronger)].max(axis=0))
+        sizes = np.linalg.svd(basis / noise[..., None], compute_uv=False)
+        spans = bool(np.median(sizes[:, MOTIONS_OF_A_PLATE - 1]) > SPANNED)
+    missing = not spans
     columns = basis.shape[2] + (MOTIONS_OF_A_PLATE if missing else 0)
     if columns >= len(of.channels):
         return ()
     return tuple(_beyond(of, k, basis, missing=missing) for k in (of.weaker if runs is None else runs))
-
-
-def _spans(of: Driven, basis: ComplexArray) -> bool:
-    """Whether the stronger runs move in all six ways, well above their noise, at most lines."""
-    if basis.shape[2] < MOTIONS_OF_A_PLATE:
-        return False
-    noise = np.sqrt(np.mean(of.noise[list(of.stronger)] ** 2, axis=0))
-    noise = np.maximum(noise, FLOOR * of.level[list(of.stronger)].max(axis=0))
-    sizes = np.linalg.svd(basis / noise[..., None], compute_uv=False)
-    return bool(np.median(sizes[:, MOTIONS_OF_A_PLATE - 1]) > SPANNED)
 
 
 def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond:
@@ -308,7 +301,18 @@ def of_campaign(of: Driven) -> tuple[LevelDifference, ...]:
     for k, one in enumerate(left):
         if not len(apart[k]) or _leaks(of, left, k):
             continue
-        level = _level(of, one, apart[k])
+        level_apart = apart[k]
+        by_line = np.sum(one.by_channel[:, list(level_apart)], axis=1)
+        width = min(SMOOTHED, len(by_line))
+        worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
+        level = LevelDifference(
+            data_set=of.name,
+            runs=(of.runs[one.run], of.runs[int(of.partner[one.run])]),
+            axis=of.axes[one.run],
+            channels=tuple(of.channels[k] for k in level_apart),
+            frequency=float(of.frequency[worst]),
+            sigma=float(surprise(one).max()),
+        )
         if level.axis not in known or known[level.axis].sigma < level.sigma:
             known[level.axis] = level
     return tuple(known.values())
@@ -345,20 +349,6 @@ def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
         taken = np.abs(one.weights[:, column]) / of.share[other.run]
         brought += float(np.sum(taken[:, None] ** 2 * np.abs(other.whitened * other.deviation) ** 2))
     return bool(own < LEAKING * np.sqrt(brought))
-
-
-def _level(of: Driven, one: Beyond, apart: Sequence[int]) -> LevelDifference:
-    by_line = np.sum(one.by_channel[:, list(apart)], axis=1)
-    width = min(SMOOTHED, len(by_line))
-    worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
-    return LevelDifference(
-        data_set=of.name,
-        runs=(of.runs[one.run], of.runs[int(of.partner[one.run])]),
-        axis=of.axes[one.run],
-        channels=tuple(of.channels[k] for k in apart),
-        frequency=float(of.frequency[worst]),
-        sigma=float(surprise(one).max()),
-    )
 
 
 def require_levels(bench: FittedData, what: str = "friction, a gap or saturation") -> None:
@@ -602,7 +592,11 @@ def nonlinear(
     if not seen:
         return ()
     found: list[_Found] = []
-    every = could_act([one.bent.one for one in seen], vocabulary(bench.model, bench.campaigns), _suspected(levels))
+    worst = sorted(levels, key=lambda level: -level.sigma)
+    suspected_every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
+    every = could_act(
+        [one.bent.one for one in seen], vocabulary(bench.model, bench.campaigns), tuple(suspected_every)[:SUSPECTED]
+    )
     for k, named in enumerate(every):
         found += _sized(named, seen, first_order=True)
         if progress is not None:
@@ -671,12 +665,6 @@ def _seen(bench: FittedData, levels: Sequence[LevelDifference]) -> Iterator[_See
         yield _Seen(bent=nonlinear_distortion(model, of, lines, recordings), runs=runs)
 
 
-def _suspected(levels: Sequence[LevelDifference]) -> tuple[str, ...]:
-    worst = sorted(levels, key=lambda level: -level.sigma)
-    every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
-    return tuple(every)[:SUSPECTED]
-
-
 def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_Found]:
     """`named` at its best size; none where the data have not what it acts on, or no size helps."""
     from scipy.optimize import minimize_scalar
@@ -691,7 +679,13 @@ def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_F
         return sum(one.first_order(at(x)) if first_order else one.exact(at(x)) for one in seen)
 
     try:
-        low, high = _bracket(size, chi2) if first_order else _around(size, begin)
+        if first_order:
+            low, high = _bracket(size, chi2)
+        elif size.logarithmic:
+            low, high = float(np.log(begin)) - 0.7, float(np.log(begin)) + 0.7
+        else:
+            half = 0.3 * abs(begin) + 0.02 * (size.high - size.low)
+            low, high = max(size.low, begin - half), min(size.high, begin + half)
     except BadInput:
         return []
     best = minimize_scalar(chi2, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)})
@@ -708,13 +702,6 @@ def _bracket(size: OfFamily, chi2: Callable[[float], float]) -> tuple[float, flo
     grid = np.linspace(low, high, round(PER_DECADE * (high - low) / np.log(10)) + 1)
     best = int(np.argmin([chi2(float(x)) for x in grid]))
     return float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
-
-
-def _around(size: OfFamily, value: float) -> tuple[float, float]:
-    if size.logarithmic:
-        return float(np.log(value)) - 0.7, float(np.log(value)) + 0.7
-    half = 0.3 * abs(value) + 0.02 * (size.high - size.low)
-    return max(size.low, value - half), min(size.high, value + half)
 
 
 def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:

@@ -19,11 +19,11 @@ from geometry.frames import Array
 from validation.diagnose.accept import ABSURD, GoodnessOfFit, excess, goodness_of_fit
 from validation.diagnose.candidates import aliases, is_resonator, reaches, screen
 from validation.diagnose.diagnosis import Candidate, FittedData, Screened
-from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, evidence_threshold
 from validation.estimation.cost import Cost, cost_of
 from validation.estimation.fit import BREAKDOWNS, child, fit, nearby
-from validation.estimation.problem import EFFECT, FITTED, Offsets, Parameter, Problem
+from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
 from validation.estimation.result import Fit
 from validation.history.add import sized_by
 from validation.model.model import Added
@@ -127,13 +127,11 @@ def recentred(bench: FittedData, of: Candidate) -> Candidate:
     """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
     effects = tuple(sized_by(one, of.fit) for one in of.effects)
     problem = bench.problem(effects)
-    return Candidate(effects=effects, fit=_counted_from(problem, of.fit), problem=problem)
-
-
-def _counted_from(problem: Problem, fit: Fit) -> Fit:
-    """`fit` with its logarithms counted from the sizes that the models of `problem` have."""
+    # `fit` with its logarithms counted from the sizes that the models of `problem` have
+    fit = of.fit
     parameters = tuple(problem.by_name[one.name] for one in fit.parameters)
-    return replace(fit, parameters=parameters, offsets=np.array(list(_in(problem, fit).values())))
+    counted_from = replace(fit, parameters=parameters, offsets=np.array(list(_in(problem, fit).values())))
+    return Candidate(effects=effects, fit=counted_from, problem=problem)
 
 
 def _in(problem: Problem, fit: Fit) -> dict[str, float]:
@@ -172,7 +170,11 @@ def restarted_from_priors(bench: FittedData, at: Candidate, added: Added) -> Can
     problem = bench.problem(effects)
     (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
     home = _home(problem, at.fit)
-    begin = home | {which: _nearest(problem.sparser(SPARSE), home, which)}
+    # The size of the effect `which` that comes nearest to the data, everything else at `home`
+    nearest_problem = problem.sparser(SPARSE)
+    cost = cost_of(nearest_problem, [nearest_problem.by_name[which]], ROUGH, home)
+    nearest = min(map(float, sizes(nearest_problem.by_name[which])), key=lambda size: _cost(cost, size))
+    begin = home | {which: nearest}
     return recentred(
         bench, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem)
     )
@@ -191,12 +193,6 @@ def _home(problem: Problem, fit: Fit) -> dict[str, float]:
     """Offsets of tolerances that are declared, and of the effects of `fit` that were found."""
     found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
     return {one.name: one.start for one in problem.parameters} | found
-
-
-def _nearest(problem: Problem, home: Offsets, which: str) -> float:
-    """The size of the effect `which` that comes nearest to the data, everything else at `home`."""
-    cost = cost_of(problem, [problem.by_name[which]], ROUGH, home)
-    return min(map(float, sizes(problem.by_name[which])), key=lambda size: _cost(cost, size))
 
 
 def _cost(cost: Cost, size: float) -> float:
@@ -355,9 +351,9 @@ def _one(bench: FittedData, at: Candidate, found: SearchStep, progress: Progress
     evidence = at.fit.log_evidence - rest.fit.log_evidence
     if evidence < evidence_threshold(added.named.family):
         return rest, ()
-    there = CandidateFit(
-        id=found.added, hypothesis=_last(at, added), evidence=evidence, standing=goodness_of_fit(at.fit, at.problem)
-    )
+    # `at`, the effect `added` named last
+    last = replace(at, effects=(*(one for one in at.effects if one is not added), added))
+    there = CandidateFit(id=found.added, hypothesis=last, evidence=evidence, standing=goodness_of_fit(at.fit, at.problem))
     rivals = _asked_again_rivals(found, at)
     progress(f"asking {found.added} and {len(rivals)} others once more", 0.95)
     others = [judged(rest, instead(bench, at, rest, _at_home(one.added, added))) for one in rivals]
@@ -378,11 +374,6 @@ def _at_home(one: Added, found: Added) -> Added:
     """A resonator at another place or under another name begins at the sizes of the one that was found; others at their own."""
     same = is_resonator(one.named) and is_resonator(found.named) and one.named.values.keys() == found.named.values.keys()
     return replace(one, named=replace(one.named, values=found.named.values)) if same else one
-
-
-def _last(at: Candidate, added: Added) -> Candidate:
-    """`at`, the effect `added` named last."""
-    return replace(at, effects=(*(one for one in at.effects if one is not added), added))
 
 
 def _without(bench: FittedData, at: Candidate, added: Added) -> Candidate:
@@ -569,7 +560,12 @@ def _rivals(tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequenc
     others = [one for one in menu if one.named.id not in known]
     by_id = {one.id: one.added for one in found}
     if is_resonator(best.added.named):
-        twins = [one for one in others if _are_twins(one.named, best.added.named)]
+        # Whether both are resonators in one place, which may be one oscillator under two names
+        twins = [
+            one
+            for one in others
+            if is_resonator(one.named) and is_resonator(best.added.named) and one.named.targets == best.added.named.targets
+        ]
         elsewhere = [one.added for one in found if one.id not in known and one.added.named.family == best.family]
         return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIASES])]
     if best.added.fixed:
@@ -596,11 +592,6 @@ def _as_a_rival(bench: FittedData, at: Candidate, added: Added, best: CandidateF
     if found.evidence >= KEPT * best.evidence or not can_be(added):
         return found
     return max(found, judged(at, restarted_from_priors(bench, at, added)), key=lambda each: each.evidence)
-
-
-def _are_twins(one: Named, other: Named) -> bool:
-    """Whether both are resonators in one place, which may be one oscillator under two names."""
-    return is_resonator(one) and is_resonator(other) and one.targets == other.targets
 
 
 def _at_sizes(one: Added, other: Added) -> Added:

@@ -173,17 +173,6 @@ def _best(alike: Sequence[PlaceScores], places: Sequence[SuspectedPlace], found:
         )
 
 
-def refined(one: Explanation) -> Explanation:
-    """A resonance at its own frequency and damping, not at that of the grid; anything else as it is."""
-    f, zeta = one.course.frequency, one.course.ratio
-    if f is None or zeta is None or not one.sources:
-        return one
-    tried = [resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES]
-    found = gains([_following(family, q, tried) for family, q in one.sources], one.sources[0][0].slope)
-    best = int(np.argmax(found.gain[:, 0]))
-    return replace(one, course=tried[best], gain=float(found.gain[best, 0]), size=float(found.size[best, 0]))
-
-
 def _following(family: PlaceFamily, q: int, courses: Sequence[FrequencyLaw]) -> Answers:
     of, omega = family.products, 2 * np.pi * family.products.frequency
     alone = Products(
@@ -259,24 +248,20 @@ def _where(place: SuspectedPlace, resonance: float | None) -> str:
     if place.kind == AXIS:
         return f"{_axis(place)} as the channels tell it"
     if place.kind in (PAIR, SPAN):
-        return _pair(place)
+        if place.kind == SPAN:
+            others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
+            with_others = f", with {others}" if others else ""
+            return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}{with_others}"
+        if not place.sign:
+            return f"load {place.load} for motion {place.motion}"
+        opposite = " with opposite signs" if place.sign < 0 else ""
+        return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}, both ways{opposite}"
     family, _, part = place.part.partition(":")
     return OF_PARTS[family][1].format(f"{resonance:.3g} Hz" if resonance else part)
 
 
 def _axis(place: SuspectedPlace) -> str:
     return f"load {place.load}" if place.load else f"motion {place.motion}"
-
-
-def _pair(place: SuspectedPlace) -> str:
-    if place.kind == SPAN:
-        others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
-        with_others = f", with {others}" if others else ""
-        return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}{with_others}"
-    if not place.sign:
-        return f"load {place.load} for motion {place.motion}"
-    opposite = " with opposite signs" if place.sign < 0 else ""
-    return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}, both ways{opposite}"
 
 
 def _how(found: Explanation) -> str:
@@ -309,7 +294,7 @@ def _size(found: Explanation) -> tuple[float | None, str]:
     if not course.stated:
         return None, ""
     if place.kind in (PAIR, SPAN, JOINT):
-        return found.size, UNITS[course.unit][_rotations(place)]
+        return found.size, UNITS[course.unit][(LOADS.index(place.load) >= 3) + (MOTIONS.index(place.motion) >= 3)]
     if place.kind == LOCATION:
         return found.size, course.unit
     if place.kind == PART:
@@ -317,10 +302,6 @@ def _size(found: Explanation) -> tuple[float | None, str]:
     if place.kind == HEARD:
         return (found.size, place.unit) if place.unit else (None, "")
     return found.size, "1" if course.unit == "kg" else course.unit
-
-
-def _rotations(place: SuspectedPlace) -> int:
-    return (LOADS.index(place.load) >= 3) + (MOTIONS.index(place.motion) >= 3)
 
 
 # A leftover that goes with frequency in no plain way: the channel that holds it, or where it is worst.
@@ -417,8 +398,24 @@ HARDLY = 0.02
 def described(hypothesis: Candidate) -> Leftover:
     """What `hypothesis` does not explain, and what its tolerances swallowed of it."""
     data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
-    best = refined(plainest(ranked(hypothesis, data)))
-    excess = _excess(hypothesis, data[0].slope)
+    # A resonance at its own frequency and damping, not at that of the grid; anything else as it is
+    # Of `plainest_found` the plainest of those that are nearly as good as the best, as far as each is plausible
+    plainest_found = ranked(hypothesis, data)
+    plainest_best = max(map(_plausibly, plainest_found))
+    one = min((one for one in plainest_found if _plausibly(one) >= NEARLY * plainest_best), key=_plainness)
+    f, zeta = one.course.frequency, one.course.ratio
+    if f is None or zeta is None or not one.sources:
+        best = one
+    else:
+        tried = [resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES]
+        found = gains([_following(family, q, tried) for family, q in one.sources], one.sources[0][0].slope)
+        refined_best = int(np.argmax(found.gain[:, 0]))
+        best = replace(
+            one, course=tried[refined_best], gain=float(found.gain[refined_best, 0]), size=float(found.size[refined_best, 0])
+        )
+    # Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted
+    slope = data[0].slope
+    excess = 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
     share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * hypothesis.fit.degrees_of_freedom)
     if share >= SURE:
         return leftover(best, share, _resonance(best, hypothesis))
@@ -432,17 +429,6 @@ def unexplained(hypothesis: Candidate) -> Explanation:
     """
     data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
     return ranked(hypothesis, data)[0]
-
-
-def _excess(hypothesis: Candidate, slope: Array) -> float:
-    """Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted."""
-    return 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
-
-
-def plainest(found: Sequence[Explanation]) -> Explanation:
-    """Of `found` the plainest of those that are nearly as good as the best, as far as each is plausible."""
-    best = max(map(_plausibly, found))
-    return min((one for one in found if _plausibly(one) >= NEARLY * best), key=_plainness)
 
 
 def _plausibly(one: Explanation) -> float:

@@ -276,12 +276,9 @@ def _moved(fit: Fit) -> tuple[Array, Array, list[str]]:
     sd = np.array([fit.parameters[k].tolerance for k in at])
     names = [fit.parameters[k].name for k in at]
     S = np.eye(len(at)) - fit.covariance[np.ix_(at, at)] / np.outer(sd, sd)
-    return _by_logarithm(fit.offsets[at], names) / sd, S, names
-
-
-def _by_logarithm(offsets: Array, names: Sequence[str]) -> Array:
+    offsets = fit.offsets[at]
     scale = np.array([name.partition(":")[0] in SCALES for name in names], dtype=bool) & (offsets > 0)
-    return np.where(scale, np.log1p(np.maximum(offsets, 0.0)), offsets)
+    return np.where(scale, np.log1p(np.maximum(offsets, 0.0)), offsets) / sd, S, names
 
 
 def _price(z: Array, S: Array) -> Price:
@@ -531,16 +528,13 @@ def swallowing(data: Sequence[Whitened], hypothesis: Candidate) -> list[Swallowi
     moved = [_tangents_moved(one, some) for one, some in zip(data, names, strict=True)]
     gradient = rows.T @ away
     for some, V, one in zip(acting, moved, data, strict=True):
-        gradient[some] -= _onto(V, one)
+        # (p,) J^T r
+        flat = V.reshape(-1, V.shape[-1])
+        onto = np.asarray((flat.conj().T @ one.values.swapaxes(0, 1).ravel()).real)
+        gradient[some] -= onto
     slope = R.T @ gradient
     found = zip(data, names, moved, acting, strict=True)
     return [Swallowing(of=one, names=mine, moved=V, root=R[some], slope=slope) for one, mine, V, some in found]
-
-
-def _onto(V: ComplexArray, of: Whitened) -> Array:
-    """(p,) J^T r."""
-    flat = V.reshape(-1, V.shape[-1])
-    return np.asarray((flat.conj().T @ of.values.swapaxes(0, 1).ravel()).real)
 
 
 def _tangents_moved(of: Whitened, names: Sequence[str]) -> ComplexArray:

@@ -179,16 +179,12 @@ def _of(data: Normal, free: NDArray[np.bool_]) -> Normal:
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
     start = np.clip(cost.at(offsets), *cost.bounds)
     if not len(start):
-        return _nothing_to_do(cost, start)
+        whole, data, _ = cost.total(start)
+        return Solution(x=start, seen=start, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
     try:
         return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start), bounds=cost.bounds)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
-
-
-def _nothing_to_do(cost: Cost, x: Array) -> Solution:
-    whole, data, _ = cost.total(x)
-    return Solution(x=x, seen=x, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
 
 
 FLOOR = 0.0015
@@ -230,7 +226,25 @@ def fit(
     """
     tell = progress or (lambda share: None)
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
-    end = _child(cost, start, tell) if isinstance(start, Fit) else _baseline(cost, start or {}, tell)
+    if isinstance(start, Fit):
+        # The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start
+        null = parents_point(cost.free, start)
+        ends = [ended(cost, null, converged=False)]
+        begins = {one.name: start.by_name.get(one.name, one.start) for one in cost.free}
+        for way, begin in ((direct, null), (annealed, begins)):
+            try:
+                ends.append(_cheaper(way(cost, begin, tell, again=FEW), begin, tell))
+            except CheckFailed:
+                continue
+        if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
+            with suppress(CheckFailed):
+                ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
+        end = _best(ends)
+    else:
+        baseline_start = start or {}
+        end = _cheaper(annealed(cost, baseline_start, tell), baseline_start, tell)
+        if not end.converged:
+            raise _refused(end)
     tell(1.0)
     return fitted(end)
 
@@ -248,16 +262,14 @@ def child(
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
     null = parents_point(cost.free, parent)
     try:
-        end = _trial(cost, {**null, **start}, from_afar=from_afar)
+        begin = {**null, **start}
+        if from_afar:
+            end = annealed(cost, begin, lambda share: None, most=TRIAL)
+        else:
+            end = direct(cost, begin, lambda share: None, most=TRIAL, again=1)
     except CheckFailed:
         return fitted(ended(cost, null, converged=False))
     return fitted(end if end.whole.cost <= parent.cost else min(end, ended(cost, null, converged=False), key=_whole))
-
-
-def _trial(cost: Cost, begin: Offsets, *, from_afar: bool) -> End:
-    if from_afar:
-        return annealed(cost, begin, lambda share: None, most=TRIAL)
-    return direct(cost, begin, lambda share: None, most=TRIAL, again=1)
 
 
 def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None) -> Fit:
@@ -285,32 +297,6 @@ def _whole(end: End) -> float:
 def floor_of(kinds: Sequence[str]) -> float:
     """The model-error floor of a fit of parameters of `kinds`."""
     return FLOOR if SENSOR in kinds else PLAIN_FLOOR
-
-
-def _baseline(cost: Cost, start: Offsets, tell: Progress) -> End:
-    end = _cheaper(annealed(cost, start, tell), start, tell)
-    if not end.converged:
-        raise _refused(end)
-    return end
-
-
-def _child(cost: Cost, parent: Fit, tell: Progress) -> End:
-    """The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start.
-
-    Where none of them ends by itself, also of the way annealed from the model as it was given.
-    """
-    null = parents_point(cost.free, parent)
-    ends = [ended(cost, null, converged=False)]
-    begins = {one.name: parent.by_name.get(one.name, one.start) for one in cost.free}
-    for way, begin in ((direct, null), (annealed, begins)):
-        try:
-            ends.append(_cheaper(way(cost, begin, tell, again=FEW), begin, tell))
-        except CheckFailed:
-            continue
-    if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
-        with suppress(CheckFailed):
-            ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
-    return _best(ends)
 
 
 def _best(ends: Sequence[End]) -> End:
@@ -442,7 +428,11 @@ def start(
     found: list[tuple[float, dict[str, float]]] = []
     small = {amplitude: here[amplitude] + NEXT_TO_NOTHING} if amplitude else {}
     for done, place in enumerate(grid):
-        found += _promise(_unpriced(cost, amplitude), {**here, **place, **small}, names, amplitude)
+        # `cost` without what is known beforehand of the `amplitude`
+        unpriced = replace(
+            cost, free=tuple(replace(one, tolerance=np.inf) if one.name == amplitude else one for one in cost.free)
+        )
+        found += _promise(unpriced, {**here, **place, **small}, names, amplitude)
         tell((done + 1) / (len(grid) + PROMISING))
     best = sorted(found, key=lambda one: one[0])[:PROMISING]
     ends = [here, *(offsets for _, offsets in best)]
@@ -460,11 +450,6 @@ def _grid(cost: Cost, names: Sequence[str], here: Offsets, places: Mapping[str, 
     ]
     for values in product(*along):
         yield dict(zip(names, map(float, values), strict=True))
-
-
-def _unpriced(cost: Cost, amplitude: str) -> Cost:
-    """`cost` without what is known beforehand of the `amplitude`."""
-    return replace(cost, free=tuple(replace(one, tolerance=np.inf) if one.name == amplitude else one for one in cost.free))
 
 
 def _promise(cost: Cost, place: Offsets, names: Sequence[str], amplitude: str) -> list[tuple[float, dict[str, float]]]:

@@ -359,17 +359,14 @@ def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
     count = len(measured.frequency)
     if count <= at_most:
         return np.arange(count, dtype=np.int64)
-    turned = _turning(smoothed_level(measured.frequency, measured.values).transpose(1, 0, 2))
+    # (n - 1,) relative change of `level` (n, r, c) from line to line, rms over runs and channels
+    level = smoothed_level(measured.frequency, measured.values).transpose(1, 0, 2)
+    flat = level.reshape(len(level), -1)
+    highest = np.maximum(np.maximum(flat[1:], flat[:-1]), np.finfo(np.float64).tiny)
+    relative = np.abs(np.diff(flat, axis=0)) / highest
+    turned = np.asarray(np.minimum(np.sqrt(np.mean(relative**2, axis=1)), STEEPEST))
     even = np.diff(measured.frequency) / (measured.frequency[-1] - measured.frequency[0])
     share = 0.5 * even + 0.5 * (turned / turned.sum() if turned.sum() > 0 else even)
     along = np.concatenate([[0.0], np.cumsum(share)])
     wanted = np.linspace(0.0, along[-1], at_most)
     return np.unique(np.round(np.interp(wanted, along, np.arange(count))).astype(np.int64))
-
-
-def _turning(level: Array) -> Array:
-    """(n - 1,) relative change of `level` (n, r, c) from line to line, rms over runs and channels."""
-    flat = level.reshape(len(level), -1)
-    highest = np.maximum(np.maximum(flat[1:], flat[:-1]), np.finfo(np.float64).tiny)
-    relative = np.abs(np.diff(flat, axis=0)) / highest
-    return np.asarray(np.minimum(np.sqrt(np.mean(relative**2, axis=1)), STEEPEST))
