@@ -55,7 +55,8 @@ RESONATOR = ("m", "f", "zeta")
 """Keys of the sizes of a resonator."""
 
 TINY = 1e-6
-"""[kg] of a resonator that does next to nothing."""
+"""[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Held by
+tests/validation/diagnosing/test_dictionary.py."""
 
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
@@ -151,8 +152,9 @@ def _is_switch(named: Named) -> bool:
 # is what only the first effect b can explain of what it does, whatever the sizes c of the other.
 
 
-SHARE = 1e-3
-"""Of the square of what an effect does that another one must leave to it."""
+ALIAS_SHARE = 1e-3
+"""[share] of the square of what an effect does that its alias must leave to it at most. Set by the development draws of `make
+blind`."""
 
 
 def alike(best: Candidate, others: Sequence[Candidate]) -> tuple[str, ...]:
@@ -163,7 +165,7 @@ def alike(best: Candidate, others: Sequence[Candidate]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.named.id for each in ranked for one in each.effects if one.named.id not in common))
 
 
-def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limit: float = SHARE) -> dict[str, float]:
+def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limit: float = ALIAS_SHARE) -> dict[str, float]:
     """Ids of those of `candidates` that could stand for `effect` of the hypothesis `best` where its fit ended, with their share.
 
     Those that act nowhere on the data are left out, and so are those that `best` has, and those with a larger share than `limit`.
@@ -228,18 +230,23 @@ def opened(problem: Problem, candidates: Sequence[Added]) -> Problem:
 
 
 DAMPING = (0.005, 0.02, 0.08)
+"""[1] Damping ratios of the resonators that are looked up. Set by the development draws of `make blind`."""
 
 BEYOND = 1.15
-"""Factor by which the dictionary goes beyond the band at either end."""
+"""[factor] by which the resonators that are looked up reach beyond the band at either end. Held by
+tests/validation/diagnosing/test_dictionary.py."""
 
 PER_OCTAVE = 24
+"""[count] of frequencies in an octave at which a resonator is looked up. Set by the development draws of `make blind`."""
 
 OCCAM = 4.0
-"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well."""
+"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Held by
+tests/validation/diagnosing/test_dictionary.py."""
 
 
 SAME_DIRECTION = 0.02
-"""Share of what a resonator does that the model's modes must leave to it: where they do as it does, a straight line lies."""
+"""[share] of what a resonator does that the modes of the model must leave to it; below it a straight line is wrong. Set by the
+development draws of `make blind`."""
 
 
 def looked_up(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
@@ -336,7 +343,7 @@ def _meant(one: Screened, offset: float) -> float:
 
 
 SWITCHED = 1.0
-"""Offset of a switch: from on to off."""
+"""[1] Offset of a switch from on to off. By definition."""
 
 
 def screen(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:

@@ -53,10 +53,25 @@ if TYPE_CHECKING:
 Pendulum = RopeSwing | CompoundSwing | TorsionSwing
 
 HALF = 0.5
+"""[factor] by which the other test differs: shorter or lighter, or twice as well known. By definition."""
 
-BALANCE, SMALL_BALANCE, RULER, SHARE, DECAY, CRANE = 5e-4, 1e-3, 2.5e-4, 5e-3, 2.5e-4, 5e-4
-"""Standard deviations of instruments: of a mass, relative; of the ropes' mass [kg]; of a stretch [m]; of a rope's share of the
-weight; of a damping ratio; of a CoG [m]. Half of each figure in words."""
+BALANCE = 5e-4
+"""[share] One sd of a mass on the balance of an article. Held by tests/validation/diagnosing/test_swings.py."""
+
+SMALL_BALANCE = 1e-3
+"""[kg] One sd of the mass of the ropes. Held by tests/validation/diagnosing/test_swings.py."""
+
+RULER = 2.5e-4
+"""[m] One sd of a stretch; a ruler reads 0.5 mm. Held by tests/validation/diagnosing/test_swings.py."""
+
+SHARE = 5e-3
+"""[share] of the weight: one sd of what a rope carries. Held by tests/validation/diagnosing/test_swings.py."""
+
+DECAY = 2.5e-4
+"""[1] One sd of a damping ratio from a decay. Held by tests/validation/diagnosing/test_swings.py."""
+
+CRANE = 5e-4
+"""[m] One sd of a centre of gravity on the crane. Held by tests/validation/diagnosing/test_swings.py."""
 
 OFF_CENTRE = "off-centre-suspension"
 
@@ -240,17 +255,19 @@ def _swing(fact: ArticleFact) -> RecordedSwing:
     return fact.swing
 
 
-MOST = 6
-"""Explanations that are told apart at most, the best of each family first."""
+EXPLANATIONS_TOLD_APART = 6
+"""[count] of explanations that are told apart at most, the best of each family first. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 SURE = 30.0
-"""Nats beyond which nobody is surer."""
+"""[nats] beyond which nobody is surer. Held by tests/validation/diagnosing/test_swings.py."""
 
 WORTH_WHILE = 1.0
-"""Nats below which a test is not worth the work."""
+"""[nats] below which a test is not worth the work. Held by tests/validation/diagnosing/test_swings.py."""
 
 NAMED = 3
-"""Explanations whose answer stands in the words of a test."""
+"""[count] of explanations whose expected reading stands in the words of a test. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -279,7 +296,7 @@ def advised(
     families = [one.candidate.added.named.family for one in rivals]
     first = [one for k, one in enumerate(rivals) if families[k] not in families[:k]]
     various = [*first, *(one for one in rivals if one not in first)]
-    chosen = various[:MOST]
+    chosen = various[:EXPLANATIONS_TOLD_APART]
     now = _Thought(
         trial=PossibleMeasurement(text=""), curves=tuple(one.curve for one in chosen), covariance=np.array(of.covariance)
     )

@@ -54,33 +54,40 @@ from validation.prediction.series import SeriesPrediction
 
 
 REACH = 1.5
-"""Lines up to so many times the lowest one are used."""
+"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_discrete.py."""
 
 LINES = 4
-"""How many of them."""
+"""[count] of those lines. Held by tests/validation/diagnosing/test_discrete.py."""
 
 MOTIONS_OF_A_PLATE = 6
+"""[count] of motions of a rigid plate. By definition."""
 
 DRAWS = 400
-"""Sets of six channels that are tried, of the accelerometers alone and of all channels."""
+"""[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 CONDITION = 40.0
-"""Of the rows of six channels, beyond which they do not tell the motion."""
+"""[1] Condition number of the rows of six channels beyond which they do not tell the motion. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 DISTANT = 0.15
-"""Distance of a reading from what it should be at which it stops to count much."""
+"""[share] Distance of a reading from what it should be at which it stops to count much. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 NEAR = 0.25
-"""Distance within which a channel takes part in the final estimate: a gain of two thirds."""
+"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 PORTION = 100
-"""Sets that are worked on at once."""
+"""[count] of sets that are worked on at once; memory only. By definition."""
 
 ROUNDS = 3
-"""Times that the final estimate is repeated with the channels that are near."""
+"""[count] of times that the final estimate is repeated with the channels that are near. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 FAINT = 0.3
-"""Share of what a channel should read over all runs that counts as its level where it should read less."""
+"""[share] of what a channel should read over all runs that counts as its level where it should read less. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -197,27 +204,38 @@ def _condition(A: ComplexArray, sets: npt.NDArray[np.int64]) -> Array:
 
 
 OFF = 0.15
-"""Share by which readings may be off for other reasons."""
+"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_discrete.py."""
 
-SIGN, UNIT, FACTOR, PLUG = 8.0, 10.0, 16.0, 6.0
-"""[nats] Price of a wrong sign, a known unit, a factor that is none, and of a channel that reads another's plug."""
+SIGN_PENALTY = 8.0
+"""[nats] Prior penalty of a wrong sign. Held by tests/validation/diagnosing/test_discrete.py."""
+
+UNIT_PENALTY = 10.0
+"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_discrete.py."""
+
+FACTOR_PENALTY = 16.0
+"""[nats] Prior penalty of a factor that is no unit. Held by tests/validation/diagnosing/test_discrete.py."""
+
+PLUG_PENALTY = 6.0
+"""[nats] Prior penalty of a channel that reads another's plug. Held by tests/validation/diagnosing/test_discrete.py."""
 
 SURE = 20.0
-"""[nats] Evidence below which a mistake is none, and that one campaign has against a mistake of another to contradict it."""
+"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 USUAL = 2.5
-"""Factors nearer to 1 than this are gains."""
+"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_discrete.py."""
 
 SNAP = 0.2
-"""How far, as a logarithm, the factor that fits best may lie from a unit's to be that."""
+"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 
 FAR = 0.25
-"""Distance (`validation.diagnose.mistakes.distance`) at which a reading still is not what a mistake says: a gain of two
-thirds."""
+"""[share] Distance, as of `distance`, at which a reading still is not what a mistake says: a gain of two thirds. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 IMPOSSIBLE = -1e9
-"""[nats] Of an accelerometer that holds a force."""
+"""[nats] of an accelerometer that holds a force: never taken. Held by tests/validation/diagnosing/test_discrete.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -305,7 +323,7 @@ def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> 
         for d in range(count):
             if of.quantities[c] == of.quantities[d]:
                 factors[c, d], units[c, d], price = _factor(every, c, d, known[c])
-                price += PLUG * (c != d)
+                price += PLUG_PENALTY * (c != d)
                 best[c, d] = _likelihood(every, c, d, factors[c, d]) - price
     right = np.array([_likelihood(every, c, c, 1.0) for c in range(count)])
     stays = right >= np.diagonal(best)
@@ -333,14 +351,14 @@ def _factor(every: Sequence[LowFrequencyReadings], c: int, d: int, known: _Known
     below = sum(float(np.sum(np.abs(p) ** 2 / level**2)) for _, p, level in products)
     k = above / max(below, TINY)
     sign, size = (-1.0 if k < 0 else 1.0), max(abs(k), TINY)
-    price = SIGN * (k < 0)
+    price = SIGN_PENALTY * (k < 0)
     if abs(np.log(size)) < np.log(USUAL):
         return sign, -1, price
     off = np.abs(np.log(known.values / size)) if len(known.values) else np.array([np.inf])
     nearest = int(np.argmin(off))
     if off[nearest] < SNAP:
-        return sign * float(known.values[nearest]), nearest, price + UNIT
-    return float(k), -1, price + FACTOR
+        return sign * float(known.values[nearest]), nearest, price + UNIT_PENALTY
+    return float(k), -1, price + FACTOR_PENALTY
 
 
 def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: float) -> float:

@@ -154,14 +154,15 @@ def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[A
 # a forecast needs.
 
 
-MOST = 12
-"""Evaluations that it may take."""
+EVALUATIONS = 12
+"""[count] of evaluations that the descent may take. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 STIFF = 1e-12
-"""Relative variance of a direction below which it does not move."""
+"""[share] Relative variance of a direction below which it does not move. Held by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 ROUGHLY = 0.5
-"""Standard deviations that the last step may be: it leaves an eighth of a nat."""
+"""[sd] that the last step may be: it leaves an eighth of a nat. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Knowledge) -> float:
@@ -192,7 +193,9 @@ def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Kn
         return whitening @ (x - begin), whitening
 
     low, high = bounds.T
-    found = minimise(data, begin, knowledge, close=ROUGHLY, most=MOST, bounds=(np.minimum(low, begin), np.maximum(high, begin)))
+    found = minimise(
+        data, begin, knowledge, close=ROUGHLY, most=EVALUATIONS, bounds=(np.minimum(low, begin), np.maximum(high, begin))
+    )
     return found.normal.cost
 
 
@@ -216,8 +219,8 @@ def _whitening(spread: Array) -> Array:
 
 NOTHING = "nothing"
 
-IMAGINED_MOST = 1
-"""Effects that are imagined in its place."""
+ALTERNATIVES = 1
+"""[count] of effects that are put in its place. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -268,7 +271,7 @@ def imagined(bench: FittedData, of: Candidate) -> tuple[Alternative, ...]:
     without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
     found = [_instead(ground, of, effect, without, one) for one in (None, *menu)]
     nothing, *others = (one for one in found if one is not None)
-    return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:IMAGINED_MOST])
+    return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:ALTERNATIVES])
 
 
 def _shares(one: Named, other: Named) -> bool:
@@ -331,19 +334,21 @@ def _instead(at: _Ground, of: Candidate, effect: Added, without: tuple[Added, ..
 
 
 DECIDED = 20.0
-"""Nats beyond which more decide no more: then the quicker test comes first."""
+"""[nats] beyond which more decide no more: then the quicker test comes first. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
-AT_MOST = 3
-"""Tests that are named."""
+NAMED_TESTS = 3
+"""[count] of tests that are named. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
-TRIED = 6
-"""Tests that are gone through at most."""
+FORECAST_TESTS = 6
+"""[count] of tests whose fit is forecast at most. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 CERTAIN = 0.95
-"""Probability of one of two explanations from which nobody asks what the test would read by the other."""
+"""[probability] of one of two explanations from which nobody asks what the test would read by the other. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 LOOKING = 0.6
-"""Share of the work that the forecast of the whole menu is."""
+"""[share] of the work that the forecast of the whole menu is; progress bar only. By definition."""
 
 Progress = Callable[[float], None]
 
@@ -442,13 +447,13 @@ def _kept(ranked: Sequence[Forecast], first: Knowledge, others: Sequence[Knowled
     kept: dict[str, Forecast] = {}
     tried = 0
     for one in ranked:
-        enough = sum(bool(each.apart) for each in kept.values()) >= AT_MOST or tried >= TRIED
+        enough = sum(bool(each.apart) for each in kept.values()) >= NAMED_TESTS or tried >= FORECAST_TESTS
         if enough or (kept and not one.apart):
             break
         if one.offer.kind not in kept:
             found = _followed(one, first, others)
             tried += 1
-            progress(tried / TRIED)
+            progress(tried / FORECAST_TESTS)
             kept |= {} if found is None else {one.offer.kind: found}
     return sorted(kept.values(), key=lambda one: one.rank)
 

@@ -107,7 +107,7 @@ OTHERS = (
 )
 
 TURNS = ((90.0, 2.0), (180.0, 2.0))
-"""[degrees] about z, and hours of work."""
+"""[deg], [h] Turns about z, and the work of each. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def named(article: str) -> str:
@@ -244,13 +244,18 @@ def _classical_with(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> t
 # Tests of the menu that drive the same otherwise: deeper, higher, or at another level.
 
 
-LOWEST, HIGHEST = 2.0, 50.0
-"""[Hz] that a shaker of the kind can be driven down and up to; above it a model's modes count as computed."""
+LOWEST = 2.0
+"""[Hz] that a shaker of the kind can be driven down to. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+
+HIGHEST = 50.0
+"""[Hz] that it can be driven up to; above it a model's modes count as computed. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 FINER = 0.05
-"""[Hz] between lines at the low end."""
+"""[Hz] between lines at the low end. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
-HALF = 0.5
+HALF_LEVEL = 0.5
+"""[share] of the level of a run at which a second one is offered. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def lower(templates: Sequence[Template]) -> Iterator[OfferedTest]:
@@ -276,7 +281,7 @@ def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[O
     if any(FAMILIES[one].side == AMPLITUDE for one in families):
         for of in templates:
             words = f"Run {_what(of)} at half the level"
-            yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF))
+            yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF_LEVEL))
 
 
 def _what(of: Template) -> str:
@@ -286,16 +291,20 @@ def _what(of: Template) -> str:
 # Tests of the menu in which a known mass is added to what was tested.
 
 
-CORNER, ON_PLATE = "cover-1", 5.0
-"""Of the cover plate of the FMD, and the mass [kg] that is put there."""
+CORNER = "cover-1"
+
+ON_PLATE = 5.0
+"""[kg] that is put on the corner of the cover plate. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 ON_ARTICLE = 0.5
-"""[kg] that is put on a place of the article."""
+"""[kg] that is put on a place of the article. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 HOURS = 1.0
+"""[h] that putting a mass on takes. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
-MOST = 2
-"""Places of an article at which a mass is offered at most."""
+PLACES_OF_A_MASS = 2
+"""[count] of places of an article at which a mass is offered at most. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
@@ -304,7 +313,7 @@ def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[
     there = _places(of)
     chosen = dict.fromkeys((*(place for place in asked if place in there), *there[::-1]))
     asked_about = sum(place in there for place in asked)
-    for place in list(chosen)[: min(max(asked_about, 1), MOST)]:
+    for place in list(chosen)[: min(max(asked_about, 1), PLACES_OF_A_MASS)]:
         words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
         test = planned(of, of.tested.campaign)
         tested = test.prediction.tested
@@ -338,10 +347,11 @@ WHERE = ("accelerometer-position", "accelerometer-misalignment")
 """What it gets anew when it is moved."""
 
 INWARDS = 0.6
-"""Of its distance from the middle of its group, to which an accelerometer is moved."""
+"""[share] of its distance from the middle of its group to which an accelerometer is moved. Held by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 PARALLEL = 0.99
-"""Cosine between two directions that are the same to a hand."""
+"""[1] Cosine between two directions that are the same to a hand. Held by tests/validation/diagnosing/advisor/test_expected.py."""
 
 TILTED = ("gravity", "accelerometer-tilt", "cable")
 """Families that look like a tilt."""
@@ -449,8 +459,9 @@ CHANGED: Mapping[str, str] = MappingProxyType(
 )
 """By family, how it is changed."""
 
-LEFT = 0.5
-"""Share of an effect that is taken to be left when bolts were torqued again."""
+LEFT_AFTER_TORQUING = 0.5
+"""[share] of an effect that is taken to be left when bolts were torqued again. Held by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 
 def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[OfferedTest]:
@@ -466,7 +477,7 @@ def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[
         names = (
             () if gone else (prediction_effects.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic)
         )
-        moved = {name: Origin(name=name, factor=LEFT) for name in names}
+        moved = {name: Origin(name=name, factor=LEFT_AFTER_TORQUING) for name in names}
         yield OfferedTest(kind=added.named.family, words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)
 
 

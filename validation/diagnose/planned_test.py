@@ -48,7 +48,7 @@ class Origin:
 
 
 SURE = 100.0
-"""Nats beyond which one of two is right."""
+"""[nats] beyond which one of two is right. Held by tests/validation/diagnosing/advisor/test_expected.py."""
 
 Moved = Mapping[str, Origin]
 """By name of a parameter in the test; one that is not in it stays what it was."""
@@ -117,13 +117,15 @@ def effects_of(of: Candidate) -> tuple[Added, ...]:
 
 
 SPACING = 0.2
-"""[Hz] between the lines at which a test is predicted at all: the width over which levels are smoothed."""
+"""[Hz] between the lines at which a test is predicted: the width over which levels are smoothed. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 LINES = 20
-"""At which it is compared; they stand for the lines that a fit would use."""
+"""[count] of lines at which it is compared; they stand for those that a fit would use. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 RUNS = 6
-"""At most that a test is taken to have."""
+"""[count] of runs that a test is taken to have at most. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -56,11 +56,19 @@ from validation.estimation.problem import Offsets
 from validation.estimation.screening import Products
 from validation.prediction.series import SeriesPrediction
 
-NEAR, STEPS, TIMES = 0.04, 17, (0.35, 0.6, 1.0, 1.7, 3.0)
-"""Share of its frequency to either side, steps, and factors of its damping ratio, in which a resonance is looked for again."""
+NEAR = 0.04
+"""[share] of its frequency to either side in which a resonance is looked for again. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
+
+STEPS = 17
+"""[count] of frequencies there. Held by tests/validation/diagnosing/leftover/test_described.py."""
+
+TIMES = (0.35, 0.6, 1.0, 1.7, 3.0)
+"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 BEST = 4
-"""Explanations of one kind of place and one scope that are kept."""
+"""[count] of explanations of one kind of place and one scope that are kept. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -308,13 +316,16 @@ def _size(found: Explanation) -> tuple[float | None, str]:
 
 
 HELD = 0.5
-"""Share of a leftover that a channel must hold to be named."""
+"""[share] of what is unexplained that a channel must hold to be named. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 SMOOTH = 0.4
-"""Correlation of neighbouring lines above which a leftover is no noise."""
+"""[1] Correlation of neighbouring lines above which what is unexplained is no noise. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 ALONE = 1e-6
-"""Share of a channel that inputs must leave for anything to be known of it."""
+"""[share] of a channel that inputs must leave for anything to be known of it. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -377,22 +388,34 @@ def held(data: Sequence[Whitened]) -> list[Held]:
 
 
 NULL = 0.89
-"""Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a bound."""
+"""[cost/dof] Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a
+bound. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 SURE = 0.4
-"""Share of a leftover that an explanation must cover to be what the leftover looks like."""
+"""[share] of what is unexplained that an explanation must cover to be what it looks like. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 NEARLY = 0.95
-"""Share of the best gain at which a plainer explanation is as good."""
+"""[share] of the best gain at which a plainer explanation is as good. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
-MANY, VAGUE, LEFTOVER_ALONE = 0.95, 0.75, 0.8
-"""What the gain counts of a whole matrix, which has many numbers; of a whole axis, which can be many things; and of what acts in
-one of several data sets alone, where tolerances that all of them share give back what they took elsewhere."""
+MATRIX_WEIGHT = 0.95
+"""[factor] on the gain of a whole matrix, which has many numbers. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
-WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MANY, AXIS: VAGUE})
+AXIS_WEIGHT = 0.75
+"""[factor] on the gain of a whole axis, which can be many things. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
+
+ONE_DATA_SET_WEIGHT = 0.8
+"""[factor] on the gain of what acts in one of several data sets alone, where shared tolerances give back what they took
+elsewhere. Held by tests/validation/diagnosing/leftover/test_described.py."""
+
+WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MATRIX_WEIGHT, AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
-"""Share of the degrees of freedom that a leftover must at least be: below, models that miss nothing differ by as much."""
+"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 def described(hypothesis: Candidate) -> Leftover:
@@ -432,7 +455,7 @@ def unexplained(hypothesis: Candidate) -> Explanation:
 
 
 def _plausibly(one: Explanation) -> float:
-    return one.gain * WEIGHED.get(one.place.kind, 1.0) * (LEFTOVER_ALONE if one.data_set else 1.0)
+    return one.gain * WEIGHED.get(one.place.kind, 1.0) * (ONE_DATA_SET_WEIGHT if one.data_set else 1.0)
 
 
 def _plainness(one: Explanation) -> tuple[bool, int, float]:

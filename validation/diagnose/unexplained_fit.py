@@ -112,16 +112,19 @@ def _whitened(one: Prediction, lines: Lines, seen: ObservedLines, predicted: Pre
 
 
 FEWEST = 12.0
-"""Free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own."""
+"""[count] of free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own. Held by
+tests/validation/diagnosing/leftover/test_misfit.py."""
 
 STRETCHES = 5
-"""Stretches of equally many lines in which a channel of a run is looked at."""
+"""[count] of stretches of equally many lines in which a channel of a run is looked at. Held by
+tests/validation/diagnosing/leftover/test_misfit.py."""
 
 SCALES = ("loss",)
 """Families that are relative changes of what scatters by its logarithm: a loss factor may be three times as large, never none."""
 
 TOLD = 0.1
-"""Share of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due."""
+"""[share] of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due. Held by
+tests/validation/diagnosing/leftover/test_misfit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -315,10 +318,13 @@ STIFFNESS, MASS, DAMPING, RESONANCE, DELAY, GAIN, TILT, NOISE, IRREGULAR = LIKEN
 """What a leftover can look like."""
 
 REFERENCE = 10.0
-"""[Hz] at which shares are stated that change with frequency."""
+"""[Hz] at which shares are stated that change with frequency. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
-FREQUENCIES, RATIOS = 36, (0.004, 0.015, 0.05)
-"""Resonances that are tried: so many frequencies over the band, and damping ratios."""
+FREQUENCIES = 36
+"""[count] of frequencies of resonances over the band. Held by tests/validation/diagnosing/leftover/test_described.py."""
+
+RATIOS = (0.004, 0.015, 0.05)
+"""[1] Damping ratios of these resonances. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -458,7 +464,8 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
 
 
 LEAST = 1e-4
-"""Share of a column that parameters of the fit must leave; what is left of less is no straight line."""
+"""[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -191,10 +191,11 @@ DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "x and y": (1, 1, 
 GROUND, TABLE = "the ground", "the table"
 
 JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
-"""Axes that give alike."""
+"""[index] Axes of a joint that give alike. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 GIVES = 0.02
-"""Share of its motion that a place must move beyond a rigid article for anything to pull at that."""
+"""[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
 """Families of parameters that stand for a part or a mode."""
@@ -418,7 +419,8 @@ PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
 """What symmetric matrices are of: mass, stiffness, damping."""
 
 NAMED = 0.25
-"""Share of the leading pair, at the nominal level of the motions, from which another one is named with it."""
+"""[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

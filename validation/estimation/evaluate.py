@@ -32,8 +32,8 @@ from validation.estimation.result import Evaluation, Fit, Share
 
 
 FLOOR = 0.005
-"""Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
-measurement, of some 0.3 % to 1.5 %, are not fitted here."""
+"""[share] Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
+measurement, of some 0.3 % to 1.5 %, are not fitted here. Held by tests/validation/engine/test_errors.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -132,7 +132,7 @@ Runs = Mapping[str, tuple[str, ...]]
 NOBODY: Runs = MappingProxyType({})
 
 SHORTEST = 1.0
-"""[Hz] that a block of frequencies is at least."""
+"""[Hz] that a block of frequencies is at least. Held by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -288,13 +288,14 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
 
 
 NEAR = 3.0
-"""Standard deviations, as far as the data fit, to which the quadratic model is taken at its word."""
+"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Held by
+tests/validation/engine/test_hold_out.py."""
 
 FEW = 8
-"""Evaluations that a fold may take beyond that."""
+"""[count] of evaluations that a fold may take beyond that. Held by tests/validation/engine/test_hold_out.py."""
 
 SHORTER = 8
-"""Times that a step is halved at which the model breaks down."""
+"""[count] of times that a step is halved at which the model breaks down. Held by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -385,8 +386,8 @@ def _further(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
         return offsets
 
 
-EVEN = 3
-"""Quick errors are told at every so many lines."""
+QUICK_STRIDE = 3
+"""[count] Quick errors are told at every third line. Held by tests/validation/engine/test_hold_out.py."""
 
 
 def evaluate(
@@ -493,7 +494,7 @@ def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bo
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
     """Lines at which errors are told: all, or where it must be `quick` every so many, whatever happens there."""
-    return np.arange(0, len(prediction.measured.frequency), EVEN, dtype=np.int64) if quick else None
+    return np.arange(0, len(prediction.measured.frequency), QUICK_STRIDE, dtype=np.int64) if quick else None
 
 
 # Residuals line by line, beside the deviation that is to be expected of them.

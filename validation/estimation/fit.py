@@ -33,25 +33,31 @@ from validation.estimation.result import Fit
 
 
 COARSE = (0.2, 0.06)
-"""Floors of the stages before tolerances of the measurement are released."""
+"""[share] Model-error floors of the stages before tolerances of the measurement are released. Held by
+tests/validation/engine/test_fit.py."""
 
 FINE = (0.02, 0.006, 0.003)
-"""Floors of the stages after that, before the last."""
+"""[share] Model-error floors of the stages after that, before the last. Held by tests/validation/engine/test_fit.py."""
 
 ROUGHLY = 1.0
-"""Standard deviations that the last step of a stage may be which is not the last."""
+"""[sd] that the last step of a stage may be which is not the last. Held by tests/validation/engine/test_fit.py."""
 
 STEPS = 6
-"""Evaluations that such a stage may take."""
+"""[count] of evaluations that such a stage may take. Held by tests/validation/engine/test_fit.py."""
 
-SPARSE = 3
-"""Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
+STAGE_STRIDE = 3
+"""[count] Such a stage takes every third line, where that leaves enough: its minimum need not be sharp. Held by
+tests/validation/engine/test_fit.py."""
 
-AGAIN, WORTH = 6, 1.0
-"""How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
+RESTARTS = 6
+"""[count] of times that a descent which did not end by itself begins again where it stopped. Held by
+tests/validation/engine/test_fit.py."""
+
+RESTART_GAIN = 1.0
+"""[nats] that each of these must gain to go on. Held by tests/validation/engine/test_fit.py."""
 
 ROUNDING = 1e-9
-"""Standard deviations from a bound that are none."""
+"""[sd] from a bound that are none. Held by tests/validation/engine/test_fit.py."""
 
 BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
 """What a prediction raises where its model breaks down."""
@@ -92,7 +98,7 @@ def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None 
     return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
 
 
-def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
 
     At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`.
@@ -101,7 +107,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    found, sparse = dict(offsets), cost.problem.sparser(SPARSE)
+    found, sparse = dict(offsets), cost.problem.sparser(STAGE_STRIDE)
     stages = [(floor, False) for floor in COARSE if floor > cost.floor] + [(floor, True) for floor in FINE if floor > cost.floor]
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
@@ -111,7 +117,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     return direct(cost, found, progress, most=most, again=again)
 
 
-def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
     """From `offsets` straight down, and once more from where that ended while it does not end by itself but still gains.
 
     A whole beginning that gains next to nothing ends it, too. How far the quadratic model would still like to go is not asked:
@@ -134,7 +140,7 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
             break
         before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
         gained = before.normal.cost - solution.normal.cost
-        idle = gained < WORTH
+        idle = gained < RESTART_GAIN
         converged = solution.converged or (idle and solution.evaluations >= most)
         if idle:
             break
@@ -188,16 +194,20 @@ def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solutio
 
 
 FLOOR = 0.0015
-"""Model-error floor relative to the level of a channel at which fits are compared."""
+"""[share] of the level of a channel: model-error floor at which fits are compared. Held by
+tests/validation/engine/test_fit.py."""
 
 TRIAL = 20
-"""Evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not there."""
+"""[count] of evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not
+there. Held by tests/validation/engine/test_fit.py."""
 
-FEW = 3
-"""Times that a way of a child begins again: it has others, one of which ends lower where this one creeps along a valley."""
+CHILD_RESTARTS = 3
+"""[count] of times that a descent of a child begins again: it has others, one of which ends lower where this one creeps along a
+valley. Held by tests/validation/engine/test_fit.py."""
 
 PLAIN_FLOOR = 0.01
-"""The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
+"""[share] The same floor where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a
+prediction. Held by tests/validation/engine/test_fit.py."""
 
 
 def fit(
@@ -233,7 +243,7 @@ def fit(
         begins = {one.name: start.by_name.get(one.name, one.start) for one in cost.free}
         for way, begin in ((direct, null), (annealed, begins)):
             try:
-                ends.append(_cheaper(way(cost, begin, tell, again=FEW), begin, tell))
+                ends.append(_cheaper(way(cost, begin, tell, again=CHILD_RESTARTS), begin, tell))
             except CheckFailed:
                 continue
         if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
@@ -302,7 +312,7 @@ def floor_of(kinds: Sequence[str]) -> float:
 def _best(ends: Sequence[End]) -> End:
     """The cheapest; it is as good as any other that ended by itself and costs as much."""
     best = min(ends, key=lambda end: end.whole.cost)
-    return replace(best, converged=any(one.converged and one.whole.cost < best.whole.cost + WORTH for one in ends))
+    return replace(best, converged=any(one.converged and one.whole.cost < best.whole.cost + RESTART_GAIN for one in ends))
 
 
 def _cheaper(end: End, start: Offsets, tell: Progress) -> End:
@@ -382,17 +392,20 @@ def _degrees(end: End) -> int:
 # is no step of a logarithm.
 
 
-STARTING_FINE, STARTING_COARSE = 41, 9
-"""Places along a single size, and along each of several."""
+SINGLE_PLACES = 41
+"""[count] of places along a single size. Held by tests/validation/engine/test_starting.py."""
+
+SEVERAL_PLACES = 9
+"""[count] of places along each of several sizes. Held by tests/validation/engine/test_starting.py."""
 
 REACH = 2.0
-"""Prior standard deviations to either side that a grid covers."""
+"""[prior sd] to either side that a grid covers. Held by tests/validation/engine/test_starting.py."""
 
 NEXT_TO_NOTHING = -7.0
-"""Offset of a small amplitude from where it stands: a thousandth."""
+"""[log] Offset of a small amplitude from where it stands: a thousandth. Held by tests/validation/engine/test_starting.py."""
 
 PROMISING = 5
-"""Places whose true cost is looked at."""
+"""[count] of places whose true cost is looked at. Held by tests/validation/engine/test_starting.py."""
 
 
 def start(
@@ -441,7 +454,7 @@ def start(
 
 def _grid(cost: Cost, names: Sequence[str], here: Offsets, places: Mapping[str, npt.ArrayLike]) -> Iterator[dict[str, float]]:
     known = {one.name: one.tolerance for one in cost.free}
-    count = STARTING_FINE if len(names) == 1 else STARTING_COARSE
+    count = SINGLE_PLACES if len(names) == 1 else SEVERAL_PLACES
     along = [
         np.asarray(places[name], dtype=np.float64).ravel()
         if name in places

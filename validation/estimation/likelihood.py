@@ -34,7 +34,8 @@ from validation.estimation.problem import Change, Conveyed, Lines, Measured, Pre
 
 
 FEW = 24
-"""Up to so many parameters of several channels that go no common way it is the quicker."""
+"""[count] of parameters of several channels that go no common way up to which it is the quicker. Held by
+tests/validation/engine/test_conveying.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

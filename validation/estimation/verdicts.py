@@ -20,27 +20,30 @@ from validation.estimation.result import Evaluation, Fit
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
 STANDS_OUT = 4.0
-"""Sigmas from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three."""
+"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Held by
+tests/validation/comparing/test_maps_and_spots.py."""
 
 MISFIT = 1.5
-"""Chi² per degree of freedom from which data and model contradict each other, whatever the tolerances."""
+"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by
+tests/validation/comparing/test_maps_and_spots.py."""
 
 MORE = 1.5
-"""Factor on the larger of what tolerances of the measurement explain and the error on fitted data, from which an error on data
-that were held out is too large."""
+"""[factor] on the larger of what measurement tolerances explain and the error on fitted data, from which an error on held-out
+data is too large. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 NOTICED = 1.05
-"""Factor on what tolerances of the measurement explain, from which those of the modes are worth a word."""
+"""[factor] on what measurement tolerances explain, from which those of the modes are worth a word. Held by
+tests/validation/comparing/test_maps_and_spots.py."""
 
 UNLIKELY = 1e-3
-"""Probability of a sum of z² below which tolerances are absurd."""
+"""[probability] of a sum of z² below which tolerances are absurd. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 ABSURD = 4.0
-"""z of one tolerance that no careful laboratory has."""
+"""[sd] of one tolerance that no careful laboratory has. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 
-MOST = 5
-"""Tolerances that are named."""
+TOLERANCES_NAMED = 5
+"""[count] of tolerances that are named. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,7 +171,7 @@ def _fitted(of: Fit) -> StatedError:
     ratio = misfit(of)
     moved, too_much = tolerances(of), absurd(of)
     paying = [one for one in moved if one.parameter.kind in TOLERANCES]
-    worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or paying[:1])
+    worst = named([one for one in moved if abs(one.z) >= ABSURD][:TOLERANCES_NAMED] or paying[:1])
     if ratio > MISFIT:
         verdict, text = FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
     elif too_much:
