@@ -14,7 +14,7 @@ from validation.estimation import evaluate as estimation_evaluate
 from validation.estimation.evaluate import evaluate, residuals
 from validation.estimation.problem import Offsets, Problem
 from validation.estimation.result import Evaluation, Fit
-from validation.estimation.verdicts import MOST, ExplainedError, StatedError, Tolerance, told, tolerances
+from validation.estimation.verdicts import TOLERANCES_NAMED, ExplainedError, StatedError, Tolerance, told, tolerances
 from validation.model.model import Model
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact, facts
@@ -190,7 +190,7 @@ def of_evaluation(
         evaluation=evaluation,
         explained=explained(maps),
         errors=told(evaluation, explained(maps), max((spot.sigma for spot in spots), default=0.0)),
-        absurd=tolerances(evaluation.fitted)[:MOST],
+        absurd=tolerances(evaluation.fitted)[:TOLERANCES_NAMED],
         maps=maps,
         modes=modes,
         worst=spots,

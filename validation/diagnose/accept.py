@@ -21,15 +21,16 @@ from validation.estimation.result import Evaluation, Fit
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 
 SCATTER = 3.0
-"""Standard deviations by which chi² per degree of freedom of a null may lie above what noise alone predicts: those of chi² itself
-and of a noise that short silences tell. The model-error floor is a
-bound that nulls do not use: they read 0.97 to 1.01 of the noise."""
+"""[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
+estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Held by
+tests/validation/diagnosing/test_accepting.py."""
 
 UNLIKELY = 1e-4
-"""Probability of a sum of z² below which tolerances pay for something."""
+"""[probability] of a sum of z² below which the tolerances pay for something that is missing. Held by
+tests/validation/diagnosing/test_accepting.py."""
 
 ABSURD = 4.8
-"""z of one tolerance of some four hundred that is no chance."""
+"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_accepting.py."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -55,7 +55,8 @@ RESONATOR = ("m", "f", "zeta")
 """Keys of the sizes of a resonator."""
 
 TINY = 1e-6
-"""[kg] of a resonator that does next to nothing."""
+"""[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Held by
+tests/validation/diagnosing/test_dictionary.py."""
 
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
@@ -106,7 +107,9 @@ def _all(bench: FittedData) -> Iterator[Added]:
     families = [one for one in FAMILIES.values() if one.side in SIDES and one.stage in SHOWN]
     every = [named for family in families for named in _everywhere(family, words) if named.id not in known]
     found = [Added(named=one, fixed=_is_switch(one)) for one in every if any(acts(one, place) for place in there)]
-    opened = _opened(bench, found)
+    # Parameters that effects without an equation would open; a chain makes them when they are asked for
+    asking = tuple(replace(one, fixed=False) for one in found if not _has_equation(one))
+    opened = {one.name for made in bench.made for one in made.with_effects((*bench.model.effects, *asking)).parameters}
     yield from (one for one in found if _has_equation(one) or one.named.id in opened)
     yield from (one for one in of_swings(bench) if one.named.id not in known)
 
@@ -119,28 +122,19 @@ def _there(bench: FittedData) -> Iterator[There]:
 
 def _everywhere(family: Family, words: Vocabulary) -> Iterator[Named]:
     for targets in product(*(words.legal(kind) or () for kind in family.targets)):
-        yield _at_nothing(family, targets)
+        sizes = family.sizes_at(targets)
+        if tuple(size.key for size in sizes) == RESONATOR:
+            at_nothing = Named(family=family.name, targets=targets, values=TINY_AT)
+        else:
+            values = {}
+            for size in sizes:
+                values[size.key] = size.null if size.plausible > 0 or size.default is None else size.default
+            at_nothing = Named(family=family.name, targets=targets, values=values)
+        yield at_nothing
 
 
 def _has_equation(added: Added) -> bool:
     return FAMILIES[added.named.family].stage != OPENED
-
-
-def _opened(bench: FittedData, found: Sequence[Added]) -> set[str]:
-    """Parameters that effects without an equation would open; a chain makes them when they are asked for."""
-    asking = tuple(replace(one, fixed=False) for one in found if not _has_equation(one))
-    return {one.name for made in bench.made for one in made.with_effects((*bench.model.effects, *asking)).parameters}
-
-
-def _at_nothing(family: Family, targets: tuple[str, ...]) -> Named:
-    sizes = family.sizes_at(targets)
-    if tuple(size.key for size in sizes) == RESONATOR:
-        return Named(family=family.name, targets=targets, values=TINY_AT)
-    return Named(family=family.name, targets=targets, values={size.key: _nothing(size) for size in sizes})
-
-
-def _nothing(size: SizeSpec) -> float:
-    return size.null if size.plausible > 0 or size.default is None else size.default
 
 
 def _is_switch(named: Named) -> bool:
@@ -158,8 +152,9 @@ def _is_switch(named: Named) -> bool:
 # is what only the first effect b can explain of what it does, whatever the sizes c of the other.
 
 
-SHARE = 1e-3
-"""Of the square of what an effect does that another one must leave to it."""
+ALIAS_SHARE = 1e-3
+"""[share] of the square of what an effect does that its alias must leave to it at most. Set by the development draws of `make
+blind`."""
 
 
 def alike(best: Candidate, others: Sequence[Candidate]) -> tuple[str, ...]:
@@ -170,7 +165,7 @@ def alike(best: Candidate, others: Sequence[Candidate]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.named.id for each in ranked for one in each.effects if one.named.id not in common))
 
 
-def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limit: float = SHARE) -> dict[str, float]:
+def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limit: float = ALIAS_SHARE) -> dict[str, float]:
     """Ids of those of `candidates` that could stand for `effect` of the hypothesis `best` where its fit ended, with their share.
 
     Those that act nowhere on the data are left out, and so are those that `best` has, and those with a larger share than `limit`.
@@ -235,18 +230,23 @@ def opened(problem: Problem, candidates: Sequence[Added]) -> Problem:
 
 
 DAMPING = (0.005, 0.02, 0.08)
+"""[1] Damping ratios of the resonators that are looked up. Set by the development draws of `make blind`."""
 
 BEYOND = 1.15
-"""Factor by which the dictionary goes beyond the band at either end."""
+"""[factor] by which the resonators that are looked up reach beyond the band at either end. Held by
+tests/validation/diagnosing/test_dictionary.py."""
 
 PER_OCTAVE = 24
+"""[count] of frequencies in an octave at which a resonator is looked up. Set by the development draws of `make blind`."""
 
 OCCAM = 4.0
-"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well."""
+"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Held by
+tests/validation/diagnosing/test_dictionary.py."""
 
 
 SAME_DIRECTION = 0.02
-"""Share of what a resonator does that the model's modes must leave to it: where they do as it does, a straight line lies."""
+"""[share] of what a resonator does that the modes of the model must leave to it; below it a straight line is wrong. Set by the
+development draws of `make blind`."""
 
 
 def looked_up(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
@@ -254,7 +254,8 @@ def looked_up(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[S
     problem = bench.problem((*at.effects, *menu))
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
-    frequency = _frequencies(of)
+    low, high = _band(one.frequency for one in of.products)
+    frequency = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
     places = [(float(f), zeta) for zeta in DAMPING for f in frequency]
     by_set = {k: np.stack([_shape(one.frequency, f, zeta) for f, zeta in places]) for k, one in enumerate(of.products)}
     return [found for name, one in names.items() if (found := _best(of, name, one, places, by_set)) is not None]
@@ -291,11 +292,6 @@ def _best(
         plausible=np.inf,
         usual=told[usual],
     )
-
-
-def _frequencies(of: Screen) -> Array:
-    low, high = _band(one.frequency for one in of.products)
-    return np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
 
 
 def _band(frequencies: Iterable[Array]) -> tuple[float, float]:
@@ -347,7 +343,7 @@ def _meant(one: Screened, offset: float) -> float:
 
 
 SWITCHED = 1.0
-"""Offset of a switch: from on to off."""
+"""[1] Offset of a switch from on to off. By definition."""
 
 
 def screen(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:

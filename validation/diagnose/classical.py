@@ -151,10 +151,12 @@ class SwingAnswer:
 
 
 REACH = 6.0
-"""Plausible sizes up to which an effect is looked at; beyond it explains nothing."""
+"""[prior sd] up to which the size of an effect is looked at; beyond it explains nothing. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 LIGHTEST = 0.5
-"""Share of an article's mass that is left at the least: more is not missing in a drawing."""
+"""[share] of the mass of an article that is left at the least: more is not missing in a drawing. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,10 +243,15 @@ def _candidate(added: Added, mass: float) -> ClassicalCandidate:
 
 
 DEGREE = 10
-"""Of the polynomial; effects are of second degree in their size or near it, the error falls by an order with each."""
+"""[count] Degree of the polynomial; effects are of second degree in their size or near it. Held by
+tests/validation/diagnosing/test_weighed.py."""
 
-NARROWER, TRIES = 0.7, 12
-"""How an interval shrinks whose end no pendulum and no body can have."""
+NARROWER = 0.7
+"""[factor] by which an interval shrinks whose end no pendulum and no body can have. Held by
+tests/validation/diagnosing/test_swings.py."""
+
+TRIES = 12
+"""[count] of times that such an interval shrinks. Held by tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -370,7 +377,8 @@ def _left(fact: ArticleFact, offsets: dict[str, float] | None = None) -> float:
 
 
 ANSWERS = 0.1
-"""Standard deviations that a plausible size of an effect must move some measurement by, to be looked at at all."""
+"""[sd] of some measurement that an effect at its prior sd must move to be looked at. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -422,7 +430,7 @@ def _moves(one: Answering, of: ObservedFacts) -> bool:
 
 
 DISAGREE = 4.0
-"""Standard deviations from which two measurements of one quantity contradict each other."""
+"""[sd] from which two measurements of one quantity contradict each other. Held by tests/validation/diagnosing/test_swings.py."""
 
 MASS = "mass"
 
@@ -441,18 +449,18 @@ def _of_one_quantity(of: ObservedFacts, beside: tuple[MeasurementComparison, ...
         sd = float(np.sqrt(max(of.covariance[i, i] + of.covariance[j, j] - 2 * of.covariance[i, j], 1e-300)))
         if abs(apart) > DISAGREE * sd:
             values = " and ".join(said(each.value, beside[i].unit, 4) for each in (one, other))
+            # In what two swings differ, as far as the file says
+            if one.swing is None or other.swing is None:
+                differing: str = ""
+            else:
+                differ = [name for name, (a, b) in _conditions(one, other).items() if a != b]
+                differing = (
+                    f"; they differ in {' and '.join(differ)}" if differ else "; the file says of nothing in which they differ"
+                )
             yield (
                 f"{one.name} and {other.name} contradict each other: {values}, "
-                f"{abs(apart) / sd:.0f} standard deviations apart{_differing(one, other)}"
+                f"{abs(apart) / sd:.0f} standard deviations apart{differing}"
             )
-
-
-def _differing(one: ArticleFact, other: ArticleFact) -> str:
-    """In what two swings differ, as far as the file says."""
-    if one.swing is None or other.swing is None:
-        return ""
-    differ = [name for name, (a, b) in _conditions(one, other).items() if a != b]
-    return f"; they differ in {' and '.join(differ)}" if differ else "; the file says of nothing in which they differ"
 
 
 def _conditions(one: ArticleFact, other: ArticleFact) -> dict[str, tuple[object, object]]:
@@ -502,19 +510,19 @@ def _of_masses(of: ObservedFacts) -> Iterator[str]:
 
 
 POINTS = 401
-"""Of each look at the line."""
+"""[count] of sizes in each look at one effect. Held by tests/validation/diagnosing/test_weighed.py."""
 
 LOOKS = 4
-"""Each closer than the one before."""
+"""[count] of looks, each closer than the one before. Held by tests/validation/diagnosing/test_weighed.py."""
 
 FAR = 30.0
-"""Nats below the summit at which nothing is left."""
+"""[nats] below the summit at which nothing is left. Held by tests/validation/diagnosing/test_weighed.py."""
 
 NEAR = 1e-4
-"""The same, where the summit itself is looked for."""
+"""[nats] below the summit within which the summit itself is looked for. Held by tests/validation/diagnosing/test_weighed.py."""
 
 TAIL = 0.05
-"""On either side of a 90 % interval."""
+"""[probability] on either side of a 90 % interval. By definition."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -546,7 +554,8 @@ def weighed(curve: InterpolatedCurve, plausible: float, left: Array, precision: 
     peak = density.max()
     share = steps(sizes) * np.exp(density - peak)
     low, value, high = quantiles(sizes, share)
-    best = _best(curve, left, precision)
+    best_sizes, found = _around(curve, lambda x: _gain(curve, x, left, precision), NEAR)
+    best = float(best_sizes[int(np.argmax(found))])
     gained = float(_gain(curve, np.array([best]), left, precision)[0])
     return Weighed(
         evidence=float(peak + np.log(share.sum())),
@@ -599,11 +608,6 @@ def _around(curve: InterpolatedCurve, density: Callable[[Array], Array], far: fl
     return sizes, found
 
 
-def _best(curve: InterpolatedCurve, left: Array, precision: Array) -> float:
-    sizes, found = _around(curve, lambda x: _gain(curve, x, left, precision), NEAR)
-    return float(sizes[int(np.argmax(found))])
-
-
 def is_end(curve: InterpolatedCurve, size: float) -> bool:
     width = (curve.high - curve.low) / POINTS
     return size > curve.high - width or (curve.low < 0 and size < curve.low + width)
@@ -623,9 +627,10 @@ def steps(sizes: Array) -> Array:
 
 
 PAIRS_POINTS = 121
-"""Of each look, along either size."""
+"""[count] of sizes in each look at a pair of effects, along either. Held by tests/validation/diagnosing/test_weighed.py."""
 
 PAIRS_LOOKS = 5
+"""[count] of looks at a pair, each closer than the one before. Held by tests/validation/diagnosing/test_weighed.py."""
 
 
 def both(
@@ -681,21 +686,28 @@ def _weighed(curve: InterpolatedCurve, sizes: Array, share: Array, best: float, 
 # one class that these data cannot tell apart.
 
 
-SAME = 2.0
-"""Chi² by which an alias may fit worse than the best."""
+ALIAS_CHI2 = 2.0
+"""[chi²] by which an alias may fit worse than the best. Held by tests/validation/diagnosing/test_swings.py."""
 
 LARGE = 3.0
-"""Plausible sizes up to which a size is possible."""
+"""[prior sd] up to which a size is possible. Held by tests/validation/diagnosing/test_swings.py."""
 
-UNLIKELY, SURE = 1e-3, 1e-5
-"""Probability of a misfit below which an explanation explains too little, and below which what nothing is worth naming for is
-unknown all the same."""
+UNLIKELY = 1e-3
+"""[probability] of a misfit below which an explanation explains too little. Held by
+tests/validation/diagnosing/test_swings.py."""
+
+UNKNOWN_BELOW = 1e-5
+"""[probability] of a misfit below which the cause is unknown though nothing is worth a name. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 NO_SIZE = 5e-3
-"""Plausible sizes below which the best is none."""
+"""[prior sd] below which the best size is none. Held by tests/validation/diagnosing/test_swings.py."""
 
-PAIR, OF_PAIRS = 2, 8
-"""Effects at once, and of how many, the best by themselves, pairs are tried."""
+PAIR = 2
+"""[count] of effects in a pair. By definition."""
+
+OF_PAIRS = 8
+"""[count] of effects, the best by themselves, of which pairs are tried. Held by tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -762,14 +774,23 @@ def judged(answers: Sequence[Answering], left: Array, precision: Array, of_perio
     tried = tuple(sorted((_tried(one, left, precision) for one in answers), key=lambda one: -one.found.evidence))
     chi2, n = float(left @ precision @ left), len(left)
     good = [one for one in tried if explains(one, n)]
-    alike = tuple(one for one in good if _is_worth(good[0]) and _alike(one, good[0]))
+    alike = tuple(one for one in good if good[0].found.evidence > EVIDENCE_THRESHOLD and _alike(one, good[0]))
     pair: tuple[ClassicalCandidateFit, ...] = ()
     if alike:
         verdict = MISSING if len(alike) == 1 else AMBIGUOUS
-    elif chance(chi2, n) > (SURE if good else UNLIKELY):
+    elif chance(chi2, n) > (UNKNOWN_BELOW if good else UNLIKELY):
         verdict = NOTHING
     else:
-        pair = _pair(tried, left, precision, np.zeros(n) if of_period is None else of_period)
+        # The best two at once that leave what tolerances leave, each as it is beside the other; nothing where no two do
+        pair_of_period = np.zeros(n) if of_period is None else of_period
+        found = []
+        for two in combinations(tried[:OF_PAIRS], 2) if len(left) > PAIR else ():
+            curves, plausible = (two[0].curve, two[1].curve), (two[0].answering.plausible, two[1].answering.plausible)
+            shared = pair_of_period * all(one.candidate.of_pendulum for one in two)
+            beside = both(curves, plausible, left, precision, shared)
+            if beside[0].evidence > EVIDENCE_THRESHOLD and chance(beside[0].chi2, len(left) - PAIR) > UNLIKELY:
+                found.append(tuple(replace(one, found=each) for one, each in zip(two, beside, strict=True)))
+        pair = max(found, key=lambda pair: pair[0].found.evidence, default=())
         verdict = SEVERAL if pair else UNKNOWN
     return ClassicalVerdict(
         verdict=verdict, tried=tried, alike=alike, pair=pair, measurements=n, chi2=chi2, probability=chance(chi2, n)
@@ -783,12 +804,8 @@ def _tried(one: Answering, left: Array, precision: Array) -> ClassicalCandidateF
 
 def _alike(one: ClassicalCandidateFit, best: ClassicalCandidateFit) -> bool:
     """Whether an explanation is as good as the best: as probable, or an alias that does the same at a size that is possible."""
-    alias = one.found.chi2 - best.found.chi2 < SAME and abs(one.found.best) <= LARGE * one.answering.plausible
+    alias = one.found.chi2 - best.found.chi2 < ALIAS_CHI2 and abs(one.found.best) <= LARGE * one.answering.plausible
     return best.found.evidence - one.found.evidence < INDISTINGUISHABLE_NATS or alias
-
-
-def _is_worth(one: ClassicalCandidateFit) -> bool:
-    return one.found.evidence > EVIDENCE_THRESHOLD
 
 
 def chance(chi2: float, degrees: int) -> float:
@@ -803,25 +820,11 @@ def explains(one: ClassicalCandidateFit, measurements: int) -> bool:
     return chance(one.found.chi2, measurements - 1) > UNLIKELY
 
 
-def _pair(
-    tried: Sequence[ClassicalCandidateFit], left: Array, precision: Array, of_period: Array
-) -> tuple[ClassicalCandidateFit, ...]:
-    """The best two at once that leave what tolerances leave, each as it is beside the other; nothing where no two do."""
-    found = []
-    for two in combinations(tried[:OF_PAIRS], 2) if len(left) > PAIR else ():
-        curves, plausible = (two[0].curve, two[1].curve), (two[0].answering.plausible, two[1].answering.plausible)
-        shared = of_period * all(one.candidate.of_pendulum for one in two)
-        beside = both(curves, plausible, left, precision, shared)
-        if beside[0].evidence > EVIDENCE_THRESHOLD and chance(beside[0].chi2, len(left) - PAIR) > UNLIKELY:
-            found.append(tuple(replace(one, found=each) for one, each in zip(two, beside, strict=True)))
-    return max(found, key=lambda pair: pair[0].found.evidence, default=())
-
-
 # The smallest size at which classical measurements would name an effect: where its own answer, without noise, is worth it.
 
 
 HALVINGS = 12
-"""Of the interval that holds it."""
+"""[count] of halvings of the interval that holds the size. Held by tests/validation/diagnosing/test_swings.py."""
 
 
 def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tuple[Detectable, ...]:
@@ -831,20 +834,17 @@ def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tup
 
 def _found(tried: Sequence[ClassicalCandidateFit], precision: Array) -> Iterator[Detectable]:
     for one in tried:
-        size = smallest(one, precision)
+        # Positive size at which the evidence is `WORTH`; the end of what is looked at where it is not
+        low, high = 0.0, one.curve.high
+        if not _named(one, high, precision):
+            size = high
+        else:
+            for _ in range(HALVINGS):
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if _named(one, middle, precision) else (middle, high)
+            size = high
         if size < one.curve.high:
             yield Detectable(id=one.id, size=size, unit=one.candidate.size.unit)
-
-
-def smallest(one: ClassicalCandidateFit, precision: Array) -> float:
-    """Positive size at which the evidence is `WORTH`; the end of what is looked at where it is not."""
-    low, high = 0.0, one.curve.high
-    if not _named(one, high, precision):
-        return high
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if _named(one, middle, precision) else (middle, high)
-    return high
 
 
 def _named(one: ClassicalCandidateFit, size: float, precision: Array) -> bool:
@@ -856,7 +856,8 @@ def _named(one: ClassicalCandidateFit, size: float, precision: Array) -> bool:
 
 
 ROUNDING = 1e-12
-"""Share of a variance that is left of one that a single input makes alone."""
+"""[share] of a variance that is left of one which a single input makes alone. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 
 def readings(of: ObservedFacts) -> tuple[MeasurementInput, ...]:

@@ -53,10 +53,25 @@ if TYPE_CHECKING:
 Pendulum = RopeSwing | CompoundSwing | TorsionSwing
 
 HALF = 0.5
+"""[factor] by which the other test differs: shorter or lighter, or twice as well known. By definition."""
 
-BALANCE, SMALL_BALANCE, RULER, SHARE, DECAY, CRANE = 5e-4, 1e-3, 2.5e-4, 5e-3, 2.5e-4, 5e-4
-"""Standard deviations of instruments: of a mass, relative; of the ropes' mass [kg]; of a stretch [m]; of a rope's share of the
-weight; of a damping ratio; of a CoG [m]. Half of each figure in words."""
+BALANCE = 5e-4
+"""[share] One sd of a mass on the balance of an article. Held by tests/validation/diagnosing/test_swings.py."""
+
+SMALL_BALANCE = 1e-3
+"""[kg] One sd of the mass of the ropes. Held by tests/validation/diagnosing/test_swings.py."""
+
+RULER = 2.5e-4
+"""[m] One sd of a stretch; a ruler reads 0.5 mm. Held by tests/validation/diagnosing/test_swings.py."""
+
+SHARE = 5e-3
+"""[share] of the weight: one sd of what a rope carries. Held by tests/validation/diagnosing/test_swings.py."""
+
+DECAY = 2.5e-4
+"""[1] One sd of a damping ratio from a decay. Held by tests/validation/diagnosing/test_swings.py."""
+
+CRANE = 5e-4
+"""[m] One sd of a centre of gravity on the crane. Held by tests/validation/diagnosing/test_swings.py."""
 
 OFF_CENTRE = "off-centre-suspension"
 
@@ -111,7 +126,13 @@ def _of_ropes(fact: ArticleFact, swing: RecordedSwing, ropes: RopeSwing) -> Iter
     yield PossibleMeasurement(
         text="hang the ropes half as far from the centre of gravity", facts=(another(fact, replace(ropes, s1=s1, s2=s2)),)
     )
-    yield _loaded(fact, ropes)
+    # With half its mass more, in two known weights on either side at the ropes
+    mass, square = HALF * ropes.mass.nominal_value, abs(ropes.s1.nominal_value * ropes.s2.nominal_value)
+    loaded_radius = float(np.sqrt(square))
+    more = replace(fact, of=replace(fact.of, drawn=_with_weights(fact, mass, loaded_radius)))
+    loaded_text = f"add two known masses of {said(mass / 2, 'kg', 2)} on either side, {said(loaded_radius, 'm', 2)} from the axis"
+    loaded = PossibleMeasurement(text=loaded_text, facts=(another(more, replace(ropes, mass=ropes.mass + exact(mass))),))
+    yield loaded
     if _acts(classical_facts.ROPE_MASS, swing):
         yield PossibleMeasurement(text="weigh the ropes (to 2 g)", told={classical_facts.ROPE_MASS: SMALL_BALANCE})
     load = ropes.mass.nominal_value * ropes.gravity.nominal_value / max(swing.ropes, 1)
@@ -119,15 +140,6 @@ def _of_ropes(fact: ArticleFact, swing: RecordedSwing, ropes: RopeSwing) -> Iter
     yield PossibleMeasurement(text=text, told={classical_facts.STRETCH: RULER / load})
     radius = float(np.sqrt(abs(ropes.s1.nominal_value * ropes.s2.nominal_value)))
     yield PossibleMeasurement(text="measure what each rope carries (to 1 % of the weight)", told={OFF_CENTRE: SHARE * radius})
-
-
-def _loaded(fact: ArticleFact, ropes: RopeSwing) -> PossibleMeasurement:
-    """With half its mass more, in two known weights on either side at the ropes."""
-    mass, square = HALF * ropes.mass.nominal_value, abs(ropes.s1.nominal_value * ropes.s2.nominal_value)
-    radius = float(np.sqrt(square))
-    more = replace(fact, of=replace(fact.of, drawn=_with_weights(fact, mass, radius)))
-    text = f"add two known masses of {said(mass / 2, 'kg', 2)} on either side, {said(radius, 'm', 2)} from the axis"
-    return PossibleMeasurement(text=text, facts=(another(more, replace(ropes, mass=ropes.mass + exact(mass))),))
 
 
 def _with_weights(fact: ArticleFact, mass: float, radius: float) -> Matrices:
@@ -243,17 +255,19 @@ def _swing(fact: ArticleFact) -> RecordedSwing:
     return fact.swing
 
 
-MOST = 6
-"""Explanations that are told apart at most, the best of each family first."""
+EXPLANATIONS_TOLD_APART = 6
+"""[count] of explanations that are told apart at most, the best of each family first. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 SURE = 30.0
-"""Nats beyond which nobody is surer."""
+"""[nats] beyond which nobody is surer. Held by tests/validation/diagnosing/test_swings.py."""
 
 WORTH_WHILE = 1.0
-"""Nats below which a test is not worth the work."""
+"""[nats] below which a test is not worth the work. Held by tests/validation/diagnosing/test_swings.py."""
 
 NAMED = 3
-"""Explanations whose answer stands in the words of a test."""
+"""[count] of explanations whose expected reading stands in the words of a test. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -278,7 +292,11 @@ def advised(
     """The tests that tell `rivals` apart, the most telling first; of a single one, those that add most to its evidence."""
     if not rivals:
         return ()
-    chosen = _various(rivals)[:MOST]
+    # The best of every family first: places of one are much alike
+    families = [one.candidate.added.named.family for one in rivals]
+    first = [one for k, one in enumerate(rivals) if families[k] not in families[:k]]
+    various = [*first, *(one for one in rivals if one not in first)]
+    chosen = various[:EXPLANATIONS_TOLD_APART]
     now = _Thought(
         trial=PossibleMeasurement(text=""), curves=tuple(one.curve for one in chosen), covariance=np.array(of.covariance)
     )
@@ -290,13 +308,6 @@ def advised(
         if progress is not None:
             progress(k / len(trials))
     return tuple(sorted((one for one in advice if one.gain > WORTH_WHILE), key=lambda one: -one.gain))
-
-
-def _various(rivals: Sequence[ClassicalCandidateFit]) -> list[ClassicalCandidateFit]:
-    """The best of every family first: places of one are much alike."""
-    families = [one.candidate.added.named.family for one in rivals]
-    first = [one for k, one in enumerate(rivals) if families[k] not in families[:k]]
-    return [*first, *(one for one in rivals if one not in first)]
 
 
 def _thought(of: ObservedFacts, rivals: Sequence[ClassicalCandidateFit], trial: PossibleMeasurement) -> _Thought | None:
@@ -329,8 +340,21 @@ def _advice(of: ObservedFacts, rivals: Sequence[ClassicalCandidateFit], one: _Th
     now = np.array([rival.found.evidence for rival in rivals])
     share = np.exp(now - now.max())
     least = [row[k] - np.delete(row, k).max(initial=-np.inf) for k, row in enumerate(told)]
+    # By how much the new period would differ from the model's, by each of the explanations, and what tolerances see
+    if not one.trial.facts or one.trial.facts[0].swing is None:
+        figures: str = ""
+    else:
+        n, C = len(of.facts), one.covariance
+        per = period_per_inertia(one.trial.facts[0])
+        figures_told = [
+            f"{-per * left[n]:+.2%} if it is {rival.id}" for rival, left in zip(rivals, _truths(rivals, one), strict=True)
+        ]
+        more = f" and {len(figures_told) - NAMED} more" if len(figures_told) > NAMED else ""
+        own = float(np.sqrt(max(C[n, n] - C[n, :n] @ np.linalg.solve(C[:n, :n], C[:n, n]), 0.0)))
+        seen = f"tolerances that it does not share with what was measured are ± {said(NORMAL_95 * per * own, '1')}"
+        figures = f": its period is then off the model's by {', '.join(figures_told[:NAMED])}{more}; {seen} of it"
     return Advice(
-        test=f"{one.trial.text}{_figures(of, rivals, one)}",
+        test=f"{one.trial.text}{figures}",
         gain=float(share @ (_gains(told) - before) / share.sum()),
         separates=tuple(
             rival.id for rival, apart in zip(rivals, least, strict=True) if apart > INDISTINGUISHABLE_NATS and len(rivals) > 1
@@ -359,16 +383,3 @@ def _evidence(rivals: Sequence[ClassicalCandidateFit], of: _Thought) -> Array:
 def _truths(rivals: Sequence[ClassicalCandidateFit], of: _Thought) -> list[Array]:
     """By explanation what would be left of measurements and test by the model without it."""
     return [-curve.at(np.array([rival.found.value]))[0] for rival, curve in zip(rivals, of.curves, strict=True)]
-
-
-def _figures(of: ObservedFacts, rivals: Sequence[ClassicalCandidateFit], one: _Thought) -> str:
-    """By how much the new period would differ from the model's, by each of the explanations, and what tolerances see."""
-    if not one.trial.facts or one.trial.facts[0].swing is None:
-        return ""
-    n, C = len(of.facts), one.covariance
-    per = period_per_inertia(one.trial.facts[0])
-    told = [f"{-per * left[n]:+.2%} if it is {rival.id}" for rival, left in zip(rivals, _truths(rivals, one), strict=True)]
-    more = f" and {len(told) - NAMED} more" if len(told) > NAMED else ""
-    own = float(np.sqrt(max(C[n, n] - C[n, :n] @ np.linalg.solve(C[:n, :n], C[:n, n]), 0.0)))
-    seen = f"tolerances that it does not share with what was measured are ± {said(NORMAL_95 * per * own, '1')}"
-    return f": its period is then off the model's by {', '.join(told[:NAMED])}{more}; {seen} of it"

@@ -89,19 +89,19 @@ def of_search() -> Mapping[str, object]:
     return {
         "unlikely": accept.UNLIKELY,
         "absurd_z": accept.ABSURD,
-        "promising_nats": search.PROMISING,
-        "short_nats": search.SHORT,
-        "tried_at_most": search.TRIED,
-        "effects_at_most": search.MOST,
-        "bent_chi2_per_dof": search.BENT,
-        "least_share_of_excess": search.LEAST,
-        "kept_share_of_promise": search.KEPT,
-        "afresh_at_most": search.AFRESH,
-        "afresh_octaves": [float(search.OCTAVES[0]), float(search.OCTAVES[-1])],
-        "afresh_floor": search.ROUGH,
+        "promising_nats": search.WORTH_A_FIT,
+        "short_nats": search.NULL_MARGIN,
+        "tried_at_most": search.FITS_OF_A_STEP,
+        "effects_at_most": search.MOST_EFFECTS,
+        "bent_chi2_per_dof": search.NONLINEAR_MISFIT,
+        "least_share_of_excess": search.LEAST_EXPLAINED,
+        "kept_share_of_promise": search.KEPT_SHARE,
+        "afresh_at_most": search.RESTARTS,
+        "afresh_octaves": [float(search.SIZE_OCTAVES[0]), float(search.SIZE_OCTAVES[-1])],
+        "afresh_floor": search.SIZE_SCAN_FLOOR,
         "asked_again_at_most": search.RIVALS,
-        "asked_again_share": search.SHARE,
-        "instead_of_resonators_at_most": search.INSTEAD,
+        "asked_again_share": search.RIVAL_SHARE,
+        "instead_of_resonators_at_most": search.REPLACEMENTS,
         "resonators_beyond_band": diagnose_candidates.BEYOND,
     }
 
@@ -115,13 +115,15 @@ def of_question(only: Sequence[str], leave_out: Sequence[str]) -> Mapping[str, o
 
 
 LEFT = 60.0
-"""[nats] that a describable leftover may gain of a model that misses nothing; of nulls the best of thousands gains 10 to 17."""
+"""[nats] that something describable may gain of a model that misses nothing; of nulls the best of thousands gains 10 to 17.
+Set by the development draws of `make blind`."""
 
 LINES = 200
-"""Lines of all data sets together at which a leftover is looked at."""
+"""[count] of lines of all data sets together at which what is unexplained is looked at. Set by the development draws of `make
+blind`."""
 
 RIVALS = 2
-"""Explanations between which a test is looked for."""
+"""[count] of explanations between which a test is looked for. By definition."""
 
 
 def answer(bench: FittedData, base: Candidate, found: Candidate, rounds: Sequence[SearchStep], progress: Progress) -> Diagnosis:
@@ -432,7 +434,8 @@ def _linear_or_not(right: FittedData, only: Sequence[str], leave_out: Sequence[s
 OPTION = "--candidate"
 
 FEWEST_RUNS = 2
-"""Runs of all campaigns together: what one teaches another must confirm."""
+"""[count] of runs of all campaigns together: what one teaches another must confirm. Held by
+tests/validation/diagnosing/command/test_bad_input.py."""
 
 OTHERWISE = {
     MISTAKE: "Leave it out: mistakes are looked for in every diagnosis, before any fit",

@@ -29,7 +29,8 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
 )
 
 MANY_NATS = 1000.0
-"""Beyond which a forecast of evidence says only that it is decided."""
+"""[nats] beyond which a forecast of evidence says only that it is decided. Held by
+tests/validation/diagnosing/command/test_page.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -349,7 +350,8 @@ class Screened:
 
 
 NAMED = 4
-"""Effects that a sentence names; of more, their number is."""
+"""[count] of effects that a sentence names; of more, their number is. Held by
+tests/validation/diagnosing/command/test_page.py."""
 
 
 def headline(found: Diagnosis) -> str:

@@ -22,7 +22,6 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array
-from geometry.sensors import ChannelTable
 from identification.consistency import candidates
 from identification.quality import NORMAL_90
 from validation.diagnose.accept import as_it_stands
@@ -55,33 +54,40 @@ from validation.prediction.series import SeriesPrediction
 
 
 REACH = 1.5
-"""Lines up to so many times the lowest one are used."""
+"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_discrete.py."""
 
 LINES = 4
-"""How many of them."""
+"""[count] of those lines. Held by tests/validation/diagnosing/test_discrete.py."""
 
 MOTIONS_OF_A_PLATE = 6
+"""[count] of motions of a rigid plate. By definition."""
 
 DRAWS = 400
-"""Sets of six channels that are tried, of the accelerometers alone and of all channels."""
+"""[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 CONDITION = 40.0
-"""Of the rows of six channels, beyond which they do not tell the motion."""
+"""[1] Condition number of the rows of six channels beyond which they do not tell the motion. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 DISTANT = 0.15
-"""Distance of a reading from what it should be at which it stops to count much."""
+"""[share] Distance of a reading from what it should be at which it stops to count much. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 NEAR = 0.25
-"""Distance within which a channel takes part in the final estimate: a gain of two thirds."""
+"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 PORTION = 100
-"""Sets that are worked on at once."""
+"""[count] of sets that are worked on at once; memory only. By definition."""
 
 ROUNDS = 3
-"""Times that the final estimate is repeated with the channels that are near."""
+"""[count] of times that the final estimate is repeated with the channels that are near. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 FAINT = 0.3
-"""Share of what a channel should read over all runs that counts as its level where it should read less."""
+"""[share] of what a channel should read over all runs that counts as its level where it should read less. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,7 +122,8 @@ class LowFrequencyReadings:
 def low_frequency_readings(one: SeriesPrediction) -> LowFrequencyReadings:
     """The lowest lines of `one`, by its model as it stands."""
     measured = one.measured
-    lines = _lines(measured.frequency)
+    low = np.flatnonzero(measured.frequency <= REACH * measured.frequency[0])
+    lines = np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
     rows = one.at({parameter.name: parameter.start for parameter in one.parameters}, lines, derivatives=False).rows
     y = measured.values[:, lines]
     p = _agreed(rows if rows.ndim == 4 else rows[None], y, ~measured.judged)
@@ -147,11 +154,6 @@ def level(p: ComplexArray) -> Array:
 
 def _norm(values: ComplexArray) -> Array:
     return np.asarray(np.linalg.norm(values, axis=(-3, -2)))
-
-
-def _lines(frequency: Array) -> npt.NDArray[np.int64]:
-    low = np.flatnonzero(frequency <= REACH * frequency[0])
-    return np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
 
 
 def _agreed(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) -> ComplexArray:
@@ -202,27 +204,38 @@ def _condition(A: ComplexArray, sets: npt.NDArray[np.int64]) -> Array:
 
 
 OFF = 0.15
-"""Share by which readings may be off for other reasons."""
+"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_discrete.py."""
 
-SIGN, UNIT, FACTOR, PLUG = 8.0, 10.0, 16.0, 6.0
-"""[nats] Price of a wrong sign, a known unit, a factor that is none, and of a channel that reads another's plug."""
+SIGN_PENALTY = 8.0
+"""[nats] Prior penalty of a wrong sign. Held by tests/validation/diagnosing/test_discrete.py."""
+
+UNIT_PENALTY = 10.0
+"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_discrete.py."""
+
+FACTOR_PENALTY = 16.0
+"""[nats] Prior penalty of a factor that is no unit. Held by tests/validation/diagnosing/test_discrete.py."""
+
+PLUG_PENALTY = 6.0
+"""[nats] Prior penalty of a channel that reads another's plug. Held by tests/validation/diagnosing/test_discrete.py."""
 
 SURE = 20.0
-"""[nats] Evidence below which a mistake is none, and that one campaign has against a mistake of another to contradict it."""
+"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 USUAL = 2.5
-"""Factors nearer to 1 than this are gains."""
+"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_discrete.py."""
 
 SNAP = 0.2
-"""How far, as a logarithm, the factor that fits best may lie from a unit's to be that."""
+"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 
 FAR = 0.25
-"""Distance (`validation.diagnose.mistakes.distance`) at which a reading still is not what a mistake says: a gain of two
-thirds."""
+"""[share] Distance, as of `distance`, at which a reading still is not what a mistake says: a gain of two thirds. Held by
+tests/validation/diagnosing/test_discrete.py."""
 
 IMPOSSIBLE = -1e9
-"""[nats] Of an accelerometer that holds a force."""
+"""[nats] of an accelerometer that holds a force: never taken. Held by tests/validation/diagnosing/test_discrete.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -262,10 +275,32 @@ def mistakes(bench: FittedData) -> tuple[Cause, ...]:
     CheckFailed : a mistake of one campaign that another contradicts.
     """
     every = [low_frequency_readings(one.with_effects(bench.model.effects)) for one in bench.made]
-    known = _factors(bench.made[0].tested.campaign.table, every[0].channels)
+    channels = every[0].channels
+    units = [one for one in candidates(bench.made[0].tested.campaign.table) if one.kind == "unit" and len(one.channels) == 1]
+    of = {name: [one for one in units if one.channels == (name,)] for name in channels}
+    known = tuple(
+        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
+    )
     found = _decided(every, known)
     for one in every if len(every) > 1 else ():
-        _require_agreement(one, every, _decided([one], known))
+        # Refuse a mistake of campaign `one` that another contradicts
+        for taken in _decided([one], known):
+            for other in every:
+                right, wrong = (
+                    _likelihood([other], taken.channel, plug, factor)
+                    for plug, factor in ((taken.channel, 1.0), (taken.plug, taken.factor))
+                )
+                if not taken.is_right and right - wrong > SURE:
+                    channel, plug = one.channels[taken.channel], one.channels[taken.plug]
+                    holds = (
+                        f"{channel} holds the signal of {plug}" if taken.plug != taken.channel else f"{channel} reads as expected"
+                    )
+                    what = holds if taken.factor == 1 else f"{holds} times {taken.factor:.4g}"
+                    raise CheckFailed(
+                        f"the campaigns contradict one another: in {one.name} {what}, in {other.name} it is as the file says; "
+                        f"correct that campaign alone (`massline correct`), or leave it out",
+                        evidence_nats={one.name: taken.gain, other.name: right - wrong},
+                    )
     return tuple(_causes(every[0].channels, _whole(found, every[0], known)))
 
 
@@ -275,14 +310,6 @@ class _Known:
 
     values: Array
     units: tuple[tuple[str, str], ...]
-
-
-def _factors(table: ChannelTable, channels: Sequence[str]) -> tuple[_Known, ...]:
-    units = [one for one in candidates(table) if one.kind == "unit" and len(one.channels) == 1]
-    of = {name: [one for one in units if one.channels == (name,)] for name in channels}
-    return tuple(
-        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
-    )
 
 
 def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> tuple[Taken, ...]:
@@ -296,7 +323,7 @@ def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> 
         for d in range(count):
             if of.quantities[c] == of.quantities[d]:
                 factors[c, d], units[c, d], price = _factor(every, c, d, known[c])
-                price += PLUG * (c != d)
+                price += PLUG_PENALTY * (c != d)
                 best[c, d] = _likelihood(every, c, d, factors[c, d]) - price
     right = np.array([_likelihood(every, c, c, 1.0) for c in range(count)])
     stays = right >= np.diagonal(best)
@@ -324,14 +351,14 @@ def _factor(every: Sequence[LowFrequencyReadings], c: int, d: int, known: _Known
     below = sum(float(np.sum(np.abs(p) ** 2 / level**2)) for _, p, level in products)
     k = above / max(below, TINY)
     sign, size = (-1.0 if k < 0 else 1.0), max(abs(k), TINY)
-    price = SIGN * (k < 0)
+    price = SIGN_PENALTY * (k < 0)
     if abs(np.log(size)) < np.log(USUAL):
         return sign, -1, price
     off = np.abs(np.log(known.values / size)) if len(known.values) else np.array([np.inf])
     nearest = int(np.argmin(off))
     if off[nearest] < SNAP:
-        return sign * float(known.values[nearest]), nearest, price + UNIT
-    return float(k), -1, price + FACTOR
+        return sign * float(known.values[nearest]), nearest, price + UNIT_PENALTY
+    return float(k), -1, price + FACTOR_PENALTY
 
 
 def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: float) -> float:
@@ -400,60 +427,30 @@ def _whole(taken: tuple[Taken, ...], of: LowFrequencyReadings, known: Sequence[_
     )
 
 
-def _require_agreement(one: LowFrequencyReadings, every: Sequence[LowFrequencyReadings], alone: Sequence[Taken]) -> None:
-    """Refuse a mistake of campaign `one` that another contradicts."""
-    for taken in alone:
-        for other in every:
-            right, wrong = (
-                _likelihood([other], taken.channel, plug, factor)
-                for plug, factor in ((taken.channel, 1.0), (taken.plug, taken.factor))
-            )
-            if not taken.is_right and right - wrong > SURE:
-                what = _said(one.channels, taken)
-                raise CheckFailed(
-                    f"the campaigns contradict one another: in {one.name} {what}, in {other.name} it is as the file says; "
-                    f"correct that campaign alone (`massline correct`), or leave it out",
-                    evidence_nats={one.name: taken.gain, other.name: right - wrong},
-                )
-
-
-def _said(channels: Sequence[str], one: Taken) -> str:
-    channel, plug = channels[one.channel], channels[one.plug]
-    holds = f"{channel} holds the signal of {plug}" if one.plug != one.channel else f"{channel} reads as expected"
-    return holds if one.factor == 1 else f"{holds} times {one.factor:.4g}"
-
-
 def _causes(channels: Sequence[str], taken: Sequence[Taken]) -> Iterator[Cause]:
     """Signs of sensors, then plugs, then units of the files."""
     for one in taken:
         if one.factor < 0:
             yield _cause("polarity", (channels[one.plug],), one.gain)
-    yield from _swaps(channels, taken)
+    # Exchanges of two that, one after the other, bring every plug where it was found
+    at = list(range(len(taken)))
+    for c, each in enumerate(taken):
+        if at[c] != each.plug:
+            other = at.index(each.plug)
+            at[c], at[other] = at[other], at[c]
+            yield _cause("channel-swap", (channels[c], channels[other]), each.gain + taken[other].gain)
     for one in taken:
         if abs(one.factor) != 1:
             yield _unit(channels[one.channel], one)
-
-
-def _swaps(channels: Sequence[str], taken: Sequence[Taken]) -> Iterator[Cause]:
-    """Exchanges of two that, one after the other, bring every plug where it was found."""
-    at = list(range(len(taken)))
-    for c, one in enumerate(taken):
-        if at[c] != one.plug:
-            other = at.index(one.plug)
-            at[c], at[other] = at[other], at[c]
-            yield _cause("channel-swap", (channels[c], channels[other]), one.gain + taken[other].gain)
 
 
 def _unit(channel: str, one: Taken) -> Cause:
     value = abs(one.factor)
     half = 0.0 if one.units[0] else NORMAL_90 * OFF * value
     size = EffectEstimate(key="", value=value, unit="1", low=value - half, high=value + half)
-    return _cause("unit", (channel,), one.gain, {"": value}, (size,), _in_words(one))
-
-
-def _in_words(one: Taken) -> str:
     taken, true = one.units
-    return f"its numbers are in {true}, and the file says {taken}" if taken else ""
+    in_words = f"its numbers are in {true}, and the file says {taken}" if taken else ""
+    return _cause("unit", (channel,), one.gain, {"": value}, (size,), in_words)
 
 
 def _cause(

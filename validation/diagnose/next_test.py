@@ -113,7 +113,7 @@ def _of_lines(test: PlannedTest, first: Knowledge, others: Sequence[Knowledge]) 
         found.append(likelihood.total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
     return _Differences(
         parameters=tuple(parameters[name] for name in names),
-        others=tuple(_scaled(one, worth) for one in found),
+        others=tuple(Normal(cost=worth * one.cost, gradient=worth * one.gradient, matrix=worth * one.matrix) for one in found),
     )
 
 
@@ -123,10 +123,6 @@ def _of_effects(test: PlannedTest, of: Knowledge, lines: Lines) -> tuple[dict[st
     parameters = {one.name: one for one in own.parameters if one.kind == EFFECT and one.tolerance > 0}
     changes = own.at(of.offsets, lines, derivatives=frozenset(parameters)).changes if parameters else {}
     return parameters, {name: change for name, change in changes.items() if name in parameters}
-
-
-def _scaled(one: Normal, factor: float) -> Normal:
-    return Normal(cost=factor * one.cost, gradient=factor * one.gradient, matrix=factor * one.matrix)
 
 
 def _of_facts(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
@@ -158,14 +154,15 @@ def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[A
 # a forecast needs.
 
 
-MOST = 12
-"""Evaluations that it may take."""
+EVALUATIONS = 12
+"""[count] of evaluations that the descent may take. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 STIFF = 1e-12
-"""Relative variance of a direction below which it does not move."""
+"""[share] Relative variance of a direction below which it does not move. Held by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 ROUGHLY = 0.5
-"""Standard deviations that the last step may be: it leaves an eighth of a nat."""
+"""[sd] that the last step may be: it leaves an eighth of a nat. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Knowledge) -> float:
@@ -196,7 +193,9 @@ def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Kn
         return whitening @ (x - begin), whitening
 
     low, high = bounds.T
-    found = minimise(data, begin, knowledge, close=ROUGHLY, most=MOST, bounds=(np.minimum(low, begin), np.maximum(high, begin)))
+    found = minimise(
+        data, begin, knowledge, close=ROUGHLY, most=EVALUATIONS, bounds=(np.minimum(low, begin), np.maximum(high, begin))
+    )
     return found.normal.cost
 
 
@@ -220,8 +219,8 @@ def _whitening(spread: Array) -> Array:
 
 NOTHING = "nothing"
 
-IMAGINED_MOST = 1
-"""Effects that are imagined in its place."""
+ALTERNATIVES = 1
+"""[count] of effects that are put in its place. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -258,27 +257,21 @@ def imagined(bench: FittedData, of: Candidate) -> tuple[Alternative, ...]:
     """In place of the last effect of a hypothesis: nothing, and the effects that come nearest of those it is mistaken for."""
     effect = of.effects[-1]
     if effect.fixed:
-        return (_switched_off(of, effect),)
-    menu = lookalikes(bench, effect.named)
+        # Of an effect that is there or not: the same without it, which was not asked for because it is far worse
+        known = knowledge(of)
+        left = tuple(one for one in known.effects if one.named.id != effect.named.id)
+        switched_off = Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE))
+        return (switched_off,)
+    # The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one
+    named = effect.named
+    wanted = FAMILIES[named.family].mistaken_for
+    lookalikes_found = (one for one in candidates(bench) if one.named.family in wanted or one.named.id in wanted)
+    menu = tuple(one for one in lookalikes_found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
     ground = _ground(bench, of, menu)
     without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
     found = [_instead(ground, of, effect, without, one) for one in (None, *menu)]
     nothing, *others = (one for one in found if one is not None)
-    return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:IMAGINED_MOST])
-
-
-def _switched_off(of: Candidate, effect: Added) -> Alternative:
-    """Of an effect that is there or not: the same without it, which was not asked for because it is far worse."""
-    known = knowledge(of)
-    left = tuple(one for one in known.effects if one.named.id != effect.named.id)
-    return Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE))
-
-
-def lookalikes(bench: FittedData, named: Named) -> tuple[Added, ...]:
-    """The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one."""
-    wanted = FAMILIES[named.family].mistaken_for
-    found = (one for one in candidates(bench) if one.named.family in wanted or one.named.id in wanted)
-    return tuple(one for one in found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
+    return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:ALTERNATIVES])
 
 
 def _shares(one: Named, other: Named) -> bool:
@@ -341,19 +334,21 @@ def _instead(at: _Ground, of: Candidate, effect: Added, without: tuple[Added, ..
 
 
 DECIDED = 20.0
-"""Nats beyond which more decide no more: then the quicker test comes first."""
+"""[nats] beyond which more decide no more: then the quicker test comes first. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
-AT_MOST = 3
-"""Tests that are named."""
+NAMED_TESTS = 3
+"""[count] of tests that are named. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
-TRIED = 6
-"""Tests that are gone through at most."""
+FORECAST_TESTS = 6
+"""[count] of tests whose fit is forecast at most. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 CERTAIN = 0.95
-"""Probability of one of two explanations from which nobody asks what the test would read by the other."""
+"""[probability] of one of two explanations from which nobody asks what the test would read by the other. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 LOOKING = 0.6
-"""Share of the work that the forecast of the whole menu is."""
+"""[share] of the work that the forecast of the whole menu is; progress bar only. By definition."""
 
 Progress = Callable[[float], None]
 
@@ -402,20 +397,22 @@ def advised(bench: FittedData, rivals: Sequence[Candidate], progress: Progress |
     """
     tell = progress or (lambda share: None)
     if len(rivals) == 1:
-        return _confirming(bench, rivals[0], tell)
+        # Tests that would tell a single explanation from nothing, and from what it could be mistaken for
+        one = rivals[0]
+        if not one.effects:
+            return ()
+        confirming_others = imagined(bench, one)
+        effects = tuple(added for each in confirming_others for added in each.known.effects if added.named.id == each.id)
+        names = [one.effects[-1].named.id, *(each.id for each in confirming_others)]
+        return chosen(bench, knowledge(one), [each.known for each in confirming_others], names, (one.effects[-1], *effects), tell)
     first, *others = (knowledge(one) for one in rivals)
-    own = suspected(rivals)
-    return chosen(bench, first, others, [worded(one) for one in own], _all(own), tell)
-
-
-def _confirming(bench: FittedData, one: Candidate, progress: Progress) -> tuple[Advice, ...]:
-    """Tests that would tell a single explanation from nothing, and from what it could be mistaken for."""
-    if not one.effects:
-        return ()
-    others = imagined(bench, one)
-    effects = tuple(added for each in others for added in each.known.effects if added.named.id == each.id)
-    names = [one.effects[-1].named.id, *(each.id for each in others)]
-    return chosen(bench, knowledge(one), [each.known for each in others], names, (one.effects[-1], *effects), progress)
+    # Of every hypothesis the effects that not all of them have
+    common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
+    own = [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
+    # Effects by their ids
+    return chosen(
+        bench, first, others, [" with ".join(each.named.id for each in one) or "nothing" for one in own], _all(own), tell
+    )
 
 
 def chosen(
@@ -450,13 +447,13 @@ def _kept(ranked: Sequence[Forecast], first: Knowledge, others: Sequence[Knowled
     kept: dict[str, Forecast] = {}
     tried = 0
     for one in ranked:
-        enough = sum(bool(each.apart) for each in kept.values()) >= AT_MOST or tried >= TRIED
+        enough = sum(bool(each.apart) for each in kept.values()) >= NAMED_TESTS or tried >= FORECAST_TESTS
         if enough or (kept and not one.apart):
             break
         if one.offer.kind not in kept:
             found = _followed(one, first, others)
             tried += 1
-            progress(tried / TRIED)
+            progress(tried / FORECAST_TESTS)
             kept |= {} if found is None else {one.offer.kind: found}
     return sorted(kept.values(), key=lambda one: one.rank)
 
@@ -485,30 +482,16 @@ def _advice(one: Forecast, names: Sequence[str]) -> Advice:
 
 def _none(tried: Sequence[Forecast], effects: Sequence[Added], names: Sequence[str]) -> Advice:
     """That no test helps, which comes nearest, and what the catalogue knows of a laboratory."""
-    apart = f"no test of the menu is expected to tell {_listed(names)} apart"
+    listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    apart = f"no test of the menu is expected to tell {listed} apart"
     nearest = f"; the nearest to it, with {tried[0].gain:.1f} nats: {_small(tried[0].offer.words)}" if tried else ""
     ways = dict.fromkeys(FAMILIES[one.named.family].confirmed_by for one in effects)
     said = "; ".join(way for way in ways if way)
     return Advice(test=f"{apart}{nearest}{'. What would: ' + said if said else ''}", gain=0.0)
 
 
-def suspected(rivals: Sequence[Candidate]) -> list[tuple[Added, ...]]:
-    """Of every hypothesis the effects that not all of them have."""
-    common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
-    return [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
-
-
-def worded(effects: Sequence[Added]) -> str:
-    """Effects by their ids."""
-    return " with ".join(one.named.id for one in effects) or "nothing"
-
-
 def _all(own: Sequence[Sequence[Added]]) -> tuple[Added, ...]:
     return tuple({one.named.id: one for effects in own for one in effects}.values())
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _small(words: str) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.articles.dimensions import load
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, rotation_about
+from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place
 from identification import request
@@ -107,7 +107,7 @@ OTHERS = (
 )
 
 TURNS = ((90.0, 2.0), (180.0, 2.0))
-"""[degrees] about z, and hours of work."""
+"""[deg], [h] Turns about z, and the work of each. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def named(article: str) -> str:
@@ -143,9 +143,10 @@ def turned(templates: Sequence[Template]) -> Iterator[OfferedTest]:
 def lying(templates: Sequence[Template]) -> Iterator[OfferedTest]:
     """The Cuboid on its broad side: the same mass at another height."""
     campaign = _with(templates[0], CUBOID)
-    yield from _run(
-        "lying", "Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, _on_its_side(campaign))
-    )
+    pose, _ = mounted(campaign)
+    _, depth, height = load(CUBOID)["size"]
+    down = Pose(position=np.array([0.0, height / 2, depth / 2]), rotation=rotation_about("x", pi / 2))
+    yield from _run("lying", "Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, pose @ down))
 
 
 def _run(kind: str, words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[OfferedTest]:
@@ -171,13 +172,6 @@ def _posed(campaign: Campaign, pose: Pose) -> Campaign:
 def _about_z(campaign: Campaign, degrees: float) -> Pose:
     pose, _ = mounted(campaign)
     return Pose(position=pose.position, rotation=rotation_about("z", degrees * pi / 180) @ pose.rotation)
-
-
-def _on_its_side(campaign: Campaign) -> Pose:
-    pose, _ = mounted(campaign)
-    _, depth, height = load(CUBOID)["size"]
-    down = Pose(position=np.array([0.0, height / 2, depth / 2]), rotation=rotation_about("x", pi / 2))
-    return pose @ down
 
 
 # Tests of the menu that need no shaker: a balance, a crane, a pendulum, each about an article that was tested.
@@ -216,7 +210,10 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
     for what in dict.fromkeys(above_fmd(one.tested.campaign.article) for one in templates):
         for method in METHODS if what else ():
             facts = _facts(model, what, method)
-            if any(not _is_known(one, known) for one in facts):
+            if any(
+                not any(other.of.article == one.of.article and np.array_equal(other.weights, one.weights) for other in known)
+                for one in facts
+            ):
                 yield OfferedTest(
                     kind=method.words,
                     words=method.words.format(named(what)),
@@ -240,10 +237,6 @@ def _facts(model: Model, what: str, method: Method) -> tuple[ArticleFact, ...]:
     return tuple(found)
 
 
-def _is_known(one: ArticleFact, known: Sequence[ArticleFact]) -> bool:
-    return any(other.of.article == one.of.article and np.array_equal(other.weights, one.weights) for other in known)
-
-
 def _classical_with(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> tuple[Fact, ...]:
     return tuple(one.with_effects(effects) for one in facts)
 
@@ -251,13 +244,18 @@ def _classical_with(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> t
 # Tests of the menu that drive the same otherwise: deeper, higher, or at another level.
 
 
-LOWEST, HIGHEST = 2.0, 50.0
-"""[Hz] that a shaker of the kind can be driven down and up to; above it a model's modes count as computed."""
+LOWEST = 2.0
+"""[Hz] that a shaker of the kind can be driven down to. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+
+HIGHEST = 50.0
+"""[Hz] that it can be driven up to; above it a model's modes count as computed. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 FINER = 0.05
-"""[Hz] between lines at the low end."""
+"""[Hz] between lines at the low end. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
-HALF = 0.5
+HALF_LEVEL = 0.5
+"""[share] of the level of a run at which a second one is offered. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def lower(templates: Sequence[Template]) -> Iterator[OfferedTest]:
@@ -283,7 +281,7 @@ def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[O
     if any(FAMILIES[one].side == AMPLITUDE for one in families):
         for of in templates:
             words = f"Run {_what(of)} at half the level"
-            yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF))
+            yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF_LEVEL))
 
 
 def _what(of: Template) -> str:
@@ -293,28 +291,20 @@ def _what(of: Template) -> str:
 # Tests of the menu in which a known mass is added to what was tested.
 
 
-CORNER, ON_PLATE = "cover-1", 5.0
-"""Of the cover plate of the FMD, and the mass [kg] that is put there."""
+CORNER = "cover-1"
+
+ON_PLATE = 5.0
+"""[kg] that is put on the corner of the cover plate. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 ON_ARTICLE = 0.5
-"""[kg] that is put on a place of the article."""
+"""[kg] that is put on a place of the article. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 HOURS = 1.0
+"""[h] that putting a mass on takes. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
-MOST = 2
-"""Places of an article at which a mass is offered at most."""
-
-
-def on_plate(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """On a corner of the cover plate, beside what stands there: it loads one cell more than the others."""
-    of = templates[0]
-    place = locations("fmd")[CORNER]
-    test = planned(of, of.tested.campaign)
-    bare = test.prediction.tested.carried
-    made = _carrying(test, replace(bare, moving=bare.moving + _point(ON_PLATE, place)))
-    beside = named(above_fmd(of.tested.campaign.article))
-    words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
-    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=made)
+PLACES_OF_A_MASS = 2
+"""[count] of places of an article at which a mass is offered at most. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
@@ -323,26 +313,18 @@ def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[
     there = _places(of)
     chosen = dict.fromkeys((*(place for place in asked if place in there), *there[::-1]))
     asked_about = sum(place in there for place in asked)
-    for place in list(chosen)[: min(max(asked_about, 1), MOST)]:
+    for place in list(chosen)[: min(max(asked_about, 1), PLACES_OF_A_MASS)]:
         words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
-        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=_with_mass(of, place))
-
-
-def _with_mass(of: Template, place: str) -> PlannedTest:
-    test = planned(of, of.tested.campaign)
-    tested = test.prediction.tested
-    stands = tested.carried.standing
-    heavy = None if stands.matrices is None else heavier(stands.matrices, (place,), {"": ON_ARTICLE})
-    return _carrying(test, supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy)))
+        test = planned(of, of.tested.campaign)
+        tested = test.prediction.tested
+        stands = tested.carried.standing
+        heavy = None if stands.matrices is None else heavier(stands.matrices, (place,), {"": ON_ARTICLE})
+        with_mass = _carrying(test, supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy)))
+        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=with_mass)
 
 
 def _carrying(test: PlannedTest, what: SupportedDynamicMass) -> PlannedTest:
     return replace(test, prediction=replace(test.prediction, tested=replace(test.prediction.tested, carried=what)))
-
-
-def _point(mass: float, position: Array) -> Inertia:
-    """About F."""
-    return Inertia.from_cog(mass, position, np.zeros((3, 3)))
 
 
 def _places(of: Template) -> tuple[str, ...]:
@@ -365,10 +347,11 @@ WHERE = ("accelerometer-position", "accelerometer-misalignment")
 """What it gets anew when it is moved."""
 
 INWARDS = 0.6
-"""Of its distance from the middle of its group, to which an accelerometer is moved."""
+"""[share] of its distance from the middle of its group to which an accelerometer is moved. Held by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 PARALLEL = 0.99
-"""Cosine between two directions that are the same to a hand."""
+"""[1] Cosine between two directions that are the same to a hand. Held by tests/validation/diagnosing/advisor/test_expected.py."""
 
 TILTED = ("gravity", "accelerometer-tilt", "cable")
 """Families that look like a tilt."""
@@ -385,7 +368,10 @@ def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[O
     """An accelerometer that is `asked` about and one of the same direction change places."""
     of = templates[0]
     for one in _accelerometers(of, asked):
-        for other in _alike(of, one)[:1]:
+        # Others of its group along the same direction
+        along = one.places[0].direction
+        alike = [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ along > PARALLEL]
+        for other in alike[:1]:
             pairs = ((one.name, other.name), (other.name, one.name))
             moved = {f"{family}:{a}": Origin(name=f"{family}:{b}") for family in ITS_OWN for a, b in pairs}
             words = f"Run {_beneath(of)} with the accelerometers {one.name} and {other.name} exchanged"
@@ -437,12 +423,6 @@ def _accelerometers(of: Template, asked: Sequence[str]) -> list[Channel]:
     return [one for one in there if one.name in asked and one.quantity == "acceleration" and one.group in MOUNTED]
 
 
-def _alike(of: Template, one: Channel) -> list[Channel]:
-    """Others of its group along the same direction."""
-    along = one.places[0].direction
-    return [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ along > PARALLEL]
-
-
 def _inwards(of: Template, one: Channel) -> tuple[Place, ...]:
     middle = np.mean([two.places[0].position for two in _on(of, one.group)], axis=0)
     return tuple(replace(place, position=middle + INWARDS * (place.position - middle)) for place in one.places)
@@ -479,8 +459,9 @@ CHANGED: Mapping[str, str] = MappingProxyType(
 )
 """By family, how it is changed."""
 
-LEFT = 0.5
-"""Share of an effect that is taken to be left when bolts were torqued again."""
+LEFT_AFTER_TORQUING = 0.5
+"""[share] of an effect that is taken to be left when bolts were torqued again. Held by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 
 def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[OfferedTest]:
@@ -496,7 +477,7 @@ def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[
         names = (
             () if gone else (prediction_effects.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic)
         )
-        moved = {name: Origin(name=name, factor=LEFT) for name in names}
+        moved = {name: Origin(name=name, factor=LEFT_AFTER_TORQUING) for name in names}
         yield OfferedTest(kind=added.named.family, words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)
 
 
@@ -511,7 +492,16 @@ def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequenc
     yield from others(templates)
     yield from turned(templates)
     yield from lying(templates)
-    yield from on_plate(templates)
+    # On a corner of the cover plate, beside what stands there: it loads one cell more than the others
+    of = templates[0]
+    place = locations("fmd")[CORNER]
+    test = planned(of, of.tested.campaign)
+    bare = test.prediction.tested.carried
+    # About F
+    made = _carrying(test, replace(bare, moving=bare.moving + Inertia.from_cog(ON_PLATE, place, np.zeros((3, 3)))))
+    beside = named(above_fmd(of.tested.campaign.article))
+    words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
+    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=made)
     yield from on_article(templates, asked)
     yield from exchanged(templates, asked)
     yield from moved(templates, asked)

@@ -42,21 +42,25 @@ from validation.prediction.series import SeriesPrediction, laboratory
 
 
 MOTIONS_OF_A_PLATE = 6
+"""[count] of motions of a rigid plate. By definition."""
 
 WEAKER = 0.9
-"""Share of the strongest level of an axis below which a run was driven at another level."""
+"""[share] of the strongest level of an axis below which a run was driven at another level. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 SAME_SHAPE = 0.99
-"""Cosine from which two runs drive the same axes."""
+"""[1] Cosine from which two runs drive the same axes. Held by tests/validation/diagnosing/test_levels.py."""
 
 FLOOR = 5e-4
-"""What of a channel's level no recorder repeats from one run to the next, beside its noise."""
+"""[share] of a channel's level that no recorder repeats from one run to the next, beside its noise. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 SPANNED = 20.0
-"""How far above noise the weakest of six motions must stand in the stronger runs, for these to span them."""
+"""[factor] by which the weakest of six motions must stand above noise in the stronger runs for these to span them. Held by
+tests/validation/diagnosing/test_levels.py."""
 
-WRONG = 0.1
-"""How far off a model's rows may be that stand in for runs, as a share."""
+MODEL_ERROR = 0.1
+"""[share] by which a model's rows that stand in for runs may be off. Held by tests/validation/diagnosing/test_levels.py."""
 
 Indices = npt.NDArray[np.int64]
 
@@ -151,13 +155,26 @@ class Beyond:
 
 
 FREE = 1e-3
-"""Share of a channel's noise below which the others do not say what it reads."""
+"""[share] of a channel's noise below which the others do not say what it reads. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 
 def driven_runs(one: SeriesPrediction) -> Driven:
     """The runs of `one`; what its model knows of an amplitude is taken off their readings."""
     measured = one.measured
-    share, partner = _levels(one)
+    # (r,) shares of the strongest run that drove the same, and (r,) that run
+    drive = np.stack([of.amplitude for of in one.tested.drives])
+    size = np.linalg.norm(drive, axis=1)
+    if not np.all(size > 0):
+        drive, size = _as_read(one)
+    along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
+    same = along @ along.T > SAME_SHAPE
+    strongest = np.where(same, size[None], 0.0).max(axis=1)
+    share = size / strongest
+    partner = np.arange(len(size))
+    for k in np.flatnonzero(share < WEAKER):
+        rivals = np.flatnonzero(same[k] & (share >= WEAKER))
+        partner[k] = rivals[np.argmax([_coherence(one, int(k), int(other)) for other in rivals])]
     linear = one.with_effects([effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE])
     start = {parameter.name: parameter.start for parameter in one.parameters}
     rows = linear.at(start, derivatives=False).rows
@@ -180,24 +197,8 @@ def driven_runs(one: SeriesPrediction) -> Driven:
 
 
 SILENT = 0.01
-"""Share of what channels of its kind read at which a channel counts as silent."""
-
-
-def _levels(one: SeriesPrediction) -> tuple[Array, Indices]:
-    """(r,) shares of the strongest run that drove the same, and (r,) that run."""
-    drive = np.stack([of.amplitude for of in one.tested.drives])
-    size = np.linalg.norm(drive, axis=1)
-    if not np.all(size > 0):
-        drive, size = _as_read(one)
-    along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
-    same = along @ along.T > SAME_SHAPE
-    strongest = np.where(same, size[None], 0.0).max(axis=1)
-    share = size / strongest
-    partner = np.arange(len(size))
-    for k in np.flatnonzero(share < WEAKER):
-        rivals = np.flatnonzero(same[k] & (share >= WEAKER))
-        partner[k] = rivals[np.argmax([_coherence(one, int(k), int(other)) for other in rivals])]
-    return share, partner
+"""[share] of what channels of its kind read at which a channel counts as silent. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 
 def _as_read(one: SeriesPrediction) -> tuple[Array, Array]:
@@ -223,7 +224,7 @@ def _linear(one: SeriesPrediction, rows: ComplexArray) -> ComplexArray:
     found = np.array(measured.values)
     for k, y in enumerate(measured.values):
         A = own[k] if own.ndim == 4 else own
-        w = 1 / np.hypot(measured.noise[k], WRONG * np.abs(y).max(axis=0))
+        w = 1 / np.hypot(measured.noise[k], MODEL_ERROR * np.abs(y).max(axis=0))
         u = eliminated(A, y, w)[2]
         found[k] += ((rows - A) @ u[..., None])[..., 0]
     return found
@@ -232,21 +233,19 @@ def _linear(one: SeriesPrediction, rows: ComplexArray) -> ComplexArray:
 def beyond(of: Driven, runs: Sequence[int] | None = None) -> tuple[Beyond, ...]:
     """What each of the weaker `runs` (all by default) holds beyond the stronger ones; none where channels are too few."""
     basis = of.values[list(of.stronger)].transpose(1, 2, 0)
-    missing = not _spans(of, basis)
+    # Whether the stronger runs move in all six ways, well above their noise, at most lines
+    if basis.shape[2] < MOTIONS_OF_A_PLATE:
+        spans: bool = False
+    else:
+        noise = np.sqrt(np.mean(of.noise[list(of.stronger)] ** 2, axis=0))
+        noise = np.maximum(noise, FLOOR * of.level[list(of.stronger)].max(axis=0))
+        sizes = np.linalg.svd(basis / noise[..., None], compute_uv=False)
+        spans = bool(np.median(sizes[:, MOTIONS_OF_A_PLATE - 1]) > SPANNED)
+    missing = not spans
     columns = basis.shape[2] + (MOTIONS_OF_A_PLATE if missing else 0)
     if columns >= len(of.channels):
         return ()
     return tuple(_beyond(of, k, basis, missing=missing) for k in (of.weaker if runs is None else runs))
-
-
-def _spans(of: Driven, basis: ComplexArray) -> bool:
-    """Whether the stronger runs move in all six ways, well above their noise, at most lines."""
-    if basis.shape[2] < MOTIONS_OF_A_PLATE:
-        return False
-    noise = np.sqrt(np.mean(of.noise[list(of.stronger)] ** 2, axis=0))
-    noise = np.maximum(noise, FLOOR * of.level[list(of.stronger)].max(axis=0))
-    sizes = np.linalg.svd(basis / noise[..., None], compute_uv=False)
-    return bool(np.median(sizes[:, MOTIONS_OF_A_PLATE - 1]) > SPANNED)
 
 
 def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond:
@@ -259,7 +258,7 @@ def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond
     variance = own**2 + np.einsum("nh,hnc->nc", np.abs(weights) ** 2, of.noise[strong] ** 2)
     if missing:
         moved = (of.rows @ u[:, motions.shape[2] :, None])[..., 0]
-        variance = variance + (WRONG * np.abs(moved)) ** 2
+        variance = variance + (MODEL_ERROR * np.abs(moved)) ** 2
     deviation = np.sqrt(variance)
     whitened, Q, _ = eliminated(columns, y, 1 / deviation)
     free = 1 - np.sum(np.abs(Q) ** 2, axis=2)
@@ -278,17 +277,19 @@ def _motions(basis: ComplexArray, deviation: Array) -> tuple[ComplexArray, Compl
 
 
 SURE = 12.0
-"""Standard deviations of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32
-series with nothing planted the worst reached 7.0: noise is estimated, and its estimate scatters, too."""
+"""[sd] of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32 series with
+nothing planted the worst reached 7.0: noise is an estimate that scatters, too. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 VISIBLE = 2e-3
-"""Share of what a channel reads that must differ."""
+"""[share] of what a channel reads that must differ. Held by tests/validation/diagnosing/test_levels.py."""
 
 LEAKING = 3.0
-"""How many times more must differ than what leaks from axes that are driven across."""
+"""[factor] by which more must differ than leaks from axes that are driven across. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 SMOOTHED = 9
-"""Lines over which the worst frequency is looked for."""
+"""[count] of lines over which the worst frequency is looked for. No test of its own."""
 
 
 def drive_levels(bench: FittedData) -> tuple[LevelDifference, ...]:
@@ -308,7 +309,18 @@ def of_campaign(of: Driven) -> tuple[LevelDifference, ...]:
     for k, one in enumerate(left):
         if not len(apart[k]) or _leaks(of, left, k):
             continue
-        level = _level(of, one, apart[k])
+        level_apart = apart[k]
+        by_line = np.sum(one.by_channel[:, list(level_apart)], axis=1)
+        width = min(SMOOTHED, len(by_line))
+        worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
+        level = LevelDifference(
+            data_set=of.name,
+            runs=(of.runs[one.run], of.runs[int(of.partner[one.run])]),
+            axis=of.axes[one.run],
+            channels=tuple(of.channels[k] for k in level_apart),
+            frequency=float(of.frequency[worst]),
+            sigma=float(surprise(one).max()),
+        )
         if level.axis not in known or known[level.axis].sigma < level.sigma:
             known[level.axis] = level
     return tuple(known.values())
@@ -347,20 +359,6 @@ def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
     return bool(own < LEAKING * np.sqrt(brought))
 
 
-def _level(of: Driven, one: Beyond, apart: Sequence[int]) -> LevelDifference:
-    by_line = np.sum(one.by_channel[:, list(apart)], axis=1)
-    width = min(SMOOTHED, len(by_line))
-    worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
-    return LevelDifference(
-        data_set=of.name,
-        runs=(of.runs[one.run], of.runs[int(of.partner[one.run])]),
-        axis=of.axes[one.run],
-        channels=tuple(of.channels[k] for k in apart),
-        frequency=float(of.frequency[worst]),
-        sigma=float(surprise(one).max()),
-    )
-
-
 def require_levels(bench: FittedData, what: str = "friction, a gap or saturation") -> None:
     """Refuse a bench that was driven at one level where two are needed.
 
@@ -396,7 +394,8 @@ def require_levels(bench: FittedData, what: str = "friction, a gap or saturation
 
 
 ROUNDS = 12
-"""Iterations by which an equation is undone; each leaves at most half of what was left."""
+"""[count] of iterations by which an equation is undone; each leaves at most half of what was left. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -567,28 +566,49 @@ def _in(names: Sequence[str] | None, chosen: Sequence[str]) -> tuple[str, ...]:
 
 
 LINES = 60
-"""Of a campaign, that are looked at."""
+"""[count] of lines of a campaign that are looked at. Held by tests/validation/diagnosing/test_levels.py."""
 
 WORST = 3
-"""Weaker runs of a campaign that are looked at, those that differ most."""
+"""[count] of weaker runs of a campaign that are looked at, those that differ most. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 SUSPECTED = 4
-"""Channels that are suspected of saturation, those that differ most."""
+"""[count] of channels that are suspected of saturation, those that differ most. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 PER_DECADE = 3
-"""Sizes of the first grid."""
+"""[count] of sizes in a decade of the first grid. Held by tests/validation/diagnosing/test_levels.py."""
 
-AGAIN = 4
-"""Candidates, the best by first order, whose size is found once more."""
+SIZED_AGAIN = 4
+"""[count] of candidates, the best by first order, whose size is found once more. Held by
+tests/validation/diagnosing/test_levels.py."""
+
+RESIZED_LOG = 0.7
+"""[log] about the size by first order within which a size that is fitted by its logarithm is found once more. Held by
+tests/validation/diagnosing/test_levels.py."""
+
+RESIZED_SHARE = 0.3
+"""[share] of the size by first order within which another size is found once more. Held by
+tests/validation/diagnosing/test_levels.py."""
+
+RESIZED_RANGE = 0.02
+"""[share] of all that the family allows, which is added to that. Held by tests/validation/diagnosing/test_levels.py."""
+
+SIZE_TOLERANCE = 1e-3
+"""[share] of that interval to which the size is found. Held by tests/validation/diagnosing/test_levels.py."""
+
+CURVATURE_STEP = 0.02
+"""[share] of that interval: the step of the second difference that gives the size its interval. Held by
+tests/validation/diagnosing/test_levels.py."""
 
 EXPLAINED = 0.8
-"""Share of the surplus that a kind must explain to be the right one."""
+"""[share] of the surplus that a kind must explain to be the right one. Held by tests/validation/diagnosing/test_diagnosed.py."""
 
 EQUATIONS = 0.04
-"""Standard deviation by which the equations themselves are off in the size, as a share."""
+"""[share] of the size by which the equations themselves are off, one sd. Held by tests/validation/diagnosing/test_levels.py."""
 
 BY_CHANCE = 4.0
-"""Standard deviations of a sum of squares within which what is left over is noise."""
+"""[sd] of a sum of squares within which what is unexplained is noise. Held by tests/validation/diagnosing/test_levels.py."""
 
 
 def nonlinear(
@@ -602,13 +622,17 @@ def nonlinear(
     if not seen:
         return ()
     found: list[_Found] = []
-    every = could_act([one.bent.one for one in seen], vocabulary(bench.model, bench.campaigns), _suspected(levels))
+    worst = sorted(levels, key=lambda level: -level.sigma)
+    suspected_every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
+    every = could_act(
+        [one.bent.one for one in seen], vocabulary(bench.model, bench.campaigns), tuple(suspected_every)[:SUSPECTED]
+    )
     for k, named in enumerate(every):
         found += _sized(named, seen, first_order=True)
         if progress is not None:
             progress((k + 1) / (len(every) + 1))
     found.sort(key=lambda one: one.chi2)
-    again = [better for one in found[:AGAIN] for better in _sized(one.named, seen, first_order=False)]
+    again = [better for one in found[:SIZED_AGAIN] for better in _sized(one.named, seen, first_order=False)]
     if progress is not None:
         progress(1.0)
     return tuple(_causes(sorted(again, key=lambda one: one.chi2), seen))
@@ -671,12 +695,6 @@ def _seen(bench: FittedData, levels: Sequence[LevelDifference]) -> Iterator[_See
         yield _Seen(bent=nonlinear_distortion(model, of, lines, recordings), runs=runs)
 
 
-def _suspected(levels: Sequence[LevelDifference]) -> tuple[str, ...]:
-    worst = sorted(levels, key=lambda level: -level.sigma)
-    every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
-    return tuple(every)[:SUSPECTED]
-
-
 def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_Found]:
     """`named` at its best size; none where the data have not what it acts on, or no size helps."""
     from scipy.optimize import minimize_scalar
@@ -691,11 +709,17 @@ def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_F
         return sum(one.first_order(at(x)) if first_order else one.exact(at(x)) for one in seen)
 
     try:
-        low, high = _bracket(size, chi2) if first_order else _around(size, begin)
+        if first_order:
+            low, high = _bracket(size, chi2)
+        elif size.logarithmic:
+            low, high = float(np.log(begin)) - RESIZED_LOG, float(np.log(begin)) + RESIZED_LOG
+        else:
+            half = RESIZED_SHARE * abs(begin) + RESIZED_RANGE * (size.high - size.low)
+            low, high = max(size.low, begin - half), min(size.high, begin + half)
     except BadInput:
         return []
-    best = minimize_scalar(chi2, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)})
-    step = 0.02 * (high - low)
+    best = minimize_scalar(chi2, bounds=(low, high), method="bounded", options={"xatol": SIZE_TOLERANCE * (high - low)})
+    step = CURVATURE_STEP * (high - low)
     curvature = (chi2(best.x - step) - 2 * best.fun + chi2(best.x + step)) / step**2
     return [_Found(named=at(float(best.x)), chi2=float(best.fun), curvature=float(curvature))]
 
@@ -708,13 +732,6 @@ def _bracket(size: OfFamily, chi2: Callable[[float], float]) -> tuple[float, flo
     grid = np.linspace(low, high, round(PER_DECADE * (high - low) / np.log(10)) + 1)
     best = int(np.argmin([chi2(float(x)) for x in grid]))
     return float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
-
-
-def _around(size: OfFamily, value: float) -> tuple[float, float]:
-    if size.logarithmic:
-        return float(np.log(value)) - 0.7, float(np.log(value)) + 0.7
-    half = 0.3 * abs(value) + 0.02 * (size.high - size.low)
-    return max(size.low, value - half), min(size.high, value + half)
 
 
 def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:

@@ -73,10 +73,16 @@ from validation.prediction.classical_facts import WEIGHED, ArticleFact, facts
 
 
 PLAUSIBLE = 1.0
-"""Plausible sizes up to which an effect is nothing special."""
+"""[prior sd] up to which an effect is nothing special. Held by tests/validation/diagnosing/test_swings.py."""
 
-NOTEWORTHY, RARE, FREQUENT = 1e-2, 1e-6, 0.5
-"""Probabilities of a misfit: from which it is said, and below and above which no figure is."""
+NOTEWORTHY = 1e-2
+"""[probability] of a misfit below which it is said. Held by tests/validation/diagnosing/test_swings.py."""
+
+RARE = 1e-6
+"""[probability] of a misfit below which no figure is said. Held by tests/validation/diagnosing/test_swings.py."""
+
+FREQUENT = 0.5
+"""[probability] of a misfit above which no figure is said. Held by tests/validation/diagnosing/test_swings.py."""
 
 
 def answer(found: ClassicalVerdict, facts: Sequence[MeasurementComparison]) -> str:
@@ -185,14 +191,15 @@ def needed(one: ClassicalCandidateFit, fits: bool) -> str:
 Progress = Callable[[float], None]
 
 TRYING = 0.5
-"""Share of the work that is done when every effect has been tried."""
+"""[share] of the work that is done when every effect has been tried; progress bar only. By definition."""
 
 OTHERS = 15.0
-"""Nats behind the best within which another explanation is worth a test that excludes it."""
+"""[nats] behind the best within which another explanation is worth a test that excludes it. Held by
+tests/validation/diagnosing/test_swings.py."""
 
 
 STANDS_OUT = 3.0
-"""Standard deviations from which a measurement is named."""
+"""[sd] from which a measurement is named. Held by tests/validation/diagnosing/test_swings.py."""
 
 
 def only_classical(
@@ -351,7 +358,8 @@ def _leftover(of: ObservedFacts, verdict: ClassicalVerdict, against: Sequence[st
 FAMILY = "rigid-inertia"
 
 DISAGREE = 4.0
-"""Standard deviations from which a fact and the campaigns contradict each other."""
+"""[sd] from which a fact and the campaigns contradict each other. Held by
+tests/validation/diagnosing/test_facts_beside_campaigns.py."""
 
 
 @dataclass(frozen=True, kw_only=True)

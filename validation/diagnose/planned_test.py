@@ -48,7 +48,7 @@ class Origin:
 
 
 SURE = 100.0
-"""Nats beyond which one of two is right."""
+"""[nats] beyond which one of two is right. Held by tests/validation/diagnosing/advisor/test_expected.py."""
 
 Moved = Mapping[str, Origin]
 """By name of a parameter in the test; one that is not in it stays what it was."""
@@ -117,13 +117,15 @@ def effects_of(of: Candidate) -> tuple[Added, ...]:
 
 
 SPACING = 0.2
-"""[Hz] between the lines at which a test is predicted at all: the width over which levels are smoothed."""
+"""[Hz] between the lines at which a test is predicted: the width over which levels are smoothed. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 LINES = 20
-"""At which it is compared; they stand for the lines that a fit would use."""
+"""[count] of lines at which it is compared; they stand for those that a fit would use. Held by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 RUNS = 6
-"""At most that a test is taken to have."""
+"""[count] of runs that a test is taken to have at most. Held by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -175,7 +177,8 @@ class PlannedTest:
 def template(of: SeriesPrediction, by: Knowledge) -> Template:
     """The campaign of `of`, its base motions as the hypothesis `by` tells them."""
     some = of.on(of.measured.runs[:RUNS]).with_effects(by.effects)
-    spacing = _spacing(some.measured.frequency)
+    frequency = some.measured.frequency
+    spacing = float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
     lines = np.arange(0, len(some.measured.frequency), max(1, round(SPACING / spacing)), dtype=np.int64)
     predicted, seen = some.at(by.offsets, lines, derivatives=False), likelihood.observed(some.measured, lines)
     weight = seen.weight(FLOOR, predicted.noise)
@@ -188,10 +191,6 @@ def template(of: SeriesPrediction, by: Knowledge) -> Template:
         noise={name: seen.noise[..., k] for k, name in enumerate(some.measured.channels)},
         spacing=spacing,
     )
-
-
-def _spacing(frequency: Array) -> float:
-    return float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
 
 
 def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None, level: float = 1.0) -> PlannedTest:
@@ -209,23 +208,10 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
     was, lines = of.tested, of.frequency if frequency is None else frequency
     near = np.argmin(np.abs(lines[:, None] - of.frequency), axis=1)
     drives = tuple(replace(one, amplitude=level * one.amplitude) for one in was.drives)
-    tested = replace(
-        was,
-        campaign=replace(campaign, recordings={}),
-        measured=_unread(of, campaign, was, lines, near),
-        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign)),
-        drives=drives,
-    )
-    inputs = level * of.inputs[:, near] * np.sqrt(of.frequency[near] / lines)[:, None]
-    measured = 1 + round(float(lines[-1] - lines[0]) / of.spacing)
-    return PlannedTest(prediction=SeriesPrediction(tested=tested), inputs=inputs, lines=min(AT_MOST, measured))
-
-
-def _unread(of: Template, campaign: Campaign, was: TestedCampaign, lines: Array, near: Lines) -> Measured:
-    """The campaign without readings."""
+    # The campaign without readings
     chain = laboratory(was.model, campaign, ())
     noise = np.stack([_noise(of, campaign.table, name)[:, near] for name in chain.names], axis=-1)
-    return Measured(
+    unread = Measured(
         name="test",
         configuration=campaign.article,
         hardware=campaign.hardware,
@@ -237,6 +223,16 @@ def _unread(of: Template, campaign: Campaign, was: TestedCampaign, lines: Array,
         values=np.zeros(noise.shape, dtype=np.complex128),
         noise=noise,
     )
+    tested = replace(
+        was,
+        campaign=replace(campaign, recordings={}),
+        measured=unread,
+        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign)),
+        drives=drives,
+    )
+    inputs = level * of.inputs[:, near] * np.sqrt(of.frequency[near] / lines)[:, None]
+    measured = 1 + round(float(lines[-1] - lines[0]) / of.spacing)
+    return PlannedTest(prediction=SeriesPrediction(tested=tested), inputs=inputs, lines=min(AT_MOST, measured))
 
 
 def _noise(of: Template, table: ChannelTable, name: str) -> Array:

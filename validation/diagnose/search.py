@@ -19,11 +19,11 @@ from geometry.frames import Array
 from validation.diagnose.accept import ABSURD, GoodnessOfFit, excess, goodness_of_fit
 from validation.diagnose.candidates import aliases, is_resonator, reaches, screen
 from validation.diagnose.diagnosis import Candidate, FittedData, Screened
-from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, evidence_threshold
 from validation.estimation.cost import Cost, cost_of
 from validation.estimation.fit import BREAKDOWNS, child, fit, nearby
-from validation.estimation.problem import EFFECT, FITTED, Offsets, Parameter, Problem
+from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
 from validation.estimation.result import Fit
 from validation.history.add import sized_by
 from validation.model.model import Added
@@ -32,14 +32,18 @@ from validation.prediction.effects import name
 # A hypothesis fitted: all tolerances, and the effects with them.
 
 
-SPARSE, PART = 3, 0.25
-"""A rough fit takes every so many lines of the others, and begins at such a part of the size, too."""
+ROUGH_FIT_STRIDE = 3
+"""[count] A rough fit takes every third line of the others. Set by the development draws of `make blind`."""
 
-SAME = 0.05
-"""[nats] that a fit which ended by itself may cost more than where its trial stopped: the last step is taken unseen."""
+ROUGH_FIT_PART = 0.25
+"""[share] of the size of an effect at which a rough fit begins, too. Set by the development draws of `make blind`."""
 
-OUT = 2.0
-"""Standard deviations from no effect at which an effect is one."""
+UNSEEN_STEP = 0.05
+"""[nats] that a finished fit may cost more than where its trial stopped: the last step is taken unseen. Set by the development
+draws of `make blind`."""
+
+SIGNIFICANT = 2.0
+"""[sd] from no effect at which an effect is one. Held by tests/validation/diagnosing/test_diagnosed.py."""
 
 RefittingProgress = Callable[[float], None]
 
@@ -60,9 +64,11 @@ def roughly(bench: FittedData, at: Candidate, added: Added) -> Fit:
 
     A straight line overrates what bends it, so that the way begins at its size and at a part of that.
     """
-    problem = bench.problem((*at.effects, added)).sparser(SPARSE)
+    problem = bench.problem((*at.effects, added)).sparser(ROUGH_FIT_STRIDE)
     start = _start(bench, added)
-    begins = [start] if is_resonator(added.named) or not start else [start, {name: PART * x for name, x in start.items()}]
+    begins = (
+        [start] if is_resonator(added.named) or not start else [start, {name: ROUGH_FIT_PART * x for name, x in start.items()}]
+    )
     return min((child(problem, FITTED, at.fit, begin, from_afar=True) for begin in begins), key=lambda fit: fit.cost)
 
 
@@ -75,7 +81,7 @@ def refitted(bench: FittedData, at: Candidate, begin: Fit) -> Candidate:
 def finished(bench: FittedData, at: Candidate) -> Candidate:
     """`at`, whose fit may be a trial, fitted to the end."""
     found = nearby(at.problem, FITTED, at.fit.by_name)
-    return recentred(bench, replace(at, fit=found)) if found.cost <= at.fit.cost + SAME else at
+    return recentred(bench, replace(at, fit=found)) if found.cost <= at.fit.cost + UNSEEN_STEP else at
 
 
 def is_significant(of: Candidate) -> bool:
@@ -84,7 +90,7 @@ def is_significant(of: Candidate) -> bool:
     sizes = () if added.fixed or is_resonator(added.named) else added.named.fitted_sizes
     known = {one.name: (x, sd) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, _spread(of.fit), strict=True)}
     found = [known[which] for size in sizes if (which := name(added.named, size.key)) in known]
-    return not found or any(abs(x) > OUT * sd > 0 for x, sd in found)
+    return not found or any(abs(x) > SIGNIFICANT * sd > 0 for x, sd in found)
 
 
 def _spread(fit: Fit) -> Array:
@@ -127,13 +133,11 @@ def recentred(bench: FittedData, of: Candidate) -> Candidate:
     """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
     effects = tuple(sized_by(one, of.fit) for one in of.effects)
     problem = bench.problem(effects)
-    return Candidate(effects=effects, fit=_counted_from(problem, of.fit), problem=problem)
-
-
-def _counted_from(problem: Problem, fit: Fit) -> Fit:
-    """`fit` with its logarithms counted from the sizes that the models of `problem` have."""
+    # `fit` with its logarithms counted from the sizes that the models of `problem` have
+    fit = of.fit
     parameters = tuple(problem.by_name[one.name] for one in fit.parameters)
-    return replace(fit, parameters=parameters, offsets=np.array(list(_in(problem, fit).values())))
+    counted_from = replace(fit, parameters=parameters, offsets=np.array(list(_in(problem, fit).values())))
+    return Candidate(effects=effects, fit=counted_from, problem=problem)
 
 
 def _in(problem: Problem, fit: Fit) -> dict[str, float]:
@@ -153,11 +157,12 @@ def _in(problem: Problem, fit: Fit) -> dict[str, float]:
 # the one that comes nearest.
 
 
-OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""Powers of two of what is plausible, at which a size is looked at."""
+SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
+"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_afresh.py."""
 
-ROUGH = 0.2
-"""Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide."""
+SIZE_SCAN_FLOOR = 0.2
+"""[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide. Held by
+tests/validation/diagnosing/test_afresh.py."""
 
 
 def can_be(added: Added) -> bool:
@@ -172,7 +177,11 @@ def restarted_from_priors(bench: FittedData, at: Candidate, added: Added) -> Can
     problem = bench.problem(effects)
     (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
     home = _home(problem, at.fit)
-    begin = home | {which: _nearest(problem.sparser(SPARSE), home, which)}
+    # The size of the effect `which` that comes nearest to the data, everything else at `home`
+    nearest_problem = problem.sparser(ROUGH_FIT_STRIDE)
+    cost = cost_of(nearest_problem, [nearest_problem.by_name[which]], SIZE_SCAN_FLOOR, home)
+    nearest = min(map(float, sizes(nearest_problem.by_name[which])), key=lambda size: _cost(cost, size))
+    begin = home | {which: nearest}
     return recentred(
         bench, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem)
     )
@@ -193,12 +202,6 @@ def _home(problem: Problem, fit: Fit) -> dict[str, float]:
     return {one.name: one.start for one in problem.parameters} | found
 
 
-def _nearest(problem: Problem, home: Offsets, which: str) -> float:
-    """The size of the effect `which` that comes nearest to the data, everything else at `home`."""
-    cost = cost_of(problem, [problem.by_name[which]], ROUGH, home)
-    return min(map(float, sizes(problem.by_name[which])), key=lambda size: _cost(cost, size))
-
-
 def _cost(cost: Cost, size: float) -> float:
     try:
         return cost.total(np.array([size]))[0].cost
@@ -208,7 +211,7 @@ def _cost(cost: Cost, size: float) -> float:
 
 def sizes(of: Parameter) -> Array:
     """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds."""
-    steps = of.tolerance * np.exp2(OCTAVES)
+    steps = of.tolerance * np.exp2(SIZE_OCTAVES)
     both = np.concatenate([-steps[::-1], steps])
     return both[(both > of.low) & (both < of.high)]
 
@@ -312,8 +315,12 @@ def alike(of: SearchStep) -> tuple[CandidateFit, ...]:
 # only beside the others: a mass at the wrong place also pays for the blade that is too soft, and the right one need not.
 
 
-RIVALS, SHARE = 5, 0.25
-"""Names at most that an effect is asked against, and share of the evidence that such a one must have brought."""
+RIVALS = 5
+"""[count] of names at most that an earlier effect is held against. Held by tests/validation/diagnosing/test_asked_again.py."""
+
+RIVAL_SHARE = 0.25
+"""[share] of the evidence of the best that such a name must have brought. Held by
+tests/validation/diagnosing/test_asked_again.py."""
 
 
 def backward_elimination(
@@ -355,9 +362,9 @@ def _one(bench: FittedData, at: Candidate, found: SearchStep, progress: Progress
     evidence = at.fit.log_evidence - rest.fit.log_evidence
     if evidence < evidence_threshold(added.named.family):
         return rest, ()
-    there = CandidateFit(
-        id=found.added, hypothesis=_last(at, added), evidence=evidence, standing=goodness_of_fit(at.fit, at.problem)
-    )
+    # `at`, the effect `added` named last
+    last = replace(at, effects=(*(one for one in at.effects if one is not added), added))
+    there = CandidateFit(id=found.added, hypothesis=last, evidence=evidence, standing=goodness_of_fit(at.fit, at.problem))
     rivals = _asked_again_rivals(found, at)
     progress(f"asking {found.added} and {len(rivals)} others once more", 0.95)
     others = [judged(rest, instead(bench, at, rest, _at_home(one.added, added))) for one in rivals]
@@ -370,7 +377,7 @@ def _one(bench: FittedData, at: Candidate, found: SearchStep, progress: Progress
 
 def _asked_again_rivals(found: SearchStep, at: Candidate) -> list[CandidateFit]:
     """What else a round tried that brought a good part of what its best did, and is not there by now."""
-    near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= SHARE * found.tried[0].evidence]
+    near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence]
     return near[:RIVALS]
 
 
@@ -380,11 +387,6 @@ def _at_home(one: Added, found: Added) -> Added:
     return replace(one, named=replace(one.named, values=found.named.values)) if same else one
 
 
-def _last(at: Candidate, added: Added) -> Candidate:
-    """`at`, the effect `added` named last."""
-    return replace(at, effects=(*(one for one in at.effects if one is not added), added))
-
-
 def _without(bench: FittedData, at: Candidate, added: Added) -> Candidate:
     """The fit of the other effects alone, from where it is with all."""
     left = tuple(one for one in at.effects if one.named.id != added.named.id)
@@ -392,40 +394,70 @@ def _without(bench: FittedData, at: Candidate, added: Added) -> Candidate:
     return recentred(bench, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
 
 
-MOST, MOST_ROUNDS = 3, 6
-"""Effects that are looked for, and steps forward in which they are; some go again."""
+MOST_EFFECTS = 3
+"""[count] of effects that are looked for. Set by the development draws of `make blind`."""
 
-TRIED, OF_A_FAMILY, STRUCTURAL = 6, 3, 2
-"""Fits of a round at most; of one family; and of the structure at least, where any promises something."""
+MOST_STEPS = 6
+"""[count] of steps forward in which they are; backward elimination may take some away again. Set by the development draws of
+`make blind`."""
 
-PROMISING = 4.0
-"""[nats] that a straight line must promise for a fit."""
+FITS_OF_A_STEP = 6
+"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_searching.py."""
 
-SHORT = 1.0
-"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right."""
+FITS_OF_A_FAMILY = 3
+"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_searching.py."""
 
-BEHIND, ERRS = 12.0, 0.15
-"""[nats] behind the promise of the best, and share of it that a line may err, at which another is not worth a fit, once that
-best is all that is needed."""
+FITS_OF_THE_STRUCTURE = 2
+"""[count] of these of the structure at least, where any promises something. Held by
+tests/validation/diagnosing/test_searching.py."""
 
-BENT, FINISHED = 1.5, 3
-"""Chi² per degree of freedom from which a straight line says little of the sizes, and fits come from afar; and how many of these
-rough fits are finished."""
+WORTH_A_FIT = 4.0
+"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_searching.py."""
 
-AGAIN = 1
-"""Times that a fit is taken up again where one with a useless effect ended lower."""
+NULL_MARGIN = 1.0
+"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Held by
+tests/validation/diagnosing/test_searching.py."""
 
-INSTEAD = 2
-"""Fits at most in place of those of resonators that a fit has driven out of the band, where they are springs or masses."""
+SCREENING_MARGIN = 12.0
+"""[nats] behind the promise of the best at which another is not fitted, once that best is all that is needed. Set by the
+development draws of `make blind`."""
 
-KEPT, AFRESH = 0.5, 3
-"""Share of a promise that a fit must keep lest it be tried afresh, where no fit comes up to that promise; and how many are."""
+SCREENING_ERROR = 0.15
+"""[share] of a promise by which a straight line may err. Set by the development draws of `make blind`."""
 
-LEAST = 0.25
-"""Share of what is too much of cost that an effect must explain for others to be looked for beside it."""
+NONLINEAR_MISFIT = 1.5
+"""[chi²/dof] from which a straight line says little of the sizes, and fits come from afar. Set by the development draws of `make
+blind`."""
 
-ALIASES, FAR = 3, 0.3
-"""Rivals that are fitted though no line promised them, and the greatest share of what the best does that may be its own."""
+ROUGH_FITS_FINISHED = 3
+"""[count] of these rough fits that are finished. Set by the development draws of `make blind`."""
+
+REFITS = 1
+"""[count] of times that a fit is taken up again where one with a useless effect ended lower. Set by the development draws of
+`make blind`."""
+
+REPLACEMENTS = 2
+"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Held by
+tests/validation/diagnosing/test_searching.py."""
+
+KEPT_SHARE = 0.5
+"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
+tests/validation/diagnosing/test_searching.py."""
+
+RESTARTS = 3
+"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_searching.py."""
+
+LEAST_EXPLAINED = 0.25
+"""[share] of the excess cost that an effect must explain for others to be looked for beside it. Set by the development draws of
+`make blind`."""
+
+ALIAS_FITS = 3
+"""[count] of rivals that are fitted though no straight line promised them. Held by
+tests/validation/diagnosing/test_searching.py."""
+
+ALIAS_OWN_SHARE = 0.3
+"""[share] of what the best does that may be its own for another to be such a rival. Set by the development draws of `make
+blind`."""
 
 Progress = Callable[[str, float], None]
 
@@ -434,9 +466,9 @@ def searched(
     bench: FittedData, base: Candidate, menu: Sequence[Added], progress: Progress
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
     """The hypothesis that explains the data of `bench` with the fewest effects of `menu`, and how it was found."""
-    at, again = base, AGAIN
+    at, again = base, REFITS
     rounds: list[SearchStep] = []
-    while len(at.effects) < MOST and sum(not one.again for one in rounds) < MOST_ROUNDS:
+    while len(at.effects) < MOST_EFFECTS and sum(not one.again for one in rounds) < MOST_STEPS:
         one = _round(bench, at, menu, progress)
         if (
             again
@@ -454,7 +486,7 @@ def searched(
         explained, null = one.at.fit.cost - found.fit.cost, goodness_of_fit(found.fit, found.problem).null
         at, asked = backward_elimination(bench, found, rounds, progress)
         rounds += asked
-        if not null and explained < LEAST * excess(one.at.fit, one.standing):
+        if not null and explained < LEAST_EXPLAINED * excess(one.at.fit, one.standing):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     return at, tuple(rounds)
 
@@ -463,7 +495,7 @@ def _round(bench: FittedData, at: Candidate, menu: Sequence[Added], progress: Pr
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = goodness_of_fit(at.fit, at.problem), screen(bench, at, menu)
     tried, gone = _within(
-        bench, found, lambda some: (_from_afar if here.misfit > BENT else _nearby)(bench, at, here, some, progress)
+        bench, found, lambda some: (_from_afar if here.misfit > NONLINEAR_MISFIT else _nearby)(bench, at, here, some, progress)
     )
     tried = _unstuck(bench, at, here, tried, found, progress)
     good = bool(tried) and is_accepted(tried[0])
@@ -486,9 +518,9 @@ def _nearby(
     for one in _promising(found):
         if _settled(tried, one, found):
             break
-        if here.null and one.evidence < evidence_threshold(one.added.named.family) - SHORT:
+        if here.null and one.evidence < evidence_threshold(one.added.named.family) - NULL_MARGIN:
             continue
-        progress(f"trying {one.id}", len(tried) / TRIED)
+        progress(f"trying {one.id}", len(tried) / FITS_OF_A_STEP)
         tried.append(_tried(bench, at, one.added))
     return tried
 
@@ -499,10 +531,10 @@ def _from_afar(
     """Rough fits of all that promise something, and of the best of these good ones."""
     rough, promising = [], _promising(found)
     for done, one in enumerate(promising):
-        progress(f"trying {one.id} from afar", done / (len(promising) + FINISHED))
+        progress(f"trying {one.id} from afar", done / (len(promising) + ROUGH_FITS_FINISHED))
         rough.append((one.added, roughly(bench, at, one.added)))
     rough.sort(key=lambda each: -each[1].log_evidence)
-    return [_tried(bench, at, added, begin) for added, begin in rough[:FINISHED]]
+    return [_tried(bench, at, added, begin) for added, begin in rough[:ROUGH_FITS_FINISHED]]
 
 
 def _within(
@@ -516,7 +548,7 @@ def _within(
     known = {one.id for one in tried}
     others = [one for one in found if one.id not in known and not is_resonator(one.added.named)]
     gone = tuple(one.id for one in tried if one not in inside)
-    return [*inside, *fits(_promising(others)[:INSTEAD])], gone
+    return [*inside, *fits(_promising(others)[:REPLACEMENTS])], gone
 
 
 def _unstuck(
@@ -529,13 +561,13 @@ def _unstuck(
 ) -> list[CandidateFit]:
     """The fits, the best first; those afresh that fell far short of a promise that none kept, where something must be missing.
 
-    Only what was fitted to the end is asked again: of fits from afar the `FINISHED` best.
+    Only what was fitted to the end is asked again: of fits from afar the `ROUGH_FITS_FINISHED` best.
     """
     ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
     if here.null or not ranked or ranked[0].standing.null:
         return ranked
-    short = [one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT) and can_be(one.added)]
-    for one in sorted(short, key=lambda each: -promised[each.id])[:AFRESH]:
+    short = [one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE) and can_be(one.added)]
+    for one in sorted(short, key=lambda each: -promised[each.id])[:RESTARTS]:
         progress(f"trying {one.id} afresh", 0.8)
         other = judged(at, restarted_from_priors(bench, at, one.added))
         ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
@@ -551,12 +583,14 @@ def _promising(found: Sequence[Screened]) -> list[Screened]:
     chosen: list[Screened] = []
     for one in found:
         family = one.added.named.family
-        if one.evidence >= PROMISING and count[family] < OF_A_FAMILY:
+        if one.evidence >= WORTH_A_FIT and count[family] < FITS_OF_A_FAMILY:
             count[family] += 1
             chosen.append(one)
-    best, rest = chosen[:TRIED], chosen[TRIED:]
+    best, rest = chosen[:FITS_OF_A_STEP], chosen[FITS_OF_A_STEP:]
     structural = sum(FAMILIES[one.added.named.family].side == STRUCTURE for one in best)
-    more = [one for one in rest if FAMILIES[one.added.named.family].side == STRUCTURE][: max(STRUCTURAL - structural, 0)]
+    more = [one for one in rest if FAMILIES[one.added.named.family].side == STRUCTURE][
+        : max(FITS_OF_THE_STRUCTURE - structural, 0)
+    ]
     return [*best, *more]
 
 
@@ -569,18 +603,23 @@ def _rivals(tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequenc
     others = [one for one in menu if one.named.id not in known]
     by_id = {one.id: one.added for one in found}
     if is_resonator(best.added.named):
-        twins = [one for one in others if _are_twins(one.named, best.added.named)]
+        # Whether both are resonators in one place, which may be one oscillator under two names
+        twins = [
+            one
+            for one in others
+            if is_resonator(one.named) and is_resonator(best.added.named) and one.named.targets == best.added.named.targets
+        ]
         elsewhere = [one.added for one in found if one.id not in known and one.added.named.family == best.family]
-        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIASES])]
+        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIAS_FITS])]
     if best.added.fixed:
         return []
     near = aliases(
         best.hypothesis,
         best.added,
         [one for one in others if not is_resonator(one.named)],
-        limit=min(INDISTINGUISHABLE_NATS / best.evidence, FAR),
+        limit=min(INDISTINGUISHABLE_NATS / best.evidence, ALIAS_OWN_SHARE),
     )
-    return [by_id[id] for id in near if id in by_id][:ALIASES]
+    return [by_id[id] for id in near if id in by_id][:ALIAS_FITS]
 
 
 def _elsewhere(tried: Sequence[CandidateFit]) -> list[Added]:
@@ -593,14 +632,9 @@ def _elsewhere(tried: Sequence[CandidateFit]) -> list[Added]:
 def _as_a_rival(bench: FittedData, at: Candidate, added: Added, best: CandidateFit) -> CandidateFit:
     """The fit of what can do nearly all that the `best` does; afresh where it does not from where tolerances have paid."""
     found = _tried(bench, at, added)
-    if found.evidence >= KEPT * best.evidence or not can_be(added):
+    if found.evidence >= KEPT_SHARE * best.evidence or not can_be(added):
         return found
     return max(found, judged(at, restarted_from_priors(bench, at, added)), key=lambda each: each.evidence)
-
-
-def _are_twins(one: Named, other: Named) -> bool:
-    """Whether both are resonators in one place, which may be one oscillator under two names."""
-    return is_resonator(one) and is_resonator(other) and one.targets == other.targets
 
 
 def _at_sizes(one: Added, other: Added) -> Added:
@@ -613,7 +647,7 @@ def _settled(tried: Sequence[CandidateFit], one: Screened, found: Sequence[Scree
     if best is None or not best.standing.null:
         return False
     promised = next(each.evidence for each in found if each.id == best.id)
-    return one.evidence < (1 - ERRS) * promised - BEHIND
+    return one.evidence < (1 - SCREENING_ERROR) * promised - SCREENING_MARGIN
 
 
 def _tried(bench: FittedData, at: Candidate, added: Added, begin: Fit | None = None) -> CandidateFit:

@@ -56,11 +56,19 @@ from validation.estimation.problem import Offsets
 from validation.estimation.screening import Products
 from validation.prediction.series import SeriesPrediction
 
-NEAR, STEPS, TIMES = 0.04, 17, (0.35, 0.6, 1.0, 1.7, 3.0)
-"""Share of its frequency to either side, steps, and factors of its damping ratio, in which a resonance is looked for again."""
+NEAR = 0.04
+"""[share] of its frequency to either side in which a resonance is looked for again. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
+
+STEPS = 17
+"""[count] of frequencies there. Held by tests/validation/diagnosing/leftover/test_described.py."""
+
+TIMES = (0.35, 0.6, 1.0, 1.7, 3.0)
+"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 BEST = 4
-"""Explanations of one kind of place and one scope that are kept."""
+"""[count] of explanations of one kind of place and one scope that are kept. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -173,17 +181,6 @@ def _best(alike: Sequence[PlaceScores], places: Sequence[SuspectedPlace], found:
         )
 
 
-def refined(one: Explanation) -> Explanation:
-    """A resonance at its own frequency and damping, not at that of the grid; anything else as it is."""
-    f, zeta = one.course.frequency, one.course.ratio
-    if f is None or zeta is None or not one.sources:
-        return one
-    tried = [resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES]
-    found = gains([_following(family, q, tried) for family, q in one.sources], one.sources[0][0].slope)
-    best = int(np.argmax(found.gain[:, 0]))
-    return replace(one, course=tried[best], gain=float(found.gain[best, 0]), size=float(found.size[best, 0]))
-
-
 def _following(family: PlaceFamily, q: int, courses: Sequence[FrequencyLaw]) -> Answers:
     of, omega = family.products, 2 * np.pi * family.products.frequency
     alone = Products(
@@ -259,24 +256,20 @@ def _where(place: SuspectedPlace, resonance: float | None) -> str:
     if place.kind == AXIS:
         return f"{_axis(place)} as the channels tell it"
     if place.kind in (PAIR, SPAN):
-        return _pair(place)
+        if place.kind == SPAN:
+            others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
+            with_others = f", with {others}" if others else ""
+            return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}{with_others}"
+        if not place.sign:
+            return f"load {place.load} for motion {place.motion}"
+        opposite = " with opposite signs" if place.sign < 0 else ""
+        return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}, both ways{opposite}"
     family, _, part = place.part.partition(":")
     return OF_PARTS[family][1].format(f"{resonance:.3g} Hz" if resonance else part)
 
 
 def _axis(place: SuspectedPlace) -> str:
     return f"load {place.load}" if place.load else f"motion {place.motion}"
-
-
-def _pair(place: SuspectedPlace) -> str:
-    if place.kind == SPAN:
-        others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
-        with_others = f", with {others}" if others else ""
-        return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}{with_others}"
-    if not place.sign:
-        return f"load {place.load} for motion {place.motion}"
-    opposite = " with opposite signs" if place.sign < 0 else ""
-    return f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}, both ways{opposite}"
 
 
 def _how(found: Explanation) -> str:
@@ -309,7 +302,7 @@ def _size(found: Explanation) -> tuple[float | None, str]:
     if not course.stated:
         return None, ""
     if place.kind in (PAIR, SPAN, JOINT):
-        return found.size, UNITS[course.unit][_rotations(place)]
+        return found.size, UNITS[course.unit][(LOADS.index(place.load) >= 3) + (MOTIONS.index(place.motion) >= 3)]
     if place.kind == LOCATION:
         return found.size, course.unit
     if place.kind == PART:
@@ -319,21 +312,20 @@ def _size(found: Explanation) -> tuple[float | None, str]:
     return found.size, "1" if course.unit == "kg" else course.unit
 
 
-def _rotations(place: SuspectedPlace) -> int:
-    return (LOADS.index(place.load) >= 3) + (MOTIONS.index(place.motion) >= 3)
-
-
 # A leftover that goes with frequency in no plain way: the channel that holds it, or where it is worst.
 
 
 HELD = 0.5
-"""Share of a leftover that a channel must hold to be named."""
+"""[share] of what is unexplained that a channel must hold to be named. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 SMOOTH = 0.4
-"""Correlation of neighbouring lines above which a leftover is no noise."""
+"""[1] Correlation of neighbouring lines above which what is unexplained is no noise. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 ALONE = 1e-6
-"""Share of a channel that inputs must leave for anything to be known of it."""
+"""[share] of a channel that inputs must leave for anything to be known of it. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -396,29 +388,57 @@ def held(data: Sequence[Whitened]) -> list[Held]:
 
 
 NULL = 0.89
-"""Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a bound."""
+"""[cost/dof] Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a
+bound. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 SURE = 0.4
-"""Share of a leftover that an explanation must cover to be what the leftover looks like."""
+"""[share] of what is unexplained that an explanation must cover to be what it looks like. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 NEARLY = 0.95
-"""Share of the best gain at which a plainer explanation is as good."""
+"""[share] of the best gain at which a plainer explanation is as good. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
-MANY, VAGUE, LEFTOVER_ALONE = 0.95, 0.75, 0.8
-"""What the gain counts of a whole matrix, which has many numbers; of a whole axis, which can be many things; and of what acts in
-one of several data sets alone, where tolerances that all of them share give back what they took elsewhere."""
+MATRIX_WEIGHT = 0.95
+"""[factor] on the gain of a whole matrix, which has many numbers. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
-WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MANY, AXIS: VAGUE})
+AXIS_WEIGHT = 0.75
+"""[factor] on the gain of a whole axis, which can be many things. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
+
+ONE_DATA_SET_WEIGHT = 0.8
+"""[factor] on the gain of what acts in one of several data sets alone, where shared tolerances give back what they took
+elsewhere. Held by tests/validation/diagnosing/leftover/test_described.py."""
+
+WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MATRIX_WEIGHT, AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
-"""Share of the degrees of freedom that a leftover must at least be: below, models that miss nothing differ by as much."""
+"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 def described(hypothesis: Candidate) -> Leftover:
     """What `hypothesis` does not explain, and what its tolerances swallowed of it."""
     data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
-    best = refined(plainest(ranked(hypothesis, data)))
-    excess = _excess(hypothesis, data[0].slope)
+    # A resonance at its own frequency and damping, not at that of the grid; anything else as it is
+    # Of `plainest_found` the plainest of those that are nearly as good as the best, as far as each is plausible
+    plainest_found = ranked(hypothesis, data)
+    plainest_best = max(map(_plausibly, plainest_found))
+    one = min((one for one in plainest_found if _plausibly(one) >= NEARLY * plainest_best), key=_plainness)
+    f, zeta = one.course.frequency, one.course.ratio
+    if f is None or zeta is None or not one.sources:
+        best = one
+    else:
+        tried = [resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES]
+        found = gains([_following(family, q, tried) for family, q in one.sources], one.sources[0][0].slope)
+        refined_best = int(np.argmax(found.gain[:, 0]))
+        best = replace(
+            one, course=tried[refined_best], gain=float(found.gain[refined_best, 0]), size=float(found.size[refined_best, 0])
+        )
+    # Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted
+    slope = data[0].slope
+    excess = 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
     share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * hypothesis.fit.degrees_of_freedom)
     if share >= SURE:
         return leftover(best, share, _resonance(best, hypothesis))
@@ -434,19 +454,8 @@ def unexplained(hypothesis: Candidate) -> Explanation:
     return ranked(hypothesis, data)[0]
 
 
-def _excess(hypothesis: Candidate, slope: Array) -> float:
-    """Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted."""
-    return 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
-
-
-def plainest(found: Sequence[Explanation]) -> Explanation:
-    """Of `found` the plainest of those that are nearly as good as the best, as far as each is plausible."""
-    best = max(map(_plausibly, found))
-    return min((one for one in found if _plausibly(one) >= NEARLY * best), key=_plainness)
-
-
 def _plausibly(one: Explanation) -> float:
-    return one.gain * WEIGHED.get(one.place.kind, 1.0) * (LEFTOVER_ALONE if one.data_set else 1.0)
+    return one.gain * WEIGHED.get(one.place.kind, 1.0) * (ONE_DATA_SET_WEIGHT if one.data_set else 1.0)
 
 
 def _plainness(one: Explanation) -> tuple[bool, int, float]:

@@ -112,16 +112,19 @@ def _whitened(one: Prediction, lines: Lines, seen: ObservedLines, predicted: Pre
 
 
 FEWEST = 12.0
-"""Free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own."""
+"""[count] of free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own. Held by
+tests/validation/diagnosing/leftover/test_misfit.py."""
 
 STRETCHES = 5
-"""Stretches of equally many lines in which a channel of a run is looked at."""
+"""[count] of stretches of equally many lines in which a channel of a run is looked at. Held by
+tests/validation/diagnosing/leftover/test_misfit.py."""
 
 SCALES = ("loss",)
 """Families that are relative changes of what scatters by its logarithm: a loss factor may be three times as large, never none."""
 
 TOLD = 0.1
-"""Share of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due."""
+"""[share] of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due. Held by
+tests/validation/diagnosing/leftover/test_misfit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -276,12 +279,9 @@ def _moved(fit: Fit) -> tuple[Array, Array, list[str]]:
     sd = np.array([fit.parameters[k].tolerance for k in at])
     names = [fit.parameters[k].name for k in at]
     S = np.eye(len(at)) - fit.covariance[np.ix_(at, at)] / np.outer(sd, sd)
-    return _by_logarithm(fit.offsets[at], names) / sd, S, names
-
-
-def _by_logarithm(offsets: Array, names: Sequence[str]) -> Array:
+    offsets = fit.offsets[at]
     scale = np.array([name.partition(":")[0] in SCALES for name in names], dtype=bool) & (offsets > 0)
-    return np.where(scale, np.log1p(np.maximum(offsets, 0.0)), offsets)
+    return np.where(scale, np.log1p(np.maximum(offsets, 0.0)), offsets) / sd, S, names
 
 
 def _price(z: Array, S: Array) -> Price:
@@ -318,10 +318,13 @@ STIFFNESS, MASS, DAMPING, RESONANCE, DELAY, GAIN, TILT, NOISE, IRREGULAR = LIKEN
 """What a leftover can look like."""
 
 REFERENCE = 10.0
-"""[Hz] at which shares are stated that change with frequency."""
+"""[Hz] at which shares are stated that change with frequency. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
-FREQUENCIES, RATIOS = 36, (0.004, 0.015, 0.05)
-"""Resonances that are tried: so many frequencies over the band, and damping ratios."""
+FREQUENCIES = 36
+"""[count] of frequencies of resonances over the band. Held by tests/validation/diagnosing/leftover/test_described.py."""
+
+RATIOS = (0.004, 0.015, 0.05)
+"""[1] Damping ratios of these resonances. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -461,7 +464,8 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
 
 
 LEAST = 1e-4
-"""Share of a column that parameters of the fit must leave; what is left of less is no straight line."""
+"""[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -531,16 +535,13 @@ def swallowing(data: Sequence[Whitened], hypothesis: Candidate) -> list[Swallowi
     moved = [_tangents_moved(one, some) for one, some in zip(data, names, strict=True)]
     gradient = rows.T @ away
     for some, V, one in zip(acting, moved, data, strict=True):
-        gradient[some] -= _onto(V, one)
+        # (p,) J^T r
+        flat = V.reshape(-1, V.shape[-1])
+        onto = np.asarray((flat.conj().T @ one.values.swapaxes(0, 1).ravel()).real)
+        gradient[some] -= onto
     slope = R.T @ gradient
     found = zip(data, names, moved, acting, strict=True)
     return [Swallowing(of=one, names=mine, moved=V, root=R[some], slope=slope) for one, mine, V, some in found]
-
-
-def _onto(V: ComplexArray, of: Whitened) -> Array:
-    """(p,) J^T r."""
-    flat = V.reshape(-1, V.shape[-1])
-    return np.asarray((flat.conj().T @ of.values.swapaxes(0, 1).ravel()).real)
 
 
 def _tangents_moved(of: Whitened, names: Sequence[str]) -> ComplexArray:

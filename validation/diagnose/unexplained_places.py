@@ -144,7 +144,17 @@ class Loaded:
 
 def pairs(of: Loaded, courses: tuple[FrequencyLaw, ...]) -> PlaceFamily:
     """Entries of the dynamic mass one by one, and two of them alike or opposite."""
-    places, mixed = _mixed()
+    # Places, and (36, q) of which entries each is the sum
+    mixed_places, columns = [], []
+    for i, load in enumerate(LOADS):
+        for j, motion in enumerate(MOTIONS):
+            mixed_places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion))
+            columns.append(entry(i, j))
+            if j > i:
+                for sign in (1, -1):
+                    mixed_places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion, sign=sign))
+                    columns.append(entry(i, j) + sign * entry(j, i))
+    places, mixed = tuple(mixed_places), np.stack(columns, axis=1)
     return of.family(places, courses, entries(of) @ mixed)
 
 
@@ -159,20 +169,6 @@ def entry(i: int, j: int) -> Array:
     found = np.zeros(36)
     found[6 * i + j] = 1.0
     return found
-
-
-def _mixed() -> tuple[tuple[SuspectedPlace, ...], Array]:
-    """Places, and (36, q) of which entries each is the sum."""
-    places, columns = [], []
-    for i, load in enumerate(LOADS):
-        for j, motion in enumerate(MOTIONS):
-            places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion))
-            columns.append(entry(i, j))
-            if j > i:
-                for sign in (1, -1):
-                    places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion, sign=sign))
-                    columns.append(entry(i, j) + sign * entry(j, i))
-    return tuple(places), np.stack(columns, axis=1)
 
 
 def axes(of: Loaded) -> PlaceFamily:
@@ -195,10 +191,11 @@ DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "x and y": (1, 1, 
 GROUND, TABLE = "the ground", "the table"
 
 JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
-"""Axes that give alike."""
+"""[index] Axes of a joint that give alike. Held by tests/validation/diagnosing/leftover/test_described.py."""
 
 GIVES = 0.02
-"""Share of its motion that a place must move beyond a rigid article for anything to pull at that."""
+"""[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
 """Families of parameters that stand for a part or a mode."""
@@ -243,20 +240,17 @@ def parts(of: Swallowing) -> Iterator[PlaceFamily]:
     at = [k for k, name in enumerate(of.names) if name.partition(":")[0] in PARTS and name in of.of.predicted.changes]
     if at:
         places = tuple(SuspectedPlace(kind=PART, part=of.names[k]) for k in at)
-        yield PlaceFamily(places=places, courses=OF_PARTS, products=_of_parameters(of, at), root=of.root, slope=of.slope)
-
-
-def _of_parameters(of: Swallowing, at: list[int]) -> Products:
-    m, r, c, p = of.moved.shape
-    V = of.moved.reshape(m, r * c, p)
-    e = V[:, :, at].conj().swapaxes(1, 2)
-    return Products(
-        frequency=of.of.frequency,
-        names=tuple(of.names[k] for k in at),
-        residual=(e @ of.left.reshape(m, r * c, 1))[..., 0],
-        others=np.asarray(e @ V),
-        square=np.sum(np.abs(V[:, :, at]) ** 2, axis=1),
-    )
+        m, r, c, p = of.moved.shape
+        V = of.moved.reshape(m, r * c, p)
+        e = V[:, :, at].conj().swapaxes(1, 2)
+        of_parameters = Products(
+            frequency=of.of.frequency,
+            names=tuple(of.names[k] for k in at),
+            residual=(e @ of.left.reshape(m, r * c, 1))[..., 0],
+            others=np.asarray(e @ V),
+            square=np.sum(np.abs(V[:, :, at]) ** 2, axis=1),
+        )
+        yield PlaceFamily(places=places, courses=OF_PARTS, products=of_parameters, root=of.root, slope=of.slope)
 
 
 # Leftovers in channels: one, or all of a group, that tells a wrong share of what it reads; one that hears what it should not.
@@ -425,7 +419,8 @@ PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
 """What symmetric matrices are of: mass, stiffness, damping."""
 
 NAMED = 0.25
-"""Share of the leading pair, at the nominal level of the motions, from which another one is named with it."""
+"""[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Held by
+tests/validation/diagnosing/leftover/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -151,11 +151,7 @@ def log_evidence(cost: Cost, x: Array, whole: Normal) -> float:
     """At the minimum `x` (p,) where `whole` was found [nats], up to a constant of the data."""
     scale = np.array([one.tolerance if np.isfinite(one.tolerance) else 1.0 for one in cost.free])
     _, logdet = np.linalg.slogdet(scale[:, None] * whole.matrix * scale)
-    return float(-whole.cost - 0.5 * logdet + _normalisation(cost, x))
-
-
-def _normalisation(cost: Cost, x: Array) -> float:
-    """Of the noise at `x` against that of the data."""
+    # Of the noise at `x` against that of the data
     found = 0.0
     for seen, predicted in cost.predicted(x):
         if predicted.noise is None:
@@ -165,7 +161,7 @@ def _normalisation(cost: Cost, x: Array) -> float:
         if seen.inputs is None:
             rows = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
             found -= _determinant(new[..., None] * rows) - _determinant(old[..., None] * rows)
-    return found
+    return float(-whole.cost - 0.5 * logdet + found)
 
 
 def _determinant(A: ComplexArray) -> float:
@@ -185,7 +181,7 @@ def _determinant(A: ComplexArray) -> float:
 
 
 ALONE = 1e-9
-"""1 - h of a channel below which no other tells what it does."""
+"""[share] 1 - h of a channel below which no other tells what it does. Held by tests/validation/engine/test_likelihood.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -216,14 +212,7 @@ def left_of_run(seen: ObservedLines, rows: ComplexArray, weight: Array, run: int
         u = np.asarray(seen.inputs[run])
         return Left(values=y - (rows @ u[..., None])[..., 0], inputs=u, gain=None)
     Q, R = np.linalg.qr(weight[..., None] * rows)
-    to_others = _others(Q)
-    whitened = to_others[..., None] * (np.eye(y.shape[1]) - Q @ Q.conj().transpose(0, 2, 1))
-    gain = np.asarray(whitened * weight[:, None, :] / weight[:, :, None], dtype=np.complex128)
-    return Left(values=(gain @ y[..., None])[..., 0], inputs=_inputs(Q, R, weight * y), gain=gain)
-
-
-def _others(Q: ComplexArray) -> Array:
-    """(m, c) 1 / (1 - h)."""
+    # (m, c) 1 / (1 - h)
     left = 1 - np.sum(np.abs(Q) ** 2, axis=-1)
     if np.any(left < ALONE):
         line, channel = np.argwhere(left < ALONE)[0]
@@ -231,7 +220,10 @@ def _others(Q: ComplexArray) -> Array:
             f"the {Q.shape[2]} inputs cannot be told without channel {channel + 1} at line {line + 1}, so nothing is "
             "known of it; measure with more channels, or leave that line out"
         )
-    return np.asarray(1 / left)
+    to_others = np.asarray(1 / left)
+    whitened = to_others[..., None] * (np.eye(y.shape[1]) - Q @ Q.conj().transpose(0, 2, 1))
+    gain = np.asarray(whitened * weight[:, None, :] / weight[:, :, None], dtype=np.complex128)
+    return Left(values=(gain @ y[..., None])[..., 0], inputs=_inputs(Q, R, weight * y), gain=gain)
 
 
 def _inputs(Q: ComplexArray, R: ComplexArray, white: ComplexArray) -> ComplexArray:

@@ -32,8 +32,8 @@ from validation.estimation.result import Evaluation, Fit, Share
 
 
 FLOOR = 0.005
-"""Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
-measurement, of some 0.3 % to 1.5 %, are not fitted here."""
+"""[share] Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
+measurement, of some 0.3 % to 1.5 %, are not fitted here. Held by tests/validation/engine/test_errors.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,7 +71,10 @@ def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None
         rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[k]
         left = left_of_run(seen, rows, weight[k], k)
         level = np.sum(np.abs(seen.values[k][:, judged]) ** 2, axis=1, keepdims=True)
-        beyond = np.abs(left.values) ** 2 - _of_noise(left, noise[k])
+        # (m, c) mean square of what `variance` (m, c) leaves in every channel
+        variance = noise[k]
+        of_noise = variance if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
+        beyond = np.abs(left.values) ** 2 - of_noise
         values = beyond[:, judged] / np.maximum(level, np.finfo(np.float64).tiny)
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
         found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
@@ -83,11 +86,6 @@ def _noise(measured: Measured, predicted: Predicted, lines: Lines) -> Array:
     return np.asarray(np.square(measured.noise[:, lines] if predicted.noise is None else predicted.noise))
 
 
-def _of_noise(left: Left, variance: Array) -> Array:
-    """(m, c) mean square of what `variance` (m, c) leaves in every channel."""
-    return variance if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
-
-
 def _predicted(prediction: Prediction, offsets: Offsets, lines: Lines) -> Predicted:
     try:
         return prediction.at(offsets, lines, derivatives=False)
@@ -97,9 +95,11 @@ def _predicted(prediction: Prediction, offsets: Offsets, lines: Lines) -> Predic
 
 def share(found: Sequence[Squares]) -> Share:
     """Squares of several runs as one error."""
+    # Over the runs in which each channel is
+    named = ((name, one.values[:, [k]]) for one in found for k, name in enumerate(one.channels))
     return Share(
         percent=_percent([one.values for one in found]),
-        by_channel=_by_channel(found),
+        by_channel=_grouped(named),
         by_run=_grouped((f"{one.data_set}/{one.run}", one.values) for one in found),
         by_data_set=_grouped((one.data_set, one.values) for one in found),
         by_fold=_grouped((one.fold, one.values) for one in found if one.fold),
@@ -111,12 +111,6 @@ def _percent(values: Sequence[Array]) -> float:
     if not values:
         return 0.0
     return 100 * float(np.sqrt(max(np.mean(np.concatenate([one.sum(axis=1) for one in values])), 0.0)))
-
-
-def _by_channel(found: Sequence[Squares]) -> dict[str, float]:
-    """Over the runs in which each channel is."""
-    named = ((name, one.values[:, [k]]) for one in found for k, name in enumerate(one.channels))
-    return _grouped(named)
 
 
 def _grouped(named: Iterable[tuple[str, Array]]) -> dict[str, float]:
@@ -138,7 +132,7 @@ Runs = Mapping[str, tuple[str, ...]]
 NOBODY: Runs = MappingProxyType({})
 
 SHORTEST = 1.0
-"""[Hz] that a block of frequencies is at least."""
+"""[Hz] that a block of frequencies is at least. Held by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -166,7 +160,9 @@ def folds(problem: Problem) -> tuple[Fold, ...]:
     found = []
     for one in problem.predictions:
         if len(one.measured.runs) > 1:
-            found += [_of_run(one.measured.name, run) for run in one.measured.runs]
+            found += [
+                Fold(name=f"run {run} of {one.measured.name}", runs={one.measured.name: (run,)}) for run in one.measured.runs
+            ]
     configurations = dict.fromkeys(one.measured.configuration for one in problem.predictions)
     if len(configurations) > 1:
         found += [_of_configuration(problem, configuration) for configuration in configurations]
@@ -200,7 +196,21 @@ def named(problem: Problem, names: Sequence[str]) -> Fold:
     runs: dict[str, tuple[str, ...]] = {}
     facts: list[str] = []
     for name in names:
-        pieces, fact = _meant(problem, name)
+        # Runs by data set, and facts, that `name` names
+        measured = [one.measured for one in problem.predictions]
+        whole = [(one.name, one.runs) for one in measured if name in (one.name, one.configuration)]
+        if whole:
+            pieces, fact = whole, []
+        else:
+            meant_facts = [fact.name for fact in problem.facts if fact.name == name]
+            if meant_facts:
+                pieces, fact = [], meant_facts
+            else:
+                meant_runs = [(one.name, (run,)) for one in measured for run in one.runs if name in (run, f"{one.name}/{run}")]
+                if len(meant_runs) == 1:
+                    pieces, fact = [(meant_runs[0][0], meant_runs[0][1])], []
+                else:
+                    raise _unknown(problem, name, [f"{data_set}/{run[0]}" for data_set, run in meant_runs])
         for data_set, some in pieces:
             runs[data_set] = tuple(dict.fromkeys((*runs.get(data_set, ()), *some)))
         facts += fact
@@ -241,10 +251,6 @@ def _rest(one: Prediction, runs: Sequence[str]) -> Prediction | None:
     return one.on(left) if len(left) < len(one.measured.runs) else one
 
 
-def _of_run(data_set: str, run: str) -> Fold:
-    return Fold(name=f"run {run} of {data_set}", runs={data_set: (run,)})
-
-
 def _of_configuration(problem: Problem, configuration: str) -> Fold:
     whole = {one.measured.name: one.measured.runs for one in problem.predictions if one.measured.configuration == configuration}
     return Fold(name=f"configuration {configuration}", runs=whole, configuration=True)
@@ -256,21 +262,6 @@ def _of_block(problem: Problem, low: float, high: float) -> Fold:
         for one in problem.predictions
     }
     return Fold(name=f"{low:.3g} to {high:.3g} Hz", blocks={name: lines for name, lines in inside.items() if len(lines)})
-
-
-def _meant(problem: Problem, name: str) -> tuple[list[tuple[str, tuple[str, ...]]], list[str]]:
-    """Runs by data set, and facts, that `name` names."""
-    measured = [one.measured for one in problem.predictions]
-    whole = [(one.name, one.runs) for one in measured if name in (one.name, one.configuration)]
-    if whole:
-        return whole, []
-    facts = [fact.name for fact in problem.facts if fact.name == name]
-    if facts:
-        return [], facts
-    runs = [(one.name, (run,)) for one in measured for run in one.runs if name in (run, f"{one.name}/{run}")]
-    if len(runs) == 1:
-        return [(runs[0][0], runs[0][1])], []
-    raise _unknown(problem, name, [f"{data_set}/{run[0]}" for data_set, run in runs])
 
 
 def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
@@ -297,13 +288,14 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
 
 
 NEAR = 3.0
-"""Standard deviations, as far as the data fit, to which the quadratic model is taken at its word."""
+"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Held by
+tests/validation/engine/test_hold_out.py."""
 
 FEW = 8
-"""Evaluations that a fold may take beyond that."""
+"""[count] of evaluations that a fold may take beyond that. Held by tests/validation/engine/test_hold_out.py."""
 
 SHORTER = 8
-"""Times that a step is halved at which the model breaks down."""
+"""[count] of times that a step is halved at which the model breaks down. Held by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -335,26 +327,16 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
     Where it must be `quick` the quadratic model is taken at its word wherever it leads.
     """
     rest = replace(at.cost, problem=without(at.cost.problem, fold), observed=())
-    left = _left(at, rest, fold)
+    if fold.blocks:
+        left = rest.data(at.x)
+    else:
+        kept = [one for (data_set, run), one in at.by_run.items() if run not in fold.runs.get(data_set, ())]
+        left = likelihood.total(kept, len(at.x))
     away, rows = rest.knowledge(at.x)
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
-    step = _standing(rest, at.x, _bounded_step(rest, at.x, gradient, matrix))
-    offsets = rest.offsets(at.x + step)
-    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
-        return offsets
-    return _further(rest, offsets)
-
-
-def _left(at: Solved, rest: Cost, fold: Fold) -> Normal:
-    if fold.blocks:
-        return rest.data(at.x)
-    kept = [one for (data_set, run), one in at.by_run.items() if run not in fold.runs.get(data_set, ())]
-    return likelihood.total(kept, len(at.x))
-
-
-def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array:
-    """(p,) to the minimum of the quadratic model; what would leave its bounds stops at them, and the others make up for it."""
-    low, high = cost.bounds
+    # (p,) to the minimum of the quadratic model; what would leave its bounds stops at them, and the others make up for it
+    x = at.x
+    low, high = rest.bounds
     step, moving = np.zeros(len(x)), np.ones(len(x), dtype=bool)
     for _ in range(len(x) + 1):
         force = gradient[moving] + matrix[np.ix_(moving, ~moving)] @ step[~moving]
@@ -365,7 +347,11 @@ def _bounded_step(cost: Cost, x: Array, gradient: Array, matrix: Array) -> Array
             break
         step[beyond] = there[beyond] - x[beyond]
         moving &= ~beyond
-    return step
+    step = _standing(rest, at.x, step)
+    offsets = rest.offsets(at.x + step)
+    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
+        return offsets
+    return _further(rest, offsets)
 
 
 def _standing(cost: Cost, x: Array, step: Array) -> Array:
@@ -400,8 +386,8 @@ def _further(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
         return offsets
 
 
-EVEN = 3
-"""Quick errors are told at every so many lines."""
+QUICK_STRIDE = 3
+"""[count] Quick errors are told at every third line. Held by tests/validation/engine/test_hold_out.py."""
 
 
 def evaluate(
@@ -508,7 +494,7 @@ def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bo
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
     """Lines at which errors are told: all, or where it must be `quick` every so many, whatever happens there."""
-    return np.arange(0, len(prediction.measured.frequency), EVEN, dtype=np.int64) if quick else None
+    return np.arange(0, len(prediction.measured.frequency), QUICK_STRIDE, dtype=np.int64) if quick else None
 
 
 # Residuals line by line, beside the deviation that is to be expected of them.

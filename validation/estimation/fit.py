@@ -33,25 +33,31 @@ from validation.estimation.result import Fit
 
 
 COARSE = (0.2, 0.06)
-"""Floors of the stages before tolerances of the measurement are released."""
+"""[share] Model-error floors of the stages before tolerances of the measurement are released. Held by
+tests/validation/engine/test_fit.py."""
 
 FINE = (0.02, 0.006, 0.003)
-"""Floors of the stages after that, before the last."""
+"""[share] Model-error floors of the stages after that, before the last. Held by tests/validation/engine/test_fit.py."""
 
 ROUGHLY = 1.0
-"""Standard deviations that the last step of a stage may be which is not the last."""
+"""[sd] that the last step of a stage may be which is not the last. Held by tests/validation/engine/test_fit.py."""
 
 STEPS = 6
-"""Evaluations that such a stage may take."""
+"""[count] of evaluations that such a stage may take. Held by tests/validation/engine/test_fit.py."""
 
-SPARSE = 3
-"""Such a stage takes every third line, where that leaves enough: its minimum need not be sharp."""
+STAGE_STRIDE = 3
+"""[count] Such a stage takes every third line, where that leaves enough: its minimum need not be sharp. Held by
+tests/validation/engine/test_fit.py."""
 
-AGAIN, WORTH = 6, 1.0
-"""How often a way down that did not end by itself begins again where it stopped, and what that must gain [nats] to go on."""
+RESTARTS = 6
+"""[count] of times that a descent which did not end by itself begins again where it stopped. Held by
+tests/validation/engine/test_fit.py."""
+
+RESTART_GAIN = 1.0
+"""[nats] that each of these must gain to go on. Held by tests/validation/engine/test_fit.py."""
 
 ROUNDING = 1e-9
-"""Standard deviations from a bound that are none."""
+"""[sd] from a bound that are none. Held by tests/validation/engine/test_fit.py."""
 
 BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
 """What a prediction raises where its model breaks down."""
@@ -92,7 +98,7 @@ def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None 
     return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
 
 
-def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
 
     At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`.
@@ -101,7 +107,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    found, sparse = dict(offsets), cost.problem.sparser(SPARSE)
+    found, sparse = dict(offsets), cost.problem.sparser(STAGE_STRIDE)
     stages = [(floor, False) for floor in COARSE if floor > cost.floor] + [(floor, True) for floor in FINE if floor > cost.floor]
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
@@ -111,7 +117,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     return direct(cost, found, progress, most=most, again=again)
 
 
-def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = AGAIN) -> End:
+def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
     """From `offsets` straight down, and once more from where that ended while it does not end by itself but still gains.
 
     A whole beginning that gains next to nothing ends it, too. How far the quadratic model would still like to go is not asked:
@@ -134,7 +140,7 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
             break
         before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
         gained = before.normal.cost - solution.normal.cost
-        idle = gained < WORTH
+        idle = gained < RESTART_GAIN
         converged = solution.converged or (idle and solution.evaluations >= most)
         if idle:
             break
@@ -179,29 +185,29 @@ def _of(data: Normal, free: NDArray[np.bool_]) -> Normal:
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
     start = np.clip(cost.at(offsets), *cost.bounds)
     if not len(start):
-        return _nothing_to_do(cost, start)
+        whole, data, _ = cost.total(start)
+        return Solution(x=start, seen=start, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
     try:
         return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start), bounds=cost.bounds)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 
 
-def _nothing_to_do(cost: Cost, x: Array) -> Solution:
-    whole, data, _ = cost.total(x)
-    return Solution(x=x, seen=x, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
-
-
 FLOOR = 0.0015
-"""Model-error floor relative to the level of a channel at which fits are compared."""
+"""[share] of the level of a channel: model-error floor at which fits are compared. Held by
+tests/validation/engine/test_fit.py."""
 
 TRIAL = 20
-"""Evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not there."""
+"""[count] of evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not
+there. Held by tests/validation/engine/test_fit.py."""
 
-FEW = 3
-"""Times that a way of a child begins again: it has others, one of which ends lower where this one creeps along a valley."""
+CHILD_RESTARTS = 3
+"""[count] of times that a descent of a child begins again: it has others, one of which ends lower where this one creeps along a
+valley. Held by tests/validation/engine/test_fit.py."""
 
 PLAIN_FLOOR = 0.01
-"""The same where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a prediction."""
+"""[share] The same floor where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a
+prediction. Held by tests/validation/engine/test_fit.py."""
 
 
 def fit(
@@ -230,7 +236,25 @@ def fit(
     """
     tell = progress or (lambda share: None)
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
-    end = _child(cost, start, tell) if isinstance(start, Fit) else _baseline(cost, start or {}, tell)
+    if isinstance(start, Fit):
+        # The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start
+        null = parents_point(cost.free, start)
+        ends = [ended(cost, null, converged=False)]
+        begins = {one.name: start.by_name.get(one.name, one.start) for one in cost.free}
+        for way, begin in ((direct, null), (annealed, begins)):
+            try:
+                ends.append(_cheaper(way(cost, begin, tell, again=CHILD_RESTARTS), begin, tell))
+            except CheckFailed:
+                continue
+        if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
+            with suppress(CheckFailed):
+                ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
+        end = _best(ends)
+    else:
+        baseline_start = start or {}
+        end = _cheaper(annealed(cost, baseline_start, tell), baseline_start, tell)
+        if not end.converged:
+            raise _refused(end)
     tell(1.0)
     return fitted(end)
 
@@ -248,16 +272,14 @@ def child(
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
     null = parents_point(cost.free, parent)
     try:
-        end = _trial(cost, {**null, **start}, from_afar=from_afar)
+        begin = {**null, **start}
+        if from_afar:
+            end = annealed(cost, begin, lambda share: None, most=TRIAL)
+        else:
+            end = direct(cost, begin, lambda share: None, most=TRIAL, again=1)
     except CheckFailed:
         return fitted(ended(cost, null, converged=False))
     return fitted(end if end.whole.cost <= parent.cost else min(end, ended(cost, null, converged=False), key=_whole))
-
-
-def _trial(cost: Cost, begin: Offsets, *, from_afar: bool) -> End:
-    if from_afar:
-        return annealed(cost, begin, lambda share: None, most=TRIAL)
-    return direct(cost, begin, lambda share: None, most=TRIAL, again=1)
 
 
 def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None) -> Fit:
@@ -287,36 +309,10 @@ def floor_of(kinds: Sequence[str]) -> float:
     return FLOOR if SENSOR in kinds else PLAIN_FLOOR
 
 
-def _baseline(cost: Cost, start: Offsets, tell: Progress) -> End:
-    end = _cheaper(annealed(cost, start, tell), start, tell)
-    if not end.converged:
-        raise _refused(end)
-    return end
-
-
-def _child(cost: Cost, parent: Fit, tell: Progress) -> End:
-    """The cheapest of the parent's point, the way straight from there, and the way annealed from the child's start.
-
-    Where none of them ends by itself, also of the way annealed from the model as it was given.
-    """
-    null = parents_point(cost.free, parent)
-    ends = [ended(cost, null, converged=False)]
-    begins = {one.name: parent.by_name.get(one.name, one.start) for one in cost.free}
-    for way, begin in ((direct, null), (annealed, begins)):
-        try:
-            ends.append(_cheaper(way(cost, begin, tell, again=FEW), begin, tell))
-        except CheckFailed:
-            continue
-    if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
-        with suppress(CheckFailed):
-            ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
-    return _best(ends)
-
-
 def _best(ends: Sequence[End]) -> End:
     """The cheapest; it is as good as any other that ended by itself and costs as much."""
     best = min(ends, key=lambda end: end.whole.cost)
-    return replace(best, converged=any(one.converged and one.whole.cost < best.whole.cost + WORTH for one in ends))
+    return replace(best, converged=any(one.converged and one.whole.cost < best.whole.cost + RESTART_GAIN for one in ends))
 
 
 def _cheaper(end: End, start: Offsets, tell: Progress) -> End:
@@ -396,17 +392,20 @@ def _degrees(end: End) -> int:
 # is no step of a logarithm.
 
 
-STARTING_FINE, STARTING_COARSE = 41, 9
-"""Places along a single size, and along each of several."""
+SINGLE_PLACES = 41
+"""[count] of places along a single size. Held by tests/validation/engine/test_starting.py."""
+
+SEVERAL_PLACES = 9
+"""[count] of places along each of several sizes. Held by tests/validation/engine/test_starting.py."""
 
 REACH = 2.0
-"""Prior standard deviations to either side that a grid covers."""
+"""[prior sd] to either side that a grid covers. Held by tests/validation/engine/test_starting.py."""
 
 NEXT_TO_NOTHING = -7.0
-"""Offset of a small amplitude from where it stands: a thousandth."""
+"""[log] Offset of a small amplitude from where it stands: a thousandth. Held by tests/validation/engine/test_starting.py."""
 
 PROMISING = 5
-"""Places whose true cost is looked at."""
+"""[count] of places whose true cost is looked at. Held by tests/validation/engine/test_starting.py."""
 
 
 def start(
@@ -442,7 +441,11 @@ def start(
     found: list[tuple[float, dict[str, float]]] = []
     small = {amplitude: here[amplitude] + NEXT_TO_NOTHING} if amplitude else {}
     for done, place in enumerate(grid):
-        found += _promise(_unpriced(cost, amplitude), {**here, **place, **small}, names, amplitude)
+        # `cost` without what is known beforehand of the `amplitude`
+        unpriced = replace(
+            cost, free=tuple(replace(one, tolerance=np.inf) if one.name == amplitude else one for one in cost.free)
+        )
+        found += _promise(unpriced, {**here, **place, **small}, names, amplitude)
         tell((done + 1) / (len(grid) + PROMISING))
     best = sorted(found, key=lambda one: one[0])[:PROMISING]
     ends = [here, *(offsets for _, offsets in best)]
@@ -451,7 +454,7 @@ def start(
 
 def _grid(cost: Cost, names: Sequence[str], here: Offsets, places: Mapping[str, npt.ArrayLike]) -> Iterator[dict[str, float]]:
     known = {one.name: one.tolerance for one in cost.free}
-    count = STARTING_FINE if len(names) == 1 else STARTING_COARSE
+    count = SINGLE_PLACES if len(names) == 1 else SEVERAL_PLACES
     along = [
         np.asarray(places[name], dtype=np.float64).ravel()
         if name in places
@@ -460,11 +463,6 @@ def _grid(cost: Cost, names: Sequence[str], here: Offsets, places: Mapping[str, 
     ]
     for values in product(*along):
         yield dict(zip(names, map(float, values), strict=True))
-
-
-def _unpriced(cost: Cost, amplitude: str) -> Cost:
-    """`cost` without what is known beforehand of the `amplitude`."""
-    return replace(cost, free=tuple(replace(one, tolerance=np.inf) if one.name == amplitude else one for one in cost.free))
 
 
 def _promise(cost: Cost, place: Offsets, names: Sequence[str], amplitude: str) -> list[tuple[float, dict[str, float]]]:

@@ -34,7 +34,8 @@ from validation.estimation.problem import Change, Conveyed, Lines, Measured, Pre
 
 
 FEW = 24
-"""Up to so many parameters of several channels that go no common way it is the quicker."""
+"""[count] of parameters of several channels that go no common way up to which it is the quicker. Held by
+tests/validation/engine/test_conveying.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,7 +115,20 @@ def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w
     matrix[np.ix_(of.common, of.common)] = common @ common.T
     matrix[np.ix_(of.common, apart)] = both = common @ rest.T
     matrix[np.ix_(apart, of.common)] = both.T
-    matrix[np.ix_(apart, apart)] = _apart(of, single, whole, Q)
+    # (b + d, b + d) the products of the parameters that go no common way
+    b = len(single)
+    apart_matrix = np.zeros((b + len(whole), b + len(whole)))
+    one = as_real(single)
+    apart_matrix[:b, :b] = (one @ one.T) * (of.at[:, None] == of.at)
+    if len(whole):
+        flat = as_real(whole)
+        apart_matrix[b:, b:] = flat @ flat.T
+        apart_matrix[b:, :b] = np.sum((whole[:, :, of.at].transpose(0, 2, 1).conj() * single).real, axis=-1)
+        apart_matrix[:b, b:] = apart_matrix[b:, :b].T
+    if Q is not None:
+        along = as_real(np.concatenate([_met(Q, single, of.at), _met_by_all(Q, whole)]))
+        apart_matrix -= along @ along.T
+    matrix[np.ix_(apart, apart)] = apart_matrix
     gradient[of.common] = -(common @ as_real((O.conj().transpose(0, 2, 1) @ r[..., None])[None, ..., 0])[0])
     gradient[of.single] = -np.sum((single.conj() * r.T[of.at]).real, axis=1)
     gradient[of.others] = -np.sum((whole.conj() * r).real, axis=(1, 2))
@@ -143,23 +157,6 @@ def _met(directions: ComplexArray, single: ComplexArray, at: Integers) -> Comple
 def _met_by_all(directions: ComplexArray, whole: ComplexArray) -> ComplexArray:
     """(d, m, q) the same of what is in all channels (d, m, c)."""
     return np.asarray((whole.transpose(1, 0, 2) @ directions.conj()).transpose(1, 0, 2))
-
-
-def _apart(of: Ways, single: ComplexArray, whole: ComplexArray, Q: ComplexArray | None) -> Array:
-    """(b + d, b + d) the products of the parameters that go no common way."""
-    b = len(single)
-    matrix = np.zeros((b + len(whole), b + len(whole)))
-    one = as_real(single)
-    matrix[:b, :b] = (one @ one.T) * (of.at[:, None] == of.at)
-    if len(whole):
-        flat = as_real(whole)
-        matrix[b:, b:] = flat @ flat.T
-        matrix[b:, :b] = np.sum((whole[:, :, of.at].transpose(0, 2, 1).conj() * single).real, axis=-1)
-        matrix[:b, b:] = matrix[b:, :b].T
-    if Q is not None:
-        along = as_real(np.concatenate([_met(Q, single, of.at), _met_by_all(Q, whole)]))
-        matrix -= along @ along.T
-    return matrix
 
 
 def as_real(V: ComplexArray) -> Array:
@@ -227,7 +224,14 @@ def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floo
     for run, name in enumerate(seen.runs):
         r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
         if common is None:
-            one = _normal(r, Q, _moved(predicted, own, run, u, weight[run]))
+            # Of one run, from its residual (m, c), from which inputs are eliminated, and V (p, m, c), from which they are not yet
+            V = _moved(predicted, own, run, u, weight[run])
+            flat, left = as_real(V), np.ascontiguousarray(r).ravel().view(np.float64)
+            matrix = flat @ flat.T
+            if Q is not None:
+                along = as_real((V.transpose(1, 0, 2) @ Q.conj()).transpose(1, 0, 2))
+                matrix -= along @ along.T
+            one = Normal(cost=0.5 * float(left @ left), gradient=-(flat @ left), matrix=matrix)
         else:
             one = normal(common, r, Q, u, weight[run])
         found[name] = _spread(one, at, len(free))
@@ -240,7 +244,9 @@ def whitened(
     """Residual (m, c) of one run, and minus its derivatives (m, c, p) by the offsets of `names`, inputs eliminated from both."""
     weight = seen.weight(floor, predicted.noise)
     r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
-    return r, _beside_inputs(Q, np.ascontiguousarray(_moved(predicted, names, run, u, weight[run]).transpose(1, 2, 0)))
+    V = np.ascontiguousarray(_moved(predicted, names, run, u, weight[run]).transpose(1, 2, 0))
+    beside_inputs = V if Q is None else V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
+    return r, beside_inputs
 
 
 def residual(seen: ObservedLines, predicted: Predicted, floor: float) -> ComplexArray:
@@ -273,23 +279,6 @@ def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray
         V[k][:, change.channels] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
     V *= w
     return V
-
-
-def _beside_inputs(Q: ComplexArray | None, V: ComplexArray) -> ComplexArray:
-    return V if Q is None else V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
-
-
-def _normal(r: ComplexArray, Q: ComplexArray | None, V: ComplexArray) -> Normal:
-    """Of one run, from its residual (m, c), from which inputs are eliminated, and V (p, m, c), from which they are not yet.
-
-    V^H (1 - Q Q^H) V = V^H V - (Q^H V)^H (Q^H V), and Q^H r = 0: nothing as large as V needs to be made again.
-    """
-    flat, left = as_real(V), np.ascontiguousarray(r).ravel().view(np.float64)
-    matrix = flat @ flat.T
-    if Q is not None:
-        along = as_real((V.transpose(1, 0, 2) @ Q.conj()).transpose(1, 0, 2))
-        matrix -= along @ along.T
-    return Normal(cost=0.5 * float(left @ left), gradient=-(flat @ left), matrix=matrix)
 
 
 def _spread(own: Normal, at: Lines, count: int) -> Normal:

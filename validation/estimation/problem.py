@@ -34,7 +34,7 @@ TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 
 
 WITHIN = 2.5
-"""Tolerances by which a plain fit may move what is declared."""
+"""[tolerance] by which a plain fit may move what is declared. Held by tests/validation/engine/test_fit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -253,7 +253,7 @@ class Fact(Protocol):
 ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 
 FEWEST = 20
-"""Lines of a data set below which none is left out."""
+"""[count] of lines of a data set below which none is left out. Held by tests/validation/engine/test_problem.py."""
 
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
@@ -348,10 +348,11 @@ def _require_agreement(first: Parameter, said_by: str, second: Parameter, source
 
 
 AT_MOST = 100
-"""Lines of one data set that a fit uses."""
+"""[count] of lines of one data set that a fit uses. Held by tests/validation/engine/test_problem.py."""
 
 STEEPEST = 0.3
-"""Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines."""
+"""[share] Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines. Held by
+tests/validation/engine/test_problem.py."""
 
 
 def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
@@ -359,17 +360,14 @@ def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
     count = len(measured.frequency)
     if count <= at_most:
         return np.arange(count, dtype=np.int64)
-    turned = _turning(smoothed_level(measured.frequency, measured.values).transpose(1, 0, 2))
+    # (n - 1,) relative change of `level` (n, r, c) from line to line, rms over runs and channels
+    level = smoothed_level(measured.frequency, measured.values).transpose(1, 0, 2)
+    flat = level.reshape(len(level), -1)
+    highest = np.maximum(np.maximum(flat[1:], flat[:-1]), np.finfo(np.float64).tiny)
+    relative = np.abs(np.diff(flat, axis=0)) / highest
+    turned = np.asarray(np.minimum(np.sqrt(np.mean(relative**2, axis=1)), STEEPEST))
     even = np.diff(measured.frequency) / (measured.frequency[-1] - measured.frequency[0])
     share = 0.5 * even + 0.5 * (turned / turned.sum() if turned.sum() > 0 else even)
     along = np.concatenate([[0.0], np.cumsum(share)])
     wanted = np.linspace(0.0, along[-1], at_most)
     return np.unique(np.round(np.interp(wanted, along, np.arange(count))).astype(np.int64))
-
-
-def _turning(level: Array) -> Array:
-    """(n - 1,) relative change of `level` (n, r, c) from line to line, rms over runs and channels."""
-    flat = level.reshape(len(level), -1)
-    highest = np.maximum(np.maximum(flat[1:], flat[:-1]), np.finfo(np.float64).tiny)
-    relative = np.abs(np.diff(flat, axis=0)) / highest
-    return np.asarray(np.minimum(np.sqrt(np.mean(relative**2, axis=1)), STEEPEST))

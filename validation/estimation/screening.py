@@ -37,7 +37,8 @@ from validation.estimation.problem import EFFECT, Fact, Offsets, Parameter, Pred
 from validation.estimation.result import Fit
 
 KNOWN = 1e-12
-"""Share of its own square that must be left of a column beside the others for the data to tell it at all."""
+"""[share] of its own square that must be left of a column beside the others for the data to tell it at all. Held by
+tests/validation/engine/test_screening.py."""
 
 
 @dataclass(frozen=True, kw_only=True)

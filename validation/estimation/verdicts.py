@@ -20,27 +20,30 @@ from validation.estimation.result import Evaluation, Fit
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
 STANDS_OUT = 4.0
-"""Sigmas from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three."""
+"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Held by
+tests/validation/comparing/test_maps_and_spots.py."""
 
 MISFIT = 1.5
-"""Chi² per degree of freedom from which data and model contradict each other, whatever the tolerances."""
+"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by
+tests/validation/comparing/test_maps_and_spots.py."""
 
 MORE = 1.5
-"""Factor on the larger of what tolerances of the measurement explain and the error on fitted data, from which an error on data
-that were held out is too large."""
+"""[factor] on the larger of what measurement tolerances explain and the error on fitted data, from which an error on held-out
+data is too large. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 NOTICED = 1.05
-"""Factor on what tolerances of the measurement explain, from which those of the modes are worth a word."""
+"""[factor] on what measurement tolerances explain, from which those of the modes are worth a word. Held by
+tests/validation/comparing/test_maps_and_spots.py."""
 
 UNLIKELY = 1e-3
-"""Probability of a sum of z² below which tolerances are absurd."""
+"""[probability] of a sum of z² below which tolerances are absurd. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 ABSURD = 4.0
-"""z of one tolerance that no careful laboratory has."""
+"""[sd] of one tolerance that no careful laboratory has. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 
-MOST = 5
-"""Tolerances that are named."""
+TOLERANCES_NAMED = 5
+"""[count] of tolerances that are named. Held by tests/validation/comparing/test_maps_and_spots.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +145,18 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
     explained : what the plain error would be by tolerances alone
     peak : the worst spot of the maps [sigma]
     """
-    return (_nominal(of), _plain(of, explained, peak), _fitted(of.fitted), _held_out(of, explained))
+    high = peak >= STANDS_OUT
+    said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
+    if explained.with_modes > NOTICED * explained.measurement:
+        said += f", with those of the modes up to {percent(explained.with_modes)}"
+    plain = StatedError(
+        name="plain error",
+        figure=percent(of.plain.percent),
+        meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
+        verdict=FAILED if high else GOOD,
+        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
+    )
+    return (_nominal(of), plain, _fitted(of.fitted), _held_out(of, explained))
 
 
 def _nominal(of: Evaluation) -> StatedError:
@@ -153,23 +167,17 @@ def _nominal(of: Evaluation) -> StatedError:
     )
 
 
-def _plain(of: Evaluation, explained: ExplainedError, peak: float) -> StatedError:
-    high = peak >= STANDS_OUT
-    said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
-    if explained.with_modes > NOTICED * explained.measurement:
-        said += f", with those of the modes up to {percent(explained.with_modes)}"
-    return StatedError(
-        name="plain error",
-        figure=percent(of.plain.percent),
-        meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
-        verdict=FAILED if high else GOOD,
-        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
-    )
-
-
 def _fitted(of: Fit) -> StatedError:
     ratio = misfit(of)
-    verdict, text = _judged(ratio, of)
+    moved, too_much = tolerances(of), absurd(of)
+    paying = [one for one in moved if one.parameter.kind in TOLERANCES]
+    worst = named([one for one in moved if abs(one.z) >= ABSURD][:TOLERANCES_NAMED] or paying[:1])
+    if ratio > MISFIT:
+        verdict, text = FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
+    elif too_much:
+        verdict, text = FAILED, f"a good χ² with absurd tolerances is a failed model: {worst}"
+    else:
+        verdict, text = GOOD, "data and tolerances are content"
     return StatedError(
         name="fitted error",
         figure=f"χ² {ratio:.3g}, z² {figure(of.tolerance_z2)}",
@@ -185,20 +193,15 @@ def misfit(of: Fit) -> float:
     return of.chi2 / max(of.degrees_of_freedom, 1)
 
 
-def _judged(ratio: float, of: Fit) -> tuple[str, str]:
-    moved, too_much = tolerances(of), absurd(of)
-    paying = [one for one in moved if one.parameter.kind in TOLERANCES]
-    worst = named([one for one in moved if abs(one.z) >= ABSURD][:MOST] or paying[:1])
-    if ratio > MISFIT:
-        return FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
-    if too_much:
-        return FAILED, f"a good χ² with absurd tolerances is a failed model: {worst}"
-    return GOOD, "data and tolerances are content"
-
-
 def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
     meaning = "plain error on data that were predicted, not fitted"
-    beside = _configurations(of)
+    # What is left where all of a configuration was held out: without a verdict, since no fit knows what it alone has
+    others, before = of.held_out_configurations, of.held_out_configurations_nominal
+    if others is None or before is None:
+        beside: str = ""
+    else:
+        told = f"{percent(others.percent)}, nominal {percent(before.percent)}"
+        beside = f"a configuration never seen, its modes and what acts there alone unfitted: {told}"
     if of.held_out is None:
         none = "nothing was held out: one run of one campaign"
         return StatedError(name="held-out error", figure="–", meaning=meaning, text=beside or none)
@@ -211,15 +214,6 @@ def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
         verdict=DOUBTFUL if high else GOOD,
         text=f"{said}; beside it, {beside}" if beside else said,
     )
-
-
-def _configurations(of: Evaluation) -> str:
-    """What is left where all of a configuration was held out: without a verdict, since no fit knows what it alone has."""
-    others, before = of.held_out_configurations, of.held_out_configurations_nominal
-    if others is None or before is None:
-        return ""
-    told = f"{percent(others.percent)}, nominal {percent(before.percent)}"
-    return f"a configuration never seen, its modes and what acts there alone unfitted: {told}"
 
 
 def named(some: Sequence[Tolerance]) -> str:

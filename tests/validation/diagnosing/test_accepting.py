@@ -38,7 +38,7 @@ def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
-    monkeypatch.setattr("validation.estimation.likelihood.observed", lambda measured, lines: seen)
+    monkeypatch.setattr("validation.diagnose.accept.observed", lambda measured, lines: seen)
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
 

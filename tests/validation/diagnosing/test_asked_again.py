@@ -12,7 +12,7 @@ import pytest
 from geometry.errors import CheckFailed
 from validation.diagnose import diagnose, search
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.search import RIVALS, SHARE, CandidateFit, SearchStep, _in
+from validation.diagnose.search import RIVAL_SHARE, RIVALS, CandidateFit, SearchStep, _in
 from validation.effects.catalogue import parse
 from validation.effects.effect import EVIDENCE_THRESHOLD
 from validation.estimation.problem import EFFECT, Parameter
@@ -57,10 +57,10 @@ def asked(
 
     monkeypatch.setattr(search, "_without", without)
     monkeypatch.setattr(search, "instead", instead)
-    monkeypatch.setattr(search, "standing", lambda fit, problem: STANDS)
-    monkeypatch.setattr(search, "stands_out", lambda of: True)
-    monkeypatch.setattr(search, "stays", lambda bench, one: one.id != GONE)
-    monkeypatch.setattr(search, "standing", lambda fit, problem: STANDS)
+    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
+    monkeypatch.setattr(search, "is_significant", lambda of: True)
+    monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
+    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
     ended, more = search.backward_elimination(NOBODY, at, before, lambda what, share: None)
     return ended, more, fitted
 
@@ -145,7 +145,7 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPat
 
 def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival() -> None:
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
-    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * SHARE - 1), at=ALONE)
+    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * RIVAL_SHARE - 1), at=ALONE)
     rivals = search._asked_again_rivals(one, hypothesis(TOP, BLADE, evidence=0.0))
     assert [each.id for each in rivals] == [id for id, _ in others[:RIVALS]]
     few = search._asked_again_rivals(replace(one, tried=(one.tried[0], one.tried[-1])), hypothesis(TOP, evidence=0.0))

@@ -109,7 +109,7 @@ def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnos
     """``unlike(cause, ...)``: the diagnosis where two levels differ, and `nonlinear` ranks these."""
 
     def of(*ranking: Cause) -> Diagnosis:
-        monkeypatch.setattr(diagnose, "levels", lambda of: (LEVEL,))
+        monkeypatch.setattr(diagnose, "drive_levels", lambda of: (LEVEL,))
         monkeypatch.setattr(diagnose, "nonlinear", lambda *given, **more: ranking)
         return diagnosed(made())
 

@@ -13,14 +13,14 @@ from validation.diagnose import search
 from validation.diagnose.diagnose import _why
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.diagnose.search import (
-    AFRESH,
-    ALIASES,
-    INSTEAD,
-    OF_A_FAMILY,
-    PROMISING,
-    SHORT,
-    STRUCTURAL,
-    TRIED,
+    ALIAS_FITS,
+    FITS_OF_A_FAMILY,
+    FITS_OF_A_STEP,
+    FITS_OF_THE_STRUCTURE,
+    NULL_MARGIN,
+    REPLACEMENTS,
+    RESTARTS,
+    WORTH_A_FIT,
     CandidateFit,
     SearchStep,
     _as_a_rival,
@@ -61,15 +61,15 @@ def ids(found: list[Screened]) -> list[str]:
 
 
 def test_what_promises_little_is_not_fitted() -> None:
-    found = screened(*LOUD[:3], evidence=PROMISING + 1.5)
+    found = screened(*LOUD[:3], evidence=WORTH_A_FIT + 1.5)
     assert _promising(found) == found[:2]
 
 
 def test_of_one_family_no_more_than_some_are_fitted() -> None:
     gains = [f"force-gain:fmd-{one}=0.1" for one in ("z1", "z2", "z3", "z4", "x12")]
     chosen = _promising(screened(*gains, "force-delay:fmd-z1=0.001"))
-    assert Counter(one.added.named.family for one in chosen) == {"force-gain": OF_A_FAMILY, "force-delay": 1}
-    assert ids(chosen)[:OF_A_FAMILY] == ids(screened(*gains))[:OF_A_FAMILY]
+    assert Counter(one.added.named.family for one in chosen) == {"force-gain": FITS_OF_A_FAMILY, "force-delay": 1}
+    assert ids(chosen)[:FITS_OF_A_FAMILY] == ids(screened(*gains))[:FITS_OF_A_FAMILY]
 
 
 def test_the_structure_is_asked_though_many_channels_promise_more() -> None:
@@ -77,13 +77,13 @@ def test_the_structure_is_asked_though_many_channels_promise_more() -> None:
     assert all(FAMILIES[parse(one).family].side == STRUCTURE for one in structure)
     assert not any(FAMILIES[parse(one).family].side == STRUCTURE for one in LOUD)
     chosen = _promising(screened(*LOUD, *structure))
-    assert len(LOUD) == TRIED
-    assert ids(chosen) == ids(screened(*LOUD, *structure))[: TRIED + STRUCTURAL]
+    assert len(LOUD) == FITS_OF_A_STEP
+    assert ids(chosen) == ids(screened(*LOUD, *structure))[: FITS_OF_A_STEP + FITS_OF_THE_STRUCTURE]
 
 
 def test_no_more_of_the_structure_is_added_where_it_leads_anyway() -> None:
     chosen = _promising(screened("modulus:mast=0.1", "rigid-inertia:m=0.1", *LOUD, "point-mass:mast-top=0.1"))
-    assert len(chosen) == TRIED
+    assert len(chosen) == FITS_OF_A_STEP
 
 
 @pytest.mark.parametrize("count", [0, 1])
@@ -114,7 +114,7 @@ def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_
     places = ("hub-4", "hub-2", "hub-1", "flange", "top")
     found = screened("slosh:mast-top=m:1,f:5,zeta:0.01", *(f"absorber:{one}=m:1,f:5,zeta:0.01" for one in places))
     rivals = _rivals([best], [], found)
-    assert [one.named.id for one in rivals] == [f"absorber:{one}" for one in places[:ALIASES]]
+    assert [one.named.id for one in rivals] == [f"absorber:{one}" for one in places[:ALIAS_FITS]]
     assert all(one.named.values == best.added.named.values for one in rivals)
 
 
@@ -143,14 +143,14 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> Non
     gone, there = tried("slosh:mast-top=m:0.9,f:1.1,zeta:0.01"), tried("slosh:hub-4=m:0.9,f:9,zeta:0.01")
     springs = [f"cable:{one}:lateral=50" for one in ("mast-top", "hub-4", "hub-3")]
     found = screened("slosh:mast-top=m:1,f:4,zeta:0.01", "slosh:hub-3=m:1,f:4,zeta:0.01", *springs)
-    asked: list[Screened] = []
+    asked: list[list[str]] = []
 
     def fits(some: Sequence[Screened]) -> list[CandidateFit]:
         asked.append(ids(list(some)))
         return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
 
     kept, told = _within(BAND, found, fits)
-    instead = [one.partition("=")[0] for one in springs[:INSTEAD]]
+    instead = [one.partition("=")[0] for one in springs[:REPLACEMENTS]]
     assert [one.id for one in kept] == [there.id, *instead]
     assert told == (gone.id,)
     assert asked == [ids(found), instead]
@@ -181,7 +181,7 @@ def unstuck(
         asked.append(added.named.id)
         return added.named.id
 
-    monkeypatch.setattr(search, "afresh", again)
+    monkeypatch.setattr(search, "restarted_from_priors", again)
     monkeypatch.setattr(search, "judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
     nobody: Any = None
     best_first = search._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
@@ -210,7 +210,7 @@ def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatc
     fits = [ended(one, 1.0) for one in MASSES]
     _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
     assert asked == [fits[1].id, fits[2].id, fits[3].id]
-    assert len(asked) == AFRESH
+    assert len(asked) == RESTARTS
 
 
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
@@ -227,7 +227,7 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
 ) -> None:
     monkeypatch.setattr(search, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
-    assert evidence_threshold("structural-damping") - SHORT > 15.0 > 14.0 > evidence_threshold("force-gain") - SHORT
+    assert evidence_threshold("structural-damping") - NULL_MARGIN > 15.0 > 14.0 > evidence_threshold("force-gain") - NULL_MARGIN
     nobody: Any = None
     tried_ones = _nearby(nobody, nobody, stands(null=True), found, lambda what, share: None)
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
@@ -240,7 +240,7 @@ def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afres
     monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
 ) -> None:
     monkeypatch.setattr(search, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
-    monkeypatch.setattr(search, "afresh", lambda bench, at, added: added.named.id)
+    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: added.named.id)
     monkeypatch.setattr(search, "judged", lambda at, id: ended(f"{id}=0.1", again))
     nobody: Any = None
     assert _as_a_rival(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept

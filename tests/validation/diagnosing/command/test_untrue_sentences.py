@@ -137,7 +137,7 @@ def test_beside_a_class_only_the_mistake_becomes_a_rung(made: Made) -> None:
 
 
 def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(diagnose, "standing", lambda fit, problem: SimpleNamespace(text="chi² is 9"))
+    monkeypatch.setattr(diagnose, "goodness_of_fit", lambda fit, problem: SimpleNamespace(text="chi² is 9"))
     left: Any = SimpleNamespace(gain=50.0)
     bare: Any = SimpleNamespace(effects=(), fit=None, problem=None)
 
