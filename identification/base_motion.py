@@ -258,7 +258,7 @@ IN_PHASE = 0.1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Excitation:
+class DrivenMotions:
     """What the runs drive.
 
     Attributes
@@ -302,16 +302,16 @@ class Exclusions:
     reasons: tuple[str, ...]
 
 
-def of_runs(motion: ComplexArray, frequency: Array, levels: Mapping[str, float]) -> Excitation:
+def of_runs(motion: ComplexArray, frequency: Array, levels: Mapping[str, float]) -> DrivenMotions:
     """The excitation by base motions (r, n, 6) at `frequency` (n,) [Hz], every axis scaled by its level."""
     scaled = (motion / np.array([levels[axis] for axis in MOTIONS])).transpose(1, 2, 0)
     directions, found, _ = np.linalg.svd(scaled)
     singular = np.zeros((len(frequency), 6))
     singular[:, : found.shape[1]] = found
-    return Excitation(frequency=frequency, singular=singular, directions=directions)
+    return DrivenMotions(frequency=frequency, singular=singular, directions=directions)
 
 
-def exclusions(excitation: Excitation, limit: float) -> Exclusions:
+def exclusions(excitation: DrivenMotions, limit: float) -> Exclusions:
     """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together there."""
     kept = excitation.condition <= limit
     out = [(k, names(excitation.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
@@ -321,7 +321,7 @@ def exclusions(excitation: Excitation, limit: float) -> Exclusions:
     return Exclusions(kept=kept, reasons=tuple(_reason(excitation, lines, limit) for lines in chosen))
 
 
-def require_driven(excitation: Excitation) -> None:
+def require_driven(excitation: DrivenMotions) -> None:
     """Six base motions must be told apart at every line.
 
     Raises
@@ -366,7 +366,7 @@ def _combined(weak: ComplexArray) -> str:
     return combination(share.real, MOTIONS) + lag
 
 
-def _reason(excitation: Excitation, lines: list[int], limit: float) -> str:
+def _reason(excitation: DrivenMotions, lines: list[int], limit: float) -> str:
     f, condition = excitation.frequency[lines], excitation.condition[lines]
     where = f"{f[0]:g} Hz is" if len(f) == 1 else f"{f[0]:g} to {f[-1]:g} Hz ({len(f)} lines) are"
     worst = excitation.weak(lines[int(np.argmax(condition))], limit)

@@ -21,7 +21,7 @@ from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
 from identification import base_motion
-from identification.base_motion import Excitation, Exclusions, RunNoise
+from identification.base_motion import DrivenMotions, Exclusions, RunNoise
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,7 +36,7 @@ class Estimate:
     """
 
     dynamic_mass: DynamicMass
-    excitation: Excitation
+    excitation: DrivenMotions
     inverse: ComplexArray
 
     @property

@@ -1,6 +1,6 @@
 """Where truths and answers of a draw are kept: ``out/blind/CODE/SEED``, truths and answers each in a folder of their own.
 
-`CODE` is a hash of all code that figures come from, so that those of other code are never mixed in. What writes tables and pages
+`CODE` is a hash of all code that figures come from, so that those of other code are never mixed. What writes tables and pages
 is not in it, nor are the faces in `FACES`: they change nothing that is kept, as two contracts of import make sure.
 """
 
@@ -25,8 +25,11 @@ ROOMS = (
     "benchmarks/blind/drawing",
 )
 
-FACES = tuple(f"validation/{name}" for name in ("plots", "report", "desk", "app", "commands", "pictures", "cli.py", "demo.py"))
+FACES = ("validation/report", "validation/app", "validation/cli")
 """What shows results and makes none: a diagnosis that is asked as a function does not pass through them."""
+
+KEPT_AS = ("validation/report/diagnose.py",)
+"""In a face, and covered all the same: it writes the diagnosis as the JSON that is kept."""
 
 ALSO = ("sealing.py", "answering.py", "running.py", "names.py", "../cross_check_proof.py", "drawing/limits.json")
 """Beside this file: what draws, seals and asks, and every size that is planted."""
@@ -44,7 +47,8 @@ def hashed(root: Path) -> list[Path]:
     """The files of the rooms under `root` that figures come from, sorted."""
     faces = [root / face for face in FACES]
     every = (path for room in ROOMS for path in (root / room).rglob("*") if path.suffix in {".py", ".toml"})
-    return sorted(path for path in every if not any(path.is_relative_to(face) for face in faces))
+    kept = [root / name for name in KEPT_AS]
+    return sorted(path for path in every if path in kept or not any(path.is_relative_to(face) for face in faces))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -77,10 +77,10 @@ def build(exudyn: Any, work: Ropework, pose: Pose, velocity: Array, torsional: f
 
     `torsional` [N m s/rad] damps the twist, `stretching` [N s/m] every link that stretches.
     """
-    return _Builder(exudyn, work).build(pose, velocity, torsional, stretching)
+    return _RopeBuilder(exudyn, work).build(pose, velocity, torsional, stretching)
 
 
-class _Builder:
+class _RopeBuilder:
     def __init__(self, exudyn: Any, work: Ropework) -> None:
         from exudyn import itemInterface
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.blind.keeping import FACES, hashed
+from benchmarks.blind.keeping import ALSO, FACES, KEPT_AS, ROOMS, hashed
+from tools import house
 
 
 @pytest.fixture(scope="module")
@@ -22,4 +23,16 @@ def test_a_file_that_figures_come_from_is_covered(file: str, root: Path, covered
 @pytest.mark.parametrize("face", FACES)
 def test_a_face_is_there_and_not_covered(face: str, root: Path, covered: set[str]) -> None:
     assert (root / face).exists()
-    assert not any(name.startswith(face) for name in covered)
+    assert {name for name in covered if name.startswith(face)} <= set(KEPT_AS)
+
+
+def test_all_that_draws_and_asks_imports_is_covered(root: Path, covered: set[str]) -> None:
+    found = house.modules(root, (*house.ROOMS, "benchmarks"))
+    beside = {f"benchmarks.blind.{name.removesuffix('.py')}" for name in ALSO if "/" not in name} | {
+        "benchmarks.cross_check_proof"
+    }
+    asking = [one for one in found if one in beside or one.startswith("benchmarks.blind.drawing")]
+    reached = {to for one in asking for to in house.imports(found)[one] if to.split(".")[0] in ROOMS}
+    files = {(root / to.replace(".", "/")).relative_to(root) for to in reached}
+    assert "validation/diagnose/diagnose" in {file.as_posix() for file in files}
+    assert {f"{file}.py" for file in files if (root / f"{file}.py").exists()} <= covered

@@ -1,0 +1,136 @@
+"""The house stays one that a newcomer finds his way in: size, circles, names and public face, counted from the source.
+
+Who may import whom beyond circles is held by the contracts of ``pyproject.toml`` (`test_contracts.py`).
+"""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from tools import house
+from tools.pages import quoted
+
+BARS = {
+    "product files": 260,
+    "product lines": 77_000,
+    "import circles": 0,
+    "packages of validation": 17,
+    "loose modules of validation": 3,
+    "class names twice in validation": 0,
+    "share of lines that are file headers [%]": 6,
+    "share of them with a single caller [%]": 33,
+}
+"""What each figure may be at most."""
+
+FACE = "massline"
+"""The package that hands the names of the rooms on to users."""
+
+
+@pytest.fixture(scope="module")
+def figures(root: Path) -> dict[str, float]:
+    return house.figures(root)
+
+
+@pytest.fixture(scope="module")
+def modules(root: Path) -> dict[str, house.Module]:
+    return house.modules(root)
+
+
+@pytest.mark.parametrize("what", BARS)
+def test_a_figure_of_the_house_is_within_its_bar(what: str, figures: dict[str, float]) -> None:
+    assert figures[what] <= BARS[what]
+
+
+def test_nothing_imports_itself_by_way_of_another(modules: dict[str, house.Module]) -> None:
+    assert house.circles(house.imports(modules)) == []
+
+
+def said_twice(modules: dict[str, house.Module]) -> list[str]:
+    """Classes of one folder that share a name, as ``package.Name``."""
+    folders = {name: {name: one} for name, one in modules.items() if one.package}
+    for name, one in modules.items():
+        folders.setdefault(name.rpartition(".")[0], {})[name] = one
+    return [f"{package}.{name}" for package, inside in folders.items() for name in house.twice(inside, package)]
+
+
+def test_a_class_name_has_one_meaning_in_a_folder(modules: dict[str, house.Module]) -> None:
+    assert said_twice(modules) == []
+
+
+def trespassers(root: Path) -> list[str]:
+    """Modules of the rooms that import the public face, and modules of the face that hold more than names of the rooms."""
+    rooms, face = house.modules(root), house.modules(root, [FACE])
+    inwards = [name for name, to in house.imports(rooms | face).items() if name in rooms and to & face.keys()]
+    return inwards + [name for name, one in face.items() if any(isinstance(node, ast.ClassDef) for node in ast.walk(one.tree))]
+
+
+def test_no_room_imports_the_public_face_and_the_face_has_no_class_of_its_own(root: Path) -> None:
+    assert trespassers(root) == []
+
+
+def undocumented(root: Path) -> list[str]:
+    """Names of the public face that docs/python.md does not say, each in back-quotes or in a program."""
+    public = [node for one in house.modules(root, [FACE]).values() for node in one.tree.body if isinstance(node, ast.Assign)]
+    names = [name for node in public if ast.unparse(node.targets[0]) == "__all__" for name in ast.literal_eval(node.value)]
+    if not names:
+        return []
+    page = root / "docs" / "python.md"
+    words = {word for words in quoted(page) for word in re.findall(r"\w+", words)}
+    return [name for name in names if name not in words]
+
+
+def test_every_public_name_is_documented(root: Path) -> None:
+    assert undocumented(root) == []
+
+
+BROKEN = {
+    "geometry/__init__.py": "",
+    "geometry/here.py": "'Half is head.'\n\nfrom geometry import there\n\n\ndef once():\n    return there.often()\n",
+    "geometry/there.py": "def often():\n    from .here import once\n    once()\n\n\ndef more(often):\n    often()\n",
+    "validation/__init__.py": "from geometry.there import more as again\n",
+    "validation/loose.py": "class Same:\n    again = 1\n\n\nimport massline\n",
+    "validation/inside/__init__.py": "from validation import again\n\n\nclass Same:\n    value = again(again)\n",
+    "massline/__init__.py": "__all__ = ['Shown', 'Hidden']\n\n\nclass Shown: ...\n",
+    "docs/python.md": "# Python\n\n`Shown` is what `massline` shows, Hidden is not in back-quotes.\n",
+}
+"""A house in which everything that is counted here is wrong."""
+
+
+@pytest.fixture
+def broken(tmp_path: Path) -> Path:
+    for path, text in BROKEN.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_what_is_wrong_is_counted(broken: Path) -> None:
+    found = house.figures(broken)
+    assert found["product files"] == 6
+    assert found["product lines"] == 7 + 7 + 1 + 5 + 5
+    assert found["import circles"] == 1
+    assert found["packages of validation"] == 1
+    assert found["loose modules of validation"] == 1
+    assert found["class names twice in validation"] == 1
+    assert found["share of lines that are file headers [%]"] == pytest.approx(100 * (3 + 0 + 1 + 0 + 1) / 25)
+    assert found["top-level functions"] == 3
+
+
+def test_what_is_wrong_is_named(broken: Path) -> None:
+    found = house.modules(broken)
+    assert house.circles(house.imports(found)) == [["geometry.here", "geometry.there"]]
+    assert house.twice(found, "validation") == ["Same"]
+    assert said_twice(found) == ["validation.Same"]
+    again = house.Module(name="validation.inside.again", package=False, text="class Same: ...")
+    assert said_twice({**found, again.name: again}) == ["validation.Same", "validation.inside.Same"]
+    assert trespassers(broken) == ["validation.loose", "massline"]
+    assert undocumented(broken) == ["Hidden"]
+
+
+def test_callers_are_counted_through_imports_but_not_where_a_name_means_something_else(broken: Path) -> None:
+    count = house.Callers(house.modules(broken)).count
+    assert count["geometry.there", "often"] == 1  # by its module; the argument of `more` only has the same name
+    assert count["geometry.here", "once"] == 1
+    assert count["geometry.there", "more"] == 2  # handed on under another name
