@@ -5,12 +5,17 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from functools import cache
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import click
+import numpy as np
 
 from geometry.atomic import probe, probe_folder
 from geometry.errors import BadInput
@@ -65,6 +70,207 @@ def print_json(value: dict[str, Any]) -> None:
 def json_text(value: dict[str, Any]) -> str:
     """`value` as one JSON object; NaN and infinity are refused, they are not JSON."""
     return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)
+
+
+# One codec for results: a frozen dataclass says of each field under which key JSON has it, and is written and read by that.
+#
+#     sigma: float                                        under its own name
+#     frequency: float = entry("frequency_hz", unit="Hz")   under another
+#     low: float = entry("interval90/0")                  in a place of a list or an object
+#     evidence: float = entry("evidence_nats", null=inf)  null is infinity, and infinity null
+#     maps: tuple[Map, ...] = unwritten()                 not at all
+#
+# What is computed from other fields is a property that is `derived`; it is written and never read. Keys stand in the order of the
+# fields, derived ones behind them or before the key that they name. Without metadata any value is written as JSON has it:
+# arrays and tuples as lists, mappings as objects, what is not finite as null.
+
+_CODEC = "json"
+_Of = TypeVar("_Of")
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Entry:
+    """How JSON has one field of a result.
+
+    Attributes
+    ----------
+    path : keys from the outermost object inwards, and places in lists; none for what is not written
+    unit : of its numbers; empty where they have none
+    null : what null stands for, where it is no None
+    write, read : to JSON and back; None for what the field's type says
+    later : whether files that were written before the field was there lack it
+    """
+
+    path: tuple[str | int, ...]
+    unit: str = ""
+    null: Any = None
+    write: Callable[[Any], Any] | None = None
+    read: Callable[[Any], Any] | None = None
+    later: bool = False
+
+
+def entry(
+    key: str = "",
+    *,
+    unit: str = "",
+    null: Any = None,
+    write: Callable[[Any], Any] | None = None,
+    read: Callable[[Any], Any] | None = None,
+    later: bool = False,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+) -> Any:
+    """A field of a result; for the parameters see `Entry`, of whose path `key` is the text, empty for the field's name."""
+    path = tuple(int(part) if part.isdecimal() else part for part in key.split("/")) if key else ()
+    said = Entry(path=path, unit=unit, null=null, write=write, read=read, later=later)
+    return field(metadata={_CODEC: said}, **_default(default, default_factory))
+
+
+def unwritten(*, default: Any = MISSING, default_factory: Any = MISSING) -> Any:
+    """A field of a result that JSON does not have."""
+    return field(metadata={_CODEC: None}, **_default(default, default_factory))
+
+
+def _default(default: Any, default_factory: Any) -> dict[str, Any]:
+    return ({} if default is MISSING else {"default": default}) | (
+        {} if default_factory is MISSING else {"default_factory": default_factory}
+    )
+
+
+def derived(key: str, *, before: str = "") -> Callable[[_Function], _Function]:
+    """Mark the function of a property whose value JSON has under `key`; all keys of its mapping where that is empty."""
+
+    def marked(function: _Function) -> _Function:
+        setattr(function, _CODEC, (key, before))
+        return function
+
+    return marked
+
+
+def _entry(one: Field[Any]) -> Entry | None:
+    """None of what is not written."""
+    said = one.metadata.get(_CODEC, Entry(path=(one.name,)))
+    return said if said is None or said.path else Entry(**{**vars(said), "path": (one.name,)})
+
+
+def to_json(value: Any) -> Any:
+    """`value` as JSON has it: a result as an object by its fields, what no type of JSON is by its words."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return _object(value)
+    if value is None or isinstance(value, bool | str):
+        return value
+    if isinstance(value, np.ndarray):
+        return to_json(value.tolist())
+    if isinstance(value, Mapping):
+        return {str(name): to_json(one) for name, one in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [to_json(one) for one in value]
+    if hasattr(value, "__index__"):
+        return int(value)
+    if hasattr(value, "__float__"):
+        return float(value) if isfinite(value) else None
+    return str(value)
+
+
+def _object(of: Any) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for one in fields(of):
+        said = _entry(one)
+        if said is None:
+            continue
+        value, at = getattr(of, one.name), found
+        for part in said.path[:-1]:
+            at = at.setdefault(str(part), {})
+        null = said.null is not None and value == said.null
+        at[str(said.path[-1])] = None if null else to_json(value if said.write is None else said.write(value))
+    found = {key: _listed(value) if key in _lists(type(of)) else value for key, value in found.items()}
+    for name, key, before in _derived(type(of)):
+        value = to_json(getattr(of, name))
+        items = list(found.items())
+        at_key = next((k for k, (other, _) in enumerate(items) if other == before), len(items))
+        items[at_key:at_key] = [(key, value)] if key else list(value.items())
+        found = dict(items)
+    return found
+
+
+def _listed(value: dict[str, Any]) -> list[Any] | None:
+    """Places of a list in their order; null where all are."""
+    places = [value[place] for place in sorted(value, key=int)]
+    return None if all(one is None for one in places) else places
+
+
+def _lists(kind: Any) -> frozenset[str]:
+    """Keys whose entries are places of a list."""
+    every = (said.path for one in fields(kind) if (said := _entry(one)) is not None)
+    return frozenset(str(path[0]) for path in every if len(path) == 2 and isinstance(path[1], int))
+
+
+def _derived(kind: Any) -> tuple[tuple[str, str, str], ...]:
+    """Name, key, and the key before which it stands, of what is computed."""
+    every = {name: one for base in reversed(kind.__mro__) for name, one in vars(base).items() if isinstance(one, property)}
+    return tuple((name, *getattr(one.fget, _CODEC)) for name, one in every.items() if hasattr(one.fget, _CODEC))
+
+
+def from_json(kind: type[_Of], table: Mapping[str, Any], **known: Any) -> _Of:
+    """The result of that `kind` which `table` holds; fields that are `known` are not looked for in it.
+
+    Raises
+    ------
+    KeyError : a key is missing.
+    TypeError, ValueError : a value is none of its field; says what was expected and what was found.
+    """
+    hints, found = _hints(kind), dict(known)
+    for one in fields(kind):  # type: ignore[arg-type]
+        said = _entry(one)
+        if one.name in found or said is None:
+            continue
+        if said.later and said.path[0] not in table:
+            continue
+        value: Any = table
+        for part in said.path:
+            value = value[part]
+        if value is None and said.null is not None:
+            found[one.name] = said.null
+        else:
+            found[one.name] = said.read(value) if said.read is not None else _read(hints[one.name], value)
+    return kind(**found)
+
+
+_hints: Callable[[Any], dict[str, Any]] = cache(get_type_hints)
+
+
+def _read(kind: Any, value: Any) -> Any:
+    """`value` of JSON as the type `kind`."""
+    origin, inside = get_origin(kind), get_args(kind)
+    if origin in (Union, UnionType):
+        return None if value is None and NoneType in inside else _read(next(one for one in inside if one is not NoneType), value)
+    if origin is tuple:
+        _require(isinstance(value, list), "a list of texts" if inside[0] is str else "a list", value)
+        if inside[-1] is Ellipsis:
+            return tuple(_read(inside[0], one) for one in value)
+        _require(len(value) == len(inside), f"a list of {len(inside)}", value)
+        return tuple(map(_read, inside, value))
+    if origin is not None and issubclass(origin, Mapping):
+        _require(isinstance(value, Mapping), "an object", value)
+        return {str(name): _read(inside[1], one) for name, one in value.items()}
+    if is_dataclass(kind):
+        _require(isinstance(value, Mapping), "an object", value)
+        return from_json(kind, value)  # type: ignore[arg-type]
+    if kind is bool:
+        return bool(value)
+    if kind in (int, float):
+        right = isinstance(value, int if kind is int else int | float) and not isinstance(value, bool)
+        _require(right, "a whole number" if kind is int else "a number", value)
+        return kind(value)
+    if kind is str:
+        _require(isinstance(value, str), "a text", value)
+    return value
+
+
+def _require(right: bool, what: str, found: Any) -> None:
+    if not right:
+        raise TypeError(f"{what} is expected, found {found!r:.60}")
 
 
 def plain_unit(unit: str) -> str:

@@ -151,8 +151,8 @@ def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
     """Effects, rows of measurements and facts of a comparison go into the same programs."""
     from validation.compare.compare import FactComparison
     from validation.effects.catalogue import FAMILIES
-    from validation.report.compare import _fact
+    from validation.output import to_json
 
     (of_effect,) = {size.unit for size in FAMILIES["air-inertia"].sizes}
     fact = FactComparison(name="a period", unit="kg m²", predicted=1.0, measured=1.0, tolerance=0.1, sigma=0.0, nominal_sigma=0.0)
-    assert rows_json([moment()])[0]["unit"] == _fact(fact)["unit"] == of_effect == "kg m^2"
+    assert rows_json([moment()])[0]["unit"] == to_json(fact)["unit"] == of_effect == "kg m^2"

@@ -67,12 +67,12 @@ from validation.identify.identify import REDUCED
 from validation.model import model_file
 from validation.model.model import Model
 from validation.model.setups import above_fmd
-from validation.output import json_text, require_ending, require_file, require_folder
+from validation.output import json_text, require_ending, require_file, require_folder, to_json
 from validation.prediction.classical_facts import ArticleFact, facts
 from validation.prediction.dynamic_mass import BaseDrive
 from validation.prediction.series import SeriesPrediction, TestedCampaign, names, predictions, supported_dynamic_mass
 from validation.prediction.structure import mounted_article
-from validation.report import compare, diagnose
+from validation.report import diagnose
 from validation.report.history import of_step
 from validation.report.page import ReportOptions, command_line, provenance
 from validation.report.parts import CampaignPart, Provenance, Report
@@ -815,7 +815,7 @@ def _write(found: Comparison, loads: Sequence[Mapping[str, Sequence[int]]], fold
     }
     arrays["words"] = np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)
     write_with(folder / MAPS, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
-    write_text(folder / SUMMARY, json_text(compare.comparison_json(found)))
+    write_text(folder / SUMMARY, json_text(to_json(found)))
 
 
 def _comparing_read(folder: Path) -> Compared:

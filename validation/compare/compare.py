@@ -4,18 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
+from geometry.inertia import LOADS
 from validation.compare.maps import Map, NamedMode, Rig, doubt, mapped, named
-from validation.compare.spots import Spot, worst
+from validation.compare.spots import Spot, text, worst
 from validation.estimation import evaluate as estimation_evaluate
 from validation.estimation.evaluate import evaluate, residuals
 from validation.estimation.problem import Offsets, Problem
-from validation.estimation.result import Evaluation, Fit
-from validation.estimation.verdicts import TOLERANCES_NAMED, ExplainedError, StatedError, Tolerance, told, tolerances
+from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.verdicts import (
+    TOLERANCES_NAMED,
+    ExplainedError,
+    StatedError,
+    Tolerance,
+    expected_z2,
+    misfit,
+    told,
+    tolerances,
+)
 from validation.model.model import Model
+from validation.output import derived, entry, plain_unit, to_json, unwritten
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact, facts
 from validation.prediction.series import SeriesPrediction, predictions
@@ -36,12 +49,12 @@ class FactComparison:
     """
 
     name: str
-    unit: str
+    sigma: float
+    nominal_sigma: float
+    unit: str = entry(write=plain_unit)
     predicted: float
     measured: float
     tolerance: float
-    sigma: float
-    nominal_sigma: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +69,10 @@ class WorstPair:
     sigma, percent : there
     """
 
-    data_set: str
-    load: int
-    motion: int
-    frequency: float
+    data_set: str = entry("campaign")
+    load: int = entry(write=LOADS.__getitem__)
+    motion: int = entry(write=MOTIONS.__getitem__)
+    frequency: float = entry("frequency_hz", unit="Hz")
     sigma: float
     percent: float
 
@@ -84,23 +97,82 @@ class Comparison:
     remarks : sentences: what was assumed, what is missing
     """
 
+    source: str = entry("model")
     title: str
-    source: str
-    evaluation: Evaluation
-    explained: ExplainedError
-    errors: tuple[StatedError, ...]
-    absurd: tuple[Tolerance, ...]
-    maps: tuple[Map, ...]
-    modes: tuple[tuple[NamedMode, ...], ...]
-    worst: tuple[Spot, ...]
-    facts: tuple[FactComparison, ...] = ()
     effects: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    evaluation: Evaluation = unwritten()
+    explained: ExplainedError = unwritten()
+    errors: tuple[StatedError, ...]
+    absurd: tuple[Tolerance, ...] = entry("absurd_tolerances")
+    maps: tuple[Map, ...] = unwritten()
+    modes: tuple[tuple[NamedMode, ...], ...] = unwritten()
+    worst: tuple[Spot, ...] = unwritten()
+    facts: tuple[FactComparison, ...] = entry("classical", default=())
+    remarks: tuple[str, ...] = entry("warnings", default=())
 
     @property
     def data_sets(self) -> tuple[str, ...]:
         """Names, in order."""
         return tuple(one.data_set for one in self.maps)
+
+    @property
+    @derived("", before="errors")
+    def figures(self) -> dict[str, Any]:
+        """The figures of the four errors by their keys in JSON."""
+        of = self.evaluation
+        others = ("held_out", "held_out_nominal", "held_out_configurations", "held_out_configurations_nominal")
+        shares: dict[str, Share | None] = {name: getattr(of, name) for name in others}
+        return {
+            "plain_error_percent": of.plain.percent,
+            "fitted_chi2_per_dof": misfit(of.fitted),
+            "tolerance_z2": of.fitted.tolerance_z2,
+            "worst": [to_json(one) | {"text": text(one, len(self.maps))} for one in self.worst],
+            "nominal_error_percent": of.nominal.percent,
+            **{f"{name}_error_percent": None if one is None else one.percent for name, one in shares.items()},
+            "held_out": of.held_out_names,
+            "explained_error_percent": self.explained.measurement,
+            "explained_error_with_modes_percent": self.explained.with_modes,
+            "tolerances": of.fitted.tolerances,
+            "tolerance_z2_expected": expected_z2(of.fitted),
+            "evidence_nats": of.fitted.log_evidence,
+            "converged": of.plain_fit.converged and of.fitted.converged,
+        }
+
+    @property
+    @derived("error_percent", before="absurd_tolerances")
+    def shares(self) -> dict[str, Share | None]:
+        """Where three of the errors come from."""
+        return {"nominal": self.evaluation.nominal, "plain": self.evaluation.plain, "held_out": self.evaluation.held_out}
+
+    @property
+    @derived("", before="classical")
+    def details(self) -> dict[str, Any]:
+        """Parameters, worst pairs and maps by their keys in JSON; of a map without its lines, which the pictures show."""
+        of = self.evaluation
+        return {
+            "parameters": {"plain": of.plain_fit.by_parameter, "fitted": of.fitted.by_parameter},
+            "worst_pairs": worst_pairs(self.maps, WRITTEN_PAIRS),
+            "maps": [_map_json(one, modes) for one, modes in zip(self.maps, self.modes, strict=True)],
+        }
+
+
+def _map_json(of: Map, modes: Sequence[NamedMode]) -> dict[str, Any]:
+    """A map without its lines: every row's peak in every run."""
+    sigma = of.sigma
+    return {
+        "campaign": of.data_set,
+        "article": of.configuration,
+        "runs": of.runs,
+        "channels": of.rows,
+        "frequency_band_hz": of.frequency[[0, -1]],
+        "peak_sigma": sigma.max(axis=1),
+        "peak_frequency_hz": of.frequency[sigma.argmax(axis=1)],
+        "rms_sigma": np.sqrt(np.mean(sigma**2, axis=1)),
+        "chi2_per_dof_by_run": of.misfit.mean(axis=1),
+        "pairs_peak_sigma": None if of.pairs is None else of.pairs.sigma.max(axis=0),
+        "pairs_peak_percent": None if of.pairs is None else of.pairs.percent.max(axis=0),
+        "modes": modes,
+    }
 
 
 def worst_pairs(maps: Sequence[Map], count: int) -> tuple[WorstPair, ...]:
@@ -125,6 +197,9 @@ def worst_pairs(maps: Sequence[Map], count: int) -> tuple[WorstPair, ...]:
 
 # A model compared with data: the four errors, the maps, the worst spots, and classical measurements beside it.
 
+
+WRITTEN_PAIRS = 10
+"""Worst pairs of axes that JSON has."""
 
 FEW = 10
 """Lines of a data set below which what is said of it is next to nothing."""

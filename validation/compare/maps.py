@@ -33,6 +33,7 @@ from validation.estimation.likelihood import floor_of, observed
 from validation.estimation.problem import STRUCTURAL, Lines, Measured, Offsets, Predicted, Prediction, Problem
 from validation.estimation.result import Fit
 from validation.flexible.model import family
+from validation.output import entry, unwritten
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
 #
@@ -640,9 +641,9 @@ class NamedMode:
     """
 
     name: str
-    frequency: float
+    frequency: float = entry("frequency_hz", unit="Hz")
     damping_ratio: float
-    effective_mass: tuple[float, ...] = ()
+    effective_mass: tuple[float, ...] = unwritten(default=())
 
 
 def named(matrices: Matrices) -> tuple[NamedMode, ...]:

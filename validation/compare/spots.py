@@ -9,7 +9,7 @@ data sets, is one spot with the worst of them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from geometry.frames import Array
 from geometry.inertia import LOADS as OBSERVABILITY_LOADS
 from validation.compare.maps import LENGTHS, Map, NamedMode, taking_part
 from validation.estimation.verdicts import figure
+from validation.output import derived, entry, unwritten
 
 # How a deviation depends on frequency, where that is plain: a share that is constant, grows, falls, or a resonance.
 #
@@ -181,20 +182,28 @@ class Spot:
     elsewhere : (data set, run, sigma) where the same row stands out too, worst first
     """
 
-    data_set: str
-    configuration: str
+    data_set: str = entry("campaign")
+    configuration: str = unwritten()
     run: str
-    axis: str
-    row: str
-    of_load: bool
-    frequency: float
-    band: tuple[float, float]
+    axis: str = unwritten()
+    row: str = entry("channel")
+    of_load: bool = unwritten()
+    frequency: float = entry("frequency_hz", unit="Hz")
     sigma: float
+    band: tuple[float, float] = entry("band_hz", unit="Hz")
     percent: float
-    counts: float = 0.0
-    course: str = ""
-    others: tuple[str, ...] = ()
-    elsewhere: tuple[tuple[str, str, float], ...] = field(default=())
+    counts: float = unwritten(default=0.0)
+    course: str = entry("follows", null="", default="")
+    others: tuple[str, ...] = entry("also_in_channels", default=())
+    elsewhere: tuple[tuple[str, str, float], ...] = entry(
+        "also_in", write=lambda of: [dict(zip(("campaign", "run", "sigma"), one, strict=True)) for one in of], default=()
+    )
+
+    @property
+    @derived("text", before="band_hz")
+    def text(self) -> str:
+        """In words, of one configuration among several."""
+        return text(self)
 
 
 def worst(maps: Sequence[Map], modes: Sequence[Sequence[NamedMode]], count: int = COUNT) -> tuple[Spot, ...]:

@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Any
+
+import numpy as np
 
 from geometry.frames import Array
 from validation.estimation.problem import Parameter
+from validation.output import entry
 
 NO_ERRORS: Mapping[str, float] = MappingProxyType({})
 
@@ -26,8 +30,8 @@ class Share:
     percent: float
     by_channel: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
     by_run: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
-    by_data_set: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
-    by_fold: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    by_data_set: Mapping[str, float] = entry("by_campaign", default_factory=lambda: NO_ERRORS)
+    by_fold: Mapping[str, float] = entry("by_what_was_held_out", default_factory=lambda: NO_ERRORS)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,6 +67,15 @@ class Fit:
     def by_name(self) -> dict[str, float]:
         """Offsets by name."""
         return {one.name: float(x) for one, x in zip(self.parameters, self.offsets, strict=True)}
+
+    @property
+    def by_parameter(self) -> dict[str, Any]:
+        """Every parameter by its name, as JSON has it."""
+        sd = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return {
+            one.name: {"value_si": one.value(float(x)), "offset": float(x), "sd": float(s), "kind": one.kind}
+            for one, x, s in zip(self.parameters, self.offsets, sd, strict=True)
+        }
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

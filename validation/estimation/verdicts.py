@@ -16,6 +16,7 @@ import numpy as np
 
 from validation.estimation.problem import IDENTIFIED, TOLERANCES, Parameter
 from validation.estimation.result import Evaluation, Fit
+from validation.output import derived, entry
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
@@ -62,7 +63,7 @@ class StatedError:
     name: str
     figure: str
     meaning: str
-    verdict: str = ""
+    verdict: str = entry(null="", default="")
     text: str = ""
 
 
@@ -91,10 +92,17 @@ class Tolerance:
     z : offset / tolerance
     """
 
-    parameter: Parameter
-    offset: float
+    parameter: Parameter = entry("name", write=lambda of: of.name)
+    offset: float = entry("offset_si")
 
     @property
+    @derived("tolerance_si")
+    def prior(self) -> float:
+        """Standard deviation of what was known beforehand."""
+        return self.parameter.tolerance
+
+    @property
+    @derived("z", before="offset_si")
     def z(self) -> float:
         """In standard deviations of what was known beforehand."""
         return self.offset / self.parameter.tolerance

@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
 
 from geometry.atomic import write_text
-from geometry.dynamic_mass import MOTIONS, DynamicMass
+from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
-from geometry.inertia import LOADS
-from validation.compare.compare import Comparison, FactComparison, WorstPair, compared, worst_pairs
+from validation.compare.compare import Comparison, WorstPair, compared, worst_pairs
 from validation.compare.maps import Map, NamedMode, Pairs
-from validation.compare.spots import SENSED, Spot, run, text
-from validation.estimation.result import Fit, Share
-from validation.estimation.verdicts import ABSURD, MISFIT, STANDS_OUT, StatedError, Tolerance, absurd, expected_z2, figure, misfit
+from validation.compare.spots import SENSED, run, text
+from validation.estimation.verdicts import ABSURD, MISFIT, STANDS_OUT, StatedError, absurd, expected_z2, figure, misfit
 from validation.identify.identify import UsedLines
-from validation.output import json_text, plain_unit, shown, stages
+from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE, rounded
 from validation.report.charts import crosscheck
@@ -308,140 +306,6 @@ def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str,
     return f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz", pair.load, pair.motion, curves
 
 
-# What `massline compare --json` prints: the contract's keys, and more beside them. Keys end in their unit.
-
-
-COMPARING_AS_JSON_PAIRS = 10
-
-
-def comparison_json(found: Comparison) -> dict[str, Any]:
-    """The comparison as one object."""
-    of = found.evaluation
-    return {
-        "model": found.source,
-        "title": found.title,
-        "effects": list(found.effects),
-        "plain_error_percent": of.plain.percent,
-        "fitted_chi2_per_dof": misfit(of.fitted),
-        "tolerance_z2": of.fitted.tolerance_z2,
-        "worst": [_spot(one, len(found.maps)) for one in found.worst],
-        "nominal_error_percent": of.nominal.percent,
-        "held_out_error_percent": _percent(of.held_out),
-        "held_out_nominal_error_percent": _percent(of.held_out_nominal),
-        "held_out_configurations_error_percent": _percent(of.held_out_configurations),
-        "held_out_configurations_nominal_error_percent": _percent(of.held_out_configurations_nominal),
-        "held_out": list(of.held_out_names),
-        "explained_error_percent": found.explained.measurement,
-        "explained_error_with_modes_percent": found.explained.with_modes,
-        "tolerances": of.fitted.tolerances,
-        "tolerance_z2_expected": expected_z2(of.fitted),
-        "evidence_nats": of.fitted.log_evidence,
-        "converged": of.plain_fit.converged and of.fitted.converged,
-        "errors": [_told(one) for one in found.errors],
-        "error_percent": {"nominal": _share(of.nominal), "plain": _share(of.plain), "held_out": _share(of.held_out)},
-        "absurd_tolerances": [_tolerance(one) for one in found.absurd],
-        "parameters": {"plain": parameters(of.plain_fit), "fitted": parameters(of.fitted)},
-        "worst_pairs": [
-            {
-                "campaign": one.data_set,
-                "load": LOADS[one.load],
-                "motion": MOTIONS[one.motion],
-                "frequency_hz": one.frequency,
-                "sigma": one.sigma,
-                "percent": one.percent,
-            }
-            for one in worst_pairs(found.maps, COMPARING_AS_JSON_PAIRS)
-        ],
-        "maps": [_map(one, modes) for one, modes in zip(found.maps, found.modes, strict=True)],
-        "classical": [_fact(one) for one in found.facts],
-        "warnings": list(found.remarks),
-    }
-
-
-def _spot(one: Spot, count: int) -> dict[str, Any]:
-    return {
-        "campaign": one.data_set,
-        "run": one.run,
-        "channel": one.row,
-        "frequency_hz": one.frequency,
-        "sigma": one.sigma,
-        "text": text(one, count),
-        "band_hz": list(one.band),
-        "percent": one.percent,
-        "follows": one.course or None,
-        "also_in_channels": list(one.others),
-        "also_in": [{"campaign": data_set, "run": run, "sigma": sigma} for data_set, run, sigma in one.elsewhere],
-    }
-
-
-def _told(one: StatedError) -> dict[str, Any]:
-    return {"name": one.name, "figure": one.figure, "meaning": one.meaning, "verdict": one.verdict or None, "text": one.text}
-
-
-def _percent(of: Share | None) -> float | None:
-    return None if of is None else of.percent
-
-
-def _share(of: Share | None) -> dict[str, Any] | None:
-    if of is None:
-        return None
-    return {
-        "percent": of.percent,
-        "by_channel": dict(of.by_channel),
-        "by_run": dict(of.by_run),
-        "by_campaign": dict(of.by_data_set),
-        "by_what_was_held_out": dict(of.by_fold),
-    }
-
-
-def _tolerance(one: Tolerance) -> dict[str, Any]:
-    return {"name": one.parameter.name, "z": one.z, "offset_si": one.offset, "tolerance_si": one.parameter.tolerance}
-
-
-def parameters(of: Fit) -> dict[str, Any]:
-    """Every parameter of a fit by its name."""
-    sd = np.sqrt(np.maximum(np.diag(of.covariance), 0.0))
-    return {
-        one.name: {"value_si": one.value(float(x)), "offset": float(x), "sd": float(s), "kind": one.kind}
-        for one, x, s in zip(of.parameters, of.offsets, sd, strict=True)
-    }
-
-
-def _map(of: Map, modes: tuple[NamedMode, ...]) -> dict[str, Any]:
-    """A map without its lines: every row's peak in every run. The pictures show the rest."""
-    sigma = of.sigma
-    return {
-        "campaign": of.data_set,
-        "article": of.configuration,
-        "runs": list(of.runs),
-        "channels": list(of.rows),
-        "frequency_band_hz": [float(of.frequency[0]), float(of.frequency[-1])],
-        "peak_sigma": sigma.max(axis=1).tolist(),
-        "peak_frequency_hz": of.frequency[sigma.argmax(axis=1)].tolist(),
-        "rms_sigma": np.sqrt(np.mean(sigma**2, axis=1)).tolist(),
-        "chi2_per_dof_by_run": of.misfit.mean(axis=1).tolist(),
-        "pairs_peak_sigma": None if of.pairs is None else _peak(of.pairs.sigma),
-        "pairs_peak_percent": None if of.pairs is None else _peak(of.pairs.percent),
-        "modes": [{"name": one.name, "frequency_hz": one.frequency, "damping_ratio": one.damping_ratio} for one in modes],
-    }
-
-
-def _peak(values: Array) -> Any:
-    return values.max(axis=0).tolist()
-
-
-def _fact(one: FactComparison) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "sigma": one.sigma,
-        "nominal_sigma": one.nominal_sigma,
-        "unit": plain_unit(one.unit),
-        "predicted": one.predicted,
-        "measured": one.measured,
-        "tolerance": one.tolerance,
-    }
-
-
 # `massline compare` from options to output: read, fit, map, show.
 
 
@@ -459,7 +323,7 @@ def answer(asked: CompareOptions, *, as_json: bool, folder: Path | None) -> None
     """
     found = comparison(asked, quiet=as_json)
     if as_json:
-        click.echo(json_text(comparison_json(found)))
+        click.echo(json_text(to_json(found)))
     else:
         click.echo(page(title(found), grids(found), notes(found)), nl=False)
     if folder is not None:
@@ -481,7 +345,7 @@ def comparison(asked: CompareOptions, *, quiet: bool = True) -> Comparison:
 
 def _write(found: Comparison, folder: Path, *, quiet: bool) -> None:
 
-    write_text(folder / RESULT, json_text(comparison_json(found)) + "\n")
+    write_text(folder / RESULT, json_text(to_json(found)) + "\n")
     click.echo(f"massline: wrote {folder / RESULT}.", err=True)
     with shown("pictures", quiet=quiet):
         paths = draw(found, folder)

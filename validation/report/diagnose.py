@@ -61,7 +61,7 @@ from validation.reference.statement import NONE, rounded
 from validation.report import history
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import tried
-from validation.report.compare import draw_channels, parameters
+from validation.report.compare import draw_channels
 from validation.report.document import NOTHING as EMPTY
 from validation.report.document import (
     Cell,
@@ -331,7 +331,7 @@ def _fit(of: Fit) -> dict[str, Any]:
         "tolerances": of.tolerances,
         "log_evidence_nats": finite(of.log_evidence),
         "converged": of.converged,
-        "parameters": parameters(of),
+        "parameters": of.by_parameter,
     }
 
 

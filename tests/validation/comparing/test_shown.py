@@ -11,9 +11,9 @@ from validation.compare import spots
 from validation.compare.spots import Spot
 from validation.estimation.result import Share
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
-from validation.output import json_text
+from validation.output import json_text, to_json
 from validation.report import compare
-from validation.report.compare import comparison_json, draw
+from validation.report.compare import draw
 from validation.report.document import page
 
 
@@ -56,7 +56,7 @@ def test_the_page_names_the_channel_first_and_what_was_weighed(found) -> None:
 
 
 def test_the_json_has_the_keys_that_other_programs_rely_on(found) -> None:
-    written = json.loads(json_text(comparison_json(found)))
+    written = json.loads(json_text(to_json(found)))
     assert written["plain_error_percent"] == 1.23
     assert written["fitted_chi2_per_dof"] == pytest.approx(0.88, rel=1e-12)
     assert written["tolerance_z2"] == pytest.approx(576.27, rel=1e-12)

@@ -13,7 +13,7 @@ from validation.app.scene3d import MapCell
 from validation.app.session import Session
 from validation.compare.compare import compared
 from validation.model import model_file
-from validation.report.compare import comparison_json
+from validation.output import to_json
 from validation.study import read_data
 
 
@@ -26,7 +26,7 @@ def found(worked: Any) -> Any:
 
 def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
     """The fits are those of the ladder's rung, taken up where they ended: rounding is all that lies between."""
-    expected, shown = comparison_json(found), worked.compared.summary
+    expected, shown = to_json(found), worked.compared.summary
     for key in ("plain_error_percent", "nominal_error_percent", "held_out_error_percent", "fitted_chi2_per_dof", "tolerance_z2"):
         assert_allclose(shown[key], expected[key], rtol=1e-6)
     assert [one["verdict"] for one in shown["errors"]] == [one["verdict"] for one in expected["errors"]]
