@@ -67,6 +67,7 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
     assert session.comparing_comparison(climbed) is not None
 
 
+@pytest.mark.proof
 def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Session]) -> None:
     desk = fresh("cancelled")
     text = desk.model.read_text()
