@@ -11,7 +11,7 @@ import pytest
 from hypothesis import settings
 
 # The same examples in every run: a submission fails for what it changed, not for luck. No deadline: a busy machine is no mistake.
-settings.register_profile("massline", derandomize=True, deadline=None, database=None)
+settings.register_profile("massline", derandomize=True, deadline=None, database=None, max_examples=30)
 settings.load_profile("massline")
 
 ROOT = Path(__file__).parents[1]

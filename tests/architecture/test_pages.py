@@ -44,6 +44,12 @@ READERS = ("make", "apt-get", "git", "cd")
 
 by_name = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 
+LONG = {
+    *("base-excitation.md", "campaigns.md", "classical-measurements.md", "compare.md", "diagnose.md", "flexible-body.md"),
+    *("identification.md", "ladder.md", "own-effect.md", "reference-tables.md", "report.md", "tutorial.md"),
+}
+"""Pages whose commands take ten seconds of computing and more: they are run by `make proof`, the others by `make test`."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Shown:
@@ -156,7 +162,9 @@ def unsaid(block: Block, printed: str) -> list[str]:
     return missing
 
 
-@by_name
+@pytest.mark.parametrize(
+    "page", [pytest.param(one, marks=[pytest.mark.proof] * (one.name in LONG), id=one.name) for one in PAGES]
+)
 def test_everything_that_a_page_shows_runs_and_prints_what_it_says(
     page: Path, code: Path, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:

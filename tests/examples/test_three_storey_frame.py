@@ -209,7 +209,6 @@ def test_where_damping_stands_at_its_bounds_the_page_has_the_cheapest_fit(root: 
     found = evaluate(of["clamps by storey"], parent=evaluate(of["nominal"]))
     page = (root / "docs" / "three-storey-frame.md").read_text(encoding="utf-8")
     row = re.search(r"^\| 0\.35 \|(?: [\d.]+ % \|){4} ([\d.]+) % \|", page, re.MULTILINE)
-    assert row is not None
     assert found.plain.percent == pytest.approx(float(row[1]), rel=0.03)
 
 
@@ -250,8 +249,6 @@ def test_the_error_falls_from_rung_to_rung_and_on_drive_points_held_out(
     assert all(after < 0.75 * before for before, after in pairwise(plain))
     assert all(after < 0.75 * before for before, after in pairwise(held))
     first, last = rungs[0].held_out, rungs[-1].held_out
-    assert first is not None
-    assert last is not None
     assert all(last.by_run[run] < 0.4 * first.by_run[run] for run in first.by_run)
 
 

@@ -173,10 +173,7 @@ def test_joint_between_ports_of_the_mast_acts_as_a_member_between_its_nodes() ->
     expected = articles.frequencies(assemble(doubled), 6)
     stiffness = _between(LOWER, UPPER, section)
     turned = np.roll(np.arange(12), 6)
-    for joint in (
-        Joint(ports=ports, stiffness=stiffness),
-        Joint(ports=ports[::-1], stiffness=stiffness[np.ix_(turned, turned)]),
-    ):
+    for joint in (Joint(ports=ports, stiffness=stiffness), Joint(ports=ports[::-1], stiffness=stiffness[np.ix_(turned, turned)])):
         assert_allclose(articles.frequencies(articles.build(ONE_BLADE, d, joints=[joint]), 6), expected, rtol=1e-9)
     assert np.all(expected >= articles.frequencies(assemble(plan), 6))
 

@@ -37,8 +37,7 @@ def assert_same(one: DynamicMass, other: DynamicMass, rtol: float = 1e-9) -> Non
 
 
 @pytest.mark.parametrize(
-    ("file", "rtol"),
-    [("bracket.npz", 1e-9), ("bracket-op4.toml", 1e-9), ("bracket-modes.h5", 1e-9), ("bracket-pch.toml", 1e-7)],
+    ("file", "rtol"), [("bracket.npz", 1e-9), ("bracket-op4.toml", 1e-9), ("bracket-modes.h5", 1e-9), ("bracket-pch.toml", 1e-7)]
 )
 def test_every_format_is_the_same_structure(bracket_files: Path, file: str, rtol: float) -> None:
     """DMIG is punched with ten digits, hence the last tolerance."""

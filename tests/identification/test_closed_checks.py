@@ -104,7 +104,7 @@ def test_sound_campaigns_pass_every_check_with_ordinary_tolerances(campaign: Cam
     assert failed == []
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_nobody_is_suspected_when_every_tolerance_is_three_sigma_off(campaign: Campaign, seed: int) -> None:
     assert suspected(made(campaign.table, offset=3.0, signs=True, seed=seed)) == ()
 
@@ -161,13 +161,14 @@ def test_every_inverted_channel_is_named(campaign: Campaign) -> None:
     assert [one.channels for one in _signs(campaign.table) if not _names(spectra, one)] == []
 
 
-def test_every_exchange_within_a_group_is_named(campaign: Campaign) -> None:
+@pytest.mark.parametrize("step", [6, pytest.param(1, marks=pytest.mark.proof)])
+def test_every_exchange_within_a_group_is_named(campaign: Campaign, step: int) -> None:
     spectra = made(campaign.table, seed=2)
     assert len(_swaps(campaign.table)) == 28 + 28 + 15
-    assert [one.channels for one in _swaps(campaign.table) if not _names(spectra, one)] == []
+    assert [one.channels for one in _swaps(campaign.table)[::step] if not _names(spectra, one)] == []
 
 
-@pytest.mark.parametrize("which", range(2))
+@pytest.mark.parametrize("which", [0, pytest.param(1, marks=pytest.mark.proof)])
 def test_every_slip_of_a_unit_is_named(campaign: Campaign, which: int) -> None:
     spectra = made(campaign.table, seed=3 + which)
     assert [one.channels for one in _slips(campaign.table, which) if not _names(spectra, one)] == []

@@ -49,7 +49,6 @@ def test_a_sine_has_the_level_it_was_driven_with_and_its_cross_motion(campaign: 
     other = (axis + 1) % 6
     motion[:, other] = 0.04 * NOMINAL[other] * np.cos(2 * np.pi * 8 * t)
     found = levels(moved(campaign, motion), campaign.table)
-    assert found is not None
     # whole periods in every block
     assert_allclose(found.amplitude[axis], NOMINAL[axis], rtol=1e-9)
     assert_allclose(found.share[[axis, other]], [1.0, 0.04], rtol=1e-9)
@@ -58,7 +57,6 @@ def test_a_sine_has_the_level_it_was_driven_with_and_its_cross_motion(campaign: 
 
 def test_the_rests_are_not_counted_as_driven(campaign: Campaign) -> None:
     found = levels(campaign.recordings["x"], campaign.table)
-    assert found is not None
     assert found.driven == 4.0
     assert_allclose(found.amplitude[0], LEVELS["x"], rtol=0.01)  # blocks of half a second cut periods of the sweep
 
@@ -80,7 +78,6 @@ def test_ringing_of_the_structure_is_not_taken_for_noise_of_its_load_cell(campai
     values[:, cell] += np.where(t > 5.0, 50.0 * np.exp(-2 * (t - 5.0)) * np.sin(60 * t), 0.0)
     rung = replace(campaign, recordings={"x": replace(campaign.recordings["x"], values=values)})
     floors = noise_floors(rung)
-    assert floors is not None
     assert floors[cell] < 1.2 * 0.3
 
 

@@ -16,8 +16,6 @@ BICYCLES = ["Browser", "Fisher", "Pista", "Yellow"]
 @pytest.fixture(scope="module")
 def example(root: Path) -> ModuleType:
     spec = importlib.util.spec_from_file_location("bicycles", root / "examples" / "bicycles.py")
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

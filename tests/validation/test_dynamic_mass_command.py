@@ -56,7 +56,6 @@ def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(run: Run) -> Non
 
 def test_f_is_the_fmd_s_own_origin_and_lies_below_what_stands_on_it() -> None:
     seat = built_in("fmd").seat
-    assert seat is not None
     assert reference_point("F", "fmd+clumod-1")[1].tolist() == [0, 0, 0]
     assert_allclose(reference_point("F", "clumod-1")[1], -seat.position)
 

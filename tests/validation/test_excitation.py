@@ -53,7 +53,6 @@ def modes(*frequency: float, share: float = 0.5) -> RigModes:
 def swelling(run: Run, at: float, times: float) -> Response:
     """A rigid body of `MASS` whose load is `times` as large where the sweep passes `at` [Hz]."""
     motion = run.motion(RATE, 2.0, None)
-    assert run.sweep is not None
     f = run.sweep.frequency_at(motion.time)
     swell = 1 + (times - 1) * np.exp(-(((f - at) / 0.3) ** 2))
     load = MASS * motion.acceleration * swell[:, None]
@@ -120,7 +119,6 @@ def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate
     run = swept(rate)
     motion = run.motion(8192.0, 0.0, None)
     table = motion.acceleration.copy()
-    assert run.sweep is not None
     table[motion.time > float(run.sweep.time_at(32.0)), 0] *= 2
     still = np.zeros((len(table), 6))
     response = Response(sampling_rate=8192.0, table=table, cover=still, load=still, cells=np.zeros((len(table), 0, 3)))
@@ -167,7 +165,6 @@ def test_what_is_typed_becomes_springs_along_the_axes_it_names() -> None:
         damper=["lower-1+:vertical=7"],
     )
     assert made.preload == dict.fromkeys("1234", 2000.0)
-    assert made.flange is not None
     assert made.flange.compliance.tolist() == [0, 0, 1e-9, 1e-6, 1e-6, 0]
     assert [(s.place, s.to, s.stiffness.tolist(), s.damping.tolist()) for s in made.struts] == [
         ("mast-top", "ground", [1000, 1000, 1000], [0, 0, 0]),
@@ -183,7 +180,6 @@ def test_what_is_typed_becomes_springs_along_the_axes_it_names() -> None:
 def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
     run = swept()
     motion = run.motion(RATE, 0.0, None)
-    assert run.sweep is not None
     inside = (motion.time > run.sweep.time_at(4.5)) & (motion.time < run.sweep.time_at(30.0))
     assert_allclose(amplitude(motion.acceleration[:, 0])[inside], 2.5, rtol=2e-3)  # the window's own edges reach that far
 
@@ -192,7 +188,6 @@ def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
 def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times: float) -> None:
     run = swept()
     (found,) = passed(amplitudes(swelling(run, 10.0, times), run, MASS * np.eye(6)), run, modes(10.0))
-    assert run.sweep is not None
     assert (found.mode, found.frequency, found.axis) == (1, 10.0, 0)
     assert found.time == pytest.approx(float(run.sweep.time_at(10.0)))
     # a swell of 0.3 Hz passed at 2.3 Hz/s lasts a tenth of a second, about a cycle: so far its envelope is known
@@ -235,7 +230,6 @@ def test_from_frame_to_frame_the_drive_goes_on_by_whole_cycles_and_a_tenth(rate:
 
 def needle(model: Flexible, shapes: np.ndarray) -> tuple[Moved, ...]:
     """Instead of the CAD's surface, which takes seconds to be meshed: a band along the points of the beam model."""
-    assert model.structure is not None
     u, at = node_displacement(model.structure, shapes), model.structure.points
     side = np.array([0.05, 0.0, 0.0])
     body = DrawnBody(

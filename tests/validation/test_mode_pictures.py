@@ -55,7 +55,6 @@ def swaying() -> DrawnMode:
 
 def rigid_modes(model: Flexible) -> Array:
     """The six rigid motions of the base as if they were shapes (N, 6)."""
-    assert model.structure is not None
     return np.asarray(model.structure.rigid)
 
 
@@ -71,7 +70,6 @@ def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name: str) -
 
 def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do() -> None:
     model = flexible("clumod-4", "beam", FlexibleOptions(count=6))
-    assert model.structure is not None
     assert has_rotations(model.structure)
     article = built_in("clumod-4")
     owner = nearest_part(article, model.structure.points)

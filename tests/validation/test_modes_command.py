@@ -49,7 +49,6 @@ def test_no_axis_carries_more_than_the_rigid_body(run: Run) -> None:
 
 def test_what_modes_can_carry_is_the_sum_over_all_of_them() -> None:
     whole = flexible("cuboid", "beam", FlexibleOptions(count=500))
-    assert whole.structure is not None
     assert len(whole.modes.frequency) == len(whole.structure.free)
     assert_allclose(movable(whole.structure), whole.modes.effective_mass.sum(axis=0), rtol=1e-7)  # conjugate gradients
 
@@ -198,8 +197,6 @@ def bracket(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The example of a user's model, in npz."""
     folder = tmp_path_factory.mktemp("own")
     spec = importlib.util.spec_from_file_location("own_model", Path(__file__).parents[2] / "examples" / "own_model.py")
-    assert spec is not None
-    assert spec.loader is not None
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     example.write(folder)

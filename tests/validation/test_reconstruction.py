@@ -19,6 +19,7 @@ def posed(shared: Path) -> Reconstruction:
     return problem(details, json.loads((shared / "clumod" / "reconstruction.json").read_text()))
 
 
+@pytest.mark.proof
 def test_solving_again_meets_every_inertia_and_frequency_and_keeps_the_rest(posed: Reconstruction, tmp_path: Path) -> None:
     """From dimensions some thousandths off, inertias by tens of a bar: the whole way takes three times as long."""
     again = tmp_path / "clumod.toml"

@@ -19,5 +19,4 @@ def rendered(article: str) -> str:
 def test_the_page_shows_the_table_that_the_data_gives(root: Path, number: int, article: str) -> None:
     page = (root / "docs" / "reference-tables.md").read_text(encoding="utf-8")
     shown = re.search(rf"<!-- table {number} -->\n(.*?)<!-- end -->", page, re.DOTALL)
-    assert shown is not None
     assert shown.group(1).strip() == rendered(article).strip()

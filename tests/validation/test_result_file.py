@@ -67,7 +67,6 @@ def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_devia
 def test_a_coordinate_that_is_the_rounding_of_a_zero_is_a_zero_of_few_digits(coordinate: str) -> None:
     table = {"inertia": {"mass": "2 kg", "cog": [coordinate, "0 m", "0 m"]}}
     stated = statement.read(table, "test", IDENTITY).values[1]
-    assert stated is not None
     assert stated.value == 0
     assert (stated.decimals or 0) <= 15
 
@@ -90,7 +89,6 @@ def test_a_moment_about_a_distant_point_inherits_the_tolerance_of_the_cog() -> N
     }
     values = statement.read(table, "test", IDENTITY).values
     # I_cog = I - m z²: dI = 2 m z dz = 2 * 2 * 1 * 0.01.
-    assert values[4] is not None
     assert_allclose([values[4].value, values[4].tolerance], [1.0, 0.04], rtol=1e-6)
     assert values[7] is None, "no products are stated"
 
@@ -107,8 +105,6 @@ def test_a_covariance_counts_what_its_values_share() -> None:
     direction = np.array([m, *BODY.first_moment, *np.zeros(6)])
     C = 1e-4 * np.outer(direction, direction) + 1e-18 * np.eye(10)
     values = statement.read({**table, "covariance": C.tolist()}, "test", IDENTITY).values
-    assert values[0] is not None
-    assert values[3] is not None
     assert_allclose(values[0].tolerance or 0, NORMAL_95 * 0.01 * m, rtol=1e-6)
     assert (values[3].tolerance or 1) < 1e-6 * mz, "1.96 standard deviations of nothing"
 
@@ -117,7 +113,6 @@ def test_an_interval_counts_with_its_farther_end(tmp_path: Path) -> None:
     path = tmp_path / "r.toml"
     path.write_text('format = 1\n[inertia]\nmass = "10 kg"\n[interval95]\nmass = ["9.5 kg", "10.2 kg"]\n', encoding="utf-8")
     mass = result_file_read(str(path), article="cuboid").statement.values[0]
-    assert mass is not None
     assert_allclose(mass.tolerance or 0, 0.5, rtol=1e-12)  # rounding
 
 

@@ -167,8 +167,7 @@ def test_a_dimension_of_ones_own_changes_the_article(run: Run, made: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("pattern", "runs"),
-    [((), 6), (("--runs", "12"), 12), (("--pattern", "diagonal"), 12), (("--pattern", "multi"), 6)],
+    ("pattern", "runs"), [((), 6), (("--runs", "12"), 12), (("--pattern", "diagonal"), 12), (("--pattern", "multi"), 6)]
 )
 def test_patterns_have_their_runs(run: Run, pattern: tuple[str, ...], runs: int) -> None:
     simulated(run, "fmd+cuboid", "--out", "made", *pattern)

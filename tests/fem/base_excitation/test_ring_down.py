@@ -19,10 +19,7 @@ def cut(motion: BaseMotion, seconds: float) -> BaseMotion:
     """The record of `motion` until `seconds`."""
     n = int(np.ceil(seconds * motion.sampling_rate)) + 1
     return replace(
-        motion,
-        displacement=motion.displacement[:n],
-        velocity=motion.velocity[:n],
-        acceleration=motion.acceleration[:n],
+        motion, displacement=motion.displacement[:n], velocity=motion.velocity[:n], acceleration=motion.acceleration[:n]
     )
 
 

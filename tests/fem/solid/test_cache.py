@@ -34,7 +34,6 @@ def entry(there: Path) -> Path:
 
 def test_what_is_stored_comes_back(entry: Path) -> None:
     found = model.load("entry")
-    assert found is not None
     assert set(found) == set(ARRAYS)
     for name, array in ARRAYS.items():
         assert_array_equal(found[name], array)

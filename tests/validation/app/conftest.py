@@ -122,7 +122,6 @@ def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[...
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
         )
-        assert process.stdout is not None
         said = b""
         while (match := ADDRESS.search(said)) is None:
             line = process.stdout.readline()
@@ -136,7 +135,6 @@ def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[...
     for bench in running:
         if bench.process.poll() is None:
             bench.interrupted()
-        assert bench.process.stdout is not None
         said = bench.process.stdout.read().decode()
         bench.process.stdout.close()
         assert "did not start" not in said, said

@@ -81,13 +81,7 @@ def test_the_keyboard_reaches_everything_and_shows_where_it_is(page: Any) -> Non
         name, outline = page.evaluate(FOCUSED)
         reached.append(name)
         assert outline != "none", name
-    for wanted in (
-        "Skip to the contents",
-        "Report",
-        "Where it fails",
-        "Channels",
-        "Map of residuals",
-    ):
+    for wanted in ("Skip to the contents", "Report", "Where it fails", "Channels", "Map of residuals"):
         assert any(one.startswith(wanted) for one in reached), wanted
     (entry,) = {one for one in reached if one.startswith("H ")}  # one stop of 36: the entry that is shown
     assert page.locator('.picker [aria-pressed="true"]').get_attribute("aria-label").startswith(entry)

@@ -7,6 +7,8 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 PNG = b"\x89PNG"
 
 
@@ -15,6 +17,7 @@ def percent(page: Any, name: str) -> float:
     return float(page.locator(f'[data-error="{name}"]').inner_text().split()[0])
 
 
+@pytest.mark.proof
 def test_open_the_example_compare_click_diagnose_add_undo_and_save(
     start_app: Any, visit: Any, tmp_path: Path, script: Any, looked: Any, shot: Any, chromium: Any
 ) -> None:

@@ -36,37 +36,31 @@ def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Session:
 
 def test_a_comparison_makes_rung_0_with_identified_inertia(worked: Any) -> None:
     at = session.ladder(worked.desk)
-    assert at.rung is not None
     assert at.rung.number == 0
     assert at.rung.bodies[0].article == "cuboid"
-    assert at.rung.errors is not None
     assert at.rung.errors.plain == pytest.approx(worked.compared.summary["plain_error_percent"])
 
 
 def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: Any, climbed: Session) -> None:
     before, at, after = worked.compared, session.ladder(climbed), session.comparing_comparison(climbed)
-    assert at.rung is not None
-    assert after is not None
     assert at.rung.parent == 0
     assert at.rung.effect == "force-gain:fmd-z2"
     assert after.summary["plain_error_percent"] < 0.3 * before.summary["plain_error_percent"]
     assert after.summary["effects"] == ["force-gain:fmd-z2"]
     one, other = (found.maps[0].pairs for found in (before, after))
-    assert one is not None
-    assert other is not None
     assert np.array_equal(one.measured, other.measured)
     assert np.abs(one.predicted - other.predicted)[:, 2, 2].max() > 0.01 * np.abs(one.predicted)[:, 2, 2].max()
     assert at.rung.bodies[0].values[0] != at.ladder.rung(0).bodies[0].values[0]
     text = climbed.model.read_text()
     assert session.undone(climbed).rung.number == 0  # type: ignore[union-attr]
     again = session.comparing_comparison(climbed)
-    assert again is not None
     assert again.summary == before.summary
     assert session.diagnosing_diagnosis(climbed) is not None
     assert session.gone_to(climbed, 1).text == text
     assert session.comparing_comparison(climbed) is not None
 
 
+@pytest.mark.proof
 def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Session]) -> None:
     desk = fresh("cancelled")
     text = desk.model.read_text()
@@ -101,7 +95,6 @@ def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: 
     session.gone_to(desk, 1)
     workers.tell(desk, workers.Job(kind=workers.ADD, asked={}, before=digest(text)))
     found = workers.recovered(desk)
-    assert found is not None
     assert "back on rung 0" in found.said
     _stands_as_before(desk, text)
 
@@ -116,7 +109,6 @@ def test_adding_that_is_cancelled_before_says_nothing(fresh: Callable[[str], Ses
 def _stands_as_before(desk: Session, text: str) -> None:
     at = session.ladder(desk)
     assert desk.model.read_text() == text
-    assert at.rung is not None
     assert at.rung.number == at.ladder.current == 0
     assert session.comparing_comparison(desk) is not None
 
@@ -134,7 +126,6 @@ def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: S
     finally:
         for path in both:  # the folder is that of other tests, too
             path.unlink()
-    assert at.rung is not None
     assert at.rung.effect == "force-gain:fmd-z2"
     (source,) = at.rung.conditions.data
     assert (mine.parent / source.path).resolve() == Path(worked.desk.asked.data[0])
@@ -150,8 +141,6 @@ def test_a_ladder_that_is_not_there_cannot_be_had(bare: Session) -> None:
 
 def test_a_diagnosis_told_again_says_the_same(worked: Any) -> None:
     said, again = session.diagnosing_diagnosis(worked.desk), session.noun(worked.desk)
-    assert said is not None
-    assert again is not None
     told = diagnosis_json(again)
     assert told["ranking"] == said["ranking"]
     words = ("verdict", "text", "headline", "equivalence_class", "steps", "warnings")

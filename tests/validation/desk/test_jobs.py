@@ -109,8 +109,6 @@ def test_a_worker_ends_with_whoever_started_it(bare: Session, tmp_path: Path) ->
     script = tmp_path / "start.py"
     script.write_text(ORPHANED)
     with subprocess.Popen([sys.executable, script, bare.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
-        assert one.stdin is not None
-        assert one.stdout is not None
         pid = int(one.stdout.readline())
         assert is_there(pid)
         one.stdin.write("x")

@@ -91,7 +91,9 @@ def test_what_has_no_modes_has_no_shape(desk: Session, found: Compared) -> None:
             scene3d.shape(desk, found, MAST, number)
 
 
-@pytest.mark.parametrize("name", [one.name for one in EXAMPLES])
+@pytest.mark.parametrize(
+    "name", [pytest.param(one.name, marks=[pytest.mark.proof] * (len(one.articles) > 1)) for one in EXAMPLES]
+)
 def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """Swept sixteen times as fast, which its story does not survive, but its files do."""
     slow = next(one for one in EXAMPLES if one.name == name)

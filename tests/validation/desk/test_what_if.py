@@ -70,7 +70,6 @@ def by_least_squares(one: SeriesPrediction, tested: whatif.ReadyCampaign, offset
     """H of what the channels are predicted to read in the very runs: loads over motions, by an equation of one's own."""
     rows = one.at(offsets, derivatives=False).rows
     read = np.einsum("nck,rnk->rnc" if rows.ndim == 3 else "rnck,rnk->rnc", rows, tested.inputs)
-    assert tested.operators is not None
     load, motion = (np.einsum("nic,rnc->nir", each, read) for each in (tested.operators.load, tested.operators.motion))
     return np.asarray(load @ np.linalg.inv(motion))
 

@@ -108,11 +108,7 @@ def changed(old: str, new: str) -> str:
         (changed('unit="1"', 'unit=""'), "sizes", "its unit is missing"),
         (changed("low=-0.5", "low=0.7"), "sizes", "low must lie below high, found 0.7 and 0.5"),
         (changed("plausible=0.1", "plausible=-1"), "sizes", "plausible must be 0 or more"),
-        (
-            changed('name="drift-of-gain"', 'name="force-gain"'),
-            "name",
-            "is there already, from massline itself",
-        ),
+        (changed('name="drift-of-gain"', 'name="force-gain"'), "name", "is there already, from massline itself"),
         (changed('name="drift-of-gain"', 'name="Drift of gain"'), "name", "must be lower-case words joined by -"),
         (changed("side=FORCES", 'side="forces"'), "side", "Did you mean force side?"),
         (changed("stage=CHANNEL_STAGE", 'stage="channel"'), "stage", "Did you mean channels?"),

@@ -40,7 +40,6 @@ def lab() -> Lab:
 
 def article_mass(rig: Rig) -> ComplexArray:
     """(4, 6, 6) of what stands on the cover plate, about F."""
-    assert rig.cover is not None
     return dynamic_mass(replace(rig, cells=()), LINES).matrix - rig.cover.about(np.zeros(3)).mass_matrix
 
 
@@ -195,9 +194,6 @@ def test_the_layer_damps_its_own_blade(lab: Lab) -> None:
     plain, damped, stiffer = (
         lab("fmd+clumod-4", *e).made.modes for e in ((), ("layer-damping:upper-short=0.1",), ("modulus:upper-short=0.1",))
     )
-    assert plain is not None
-    assert damped is not None
-    assert stiffer is not None
     gained = damped.damping_ratio - plain.damping_ratio
     moved = stiffer.frequency[: len(gained)] / plain.frequency - 1
     assert np.all(gained > -1e-9)

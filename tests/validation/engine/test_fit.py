@@ -146,10 +146,7 @@ def test_tolerances_of_the_measurement_are_released_when_the_rest_is_near(lab):
 @pytest.mark.parametrize("kinds", [PLAIN, FITTED], ids=["plain", "fitted"])
 def test_a_child_far_from_its_parent_is_found_by_the_annealed_floor(lab, kinds):
     """A resonance five of its widths away: straight from the parent the way ends elsewhere."""
-    effects = (
-        lab.effect("appendage[m]", 0.3, start=0.1),
-        lab.effect("appendage[f]", 0.5, nominal=20.0, logarithmic=True),
-    )
+    effects = (lab.effect("appendage[m]", 0.3, start=0.1), lab.effect("appendage[f]", 0.5, nominal=20.0, logarithmic=True))
     truth = {"appendage[m]": 0.5, "appendage[f]": 0.1, "mass": 0.01}
     parent = fit(Problem((lab.toy(truth, acting=effects),)), kinds)
     problem = Problem((lab.toy(truth, parameters=(*lab.LABORATORY, *effects)),))

@@ -35,8 +35,6 @@ def test_the_known_article_and_the_fmd_make_the_built_in_stack(make_campaign: Ma
 def test_without_a_mounting_the_seat_of_the_fmd_is_taken_and_said(make_campaign: Make) -> None:
     body, said = known("disc+cuboid", make_campaign("fmd+disc+cuboid", mounting=None))
     same, _ = known("disc+cuboid", make_campaign("fmd+disc+cuboid", mounting=built_in("fmd").seat))
-    assert body is not None
-    assert same is not None
     assert_allclose(body.parameters, same.parameters)
     assert "[mounting] is missing" in said[0]
 
@@ -50,8 +48,6 @@ def test_inertia_is_about_f_wherever_the_frame_of_positions_begins(make_campaign
         mounting=Pose(position=made.mounting.position + shift),
     )
     here, there = (known("disc+cuboid", one)[0] for one in (made, moved))
-    assert here is not None
-    assert there is not None
     assert_allclose(there.parameters, here.parameters, rtol=1e-12)
     assert_allclose(there.reference_point, 0)
 

@@ -18,7 +18,6 @@ def effect(name: str, unit: str = "1", kind: str = EFFECT) -> Parameter:
 def test_an_exact_alias_is_named_with_the_size_that_does_the_same(affine: MakeProblem) -> None:
     problem = affine((effect("gain"), effect("mass", "kg"), effect("other")), {}, alike=[("gain", "mass")])
     found = alias(problem, "gain", ["gain"])
-    assert found is not None
     assert found.effects == ("mass",)
     assert_allclose(found.mixture["mass"] / found.size, 2.0, rtol=1e-6)
     assert found.text == "gain +0.01 does to these data what mass +0.02 kg does"
@@ -30,7 +29,6 @@ def test_a_mixture_of_several_is_an_alias_though_none_of_them_alone_is(affine: M
     (one,) = problem.predictions
     one.slopes["a"] = one.slopes["b"] - 3 * one.slopes["c"]  # type: ignore[attr-defined]
     found = alias(problem, "a", ["a"])
-    assert found is not None
     assert_allclose([found.mixture[name] / found.size for name in "bc"], [1.0, -3.0], rtol=1e-6)
 
 
@@ -44,7 +42,6 @@ def test_what_merely_resembles_another_is_none(affine: MakeProblem) -> None:
 @pytest.mark.parametrize(("kind", "effects"), [(IDENTIFIED, ()), (EFFECT, ("b",))])
 def test_what_must_be_identified_takes_part_but_is_no_effect(kind: str, effects: tuple[str, ...], affine: MakeProblem) -> None:
     found = alias(affine((effect("a"), effect("b", kind=kind)), {}, alike=[("a", "b")]), "a", ["a"])
-    assert found is not None
     assert found.effects == effects
 
 

@@ -21,7 +21,6 @@ def grown(model: Path, rung: MakeRung, *texts: str) -> None:
         kept(at, rung(0, None, at.text))
     for text in texts:
         at = history_position(model)
-        assert at.rung is not None
         climbed(at, rung(99, at.rung.number, text))
 
 
@@ -59,7 +58,6 @@ def test_adding_after_undo_branches(model: Path, rung: MakeRung) -> None:
     gone_to(history_position(model), 2)
     assert model.read_bytes() == b"a = 3"
     found = history_position(model)
-    assert found.rung is not None
     assert (found.rung.number, found.ladder.current) == (2, 2)
 
 
@@ -81,7 +79,6 @@ def test_an_edit_by_hand_is_seen_and_going_away_from_it_keeps_it_as_a_branch(mod
     undone(at)
     assert model.read_bytes() == b"a = 2"
     found = history_position(model)
-    assert found.rung is not None
     assert found.rung.number == 1
     edit = found.ladder.rung(2)
     assert (edit.parent, edit.errors, edit.model) == (1, None, "a = 2  # mine\n")
@@ -110,7 +107,6 @@ def test_rungs_made_meanwhile_stay_and_the_later_one_is_numbered_after_them(mode
     climbed(early, rung(1, 0, "a = 3"))
     found = history_position(model)
     assert [one.model for one in found.ladder.rungs[1:]] == ["a = 2", "a = 3"]
-    assert found.rung is not None
     assert found.rung.number == 2
 
 
@@ -118,7 +114,6 @@ def test_two_that_begin_at_once_share_the_first_rung(model: Path, rung: MakeRung
     one = other = history_position(model)
     climbed(kept(one, rung(0, None, one.text)), rung(1, 0, "a = 2"))
     at = kept(other, rung(0, None, other.text))
-    assert at.rung is not None
     assert at.rung.number == 0
     climbed(at, rung(1, 0, "a = 3"))
     assert [(each.number, each.parent) for each in history_position(model).ladder.rungs] == [(0, None), (1, 0), (2, 0)]
@@ -167,7 +162,6 @@ def test_a_model_that_was_edited_while_a_fit_ran_is_left_alone_and_the_rung_is_k
     assert model.read_text(encoding="utf-8") == "a = 9\n"
     found = history_position(model)
     assert found.edited
-    assert found.below is not None
     assert found.below.number == 0
     assert found.ladder.rung(1).model == "a = 2"
 
@@ -203,7 +197,6 @@ def test_wherever_an_interruption_falls_model_and_ladder_agree_and_no_rung_is_lo
     else:
         assert len(done) <= writes
     after = history_position(model)
-    assert after.rung is not None  # it stands on a rung
     assert after.rung.model.encode() == model.read_bytes()
     assert [one.model for one in after.ladder.rungs[:2]] == [one.model for one in before.ladder.rungs]
 
@@ -213,11 +206,9 @@ def test_the_same_model_on_other_data_is_told_apart_by_the_ladder(model: Path, r
     at = history_position(model)
     kept(at, rung(1, 0, at.text, cause="other data"))
     found = history_position(model)
-    assert found.rung is not None
     assert found.rung.number == 1
     undone(found)
     back = history_position(model)
-    assert back.rung is not None
     assert back.rung.number == 0
 
 

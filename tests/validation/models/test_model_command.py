@@ -71,7 +71,6 @@ def test_figures_of_the_drawing_can_be_taken_from_their_comment(run: Run) -> Non
     for key in ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
         text = text.replace(f"# {key}", key)
     stated, drawn = model_file.of_text(text, "m.toml").fmd, routes.inertia(built_in("fmd"))
-    assert stated is not None
     np.testing.assert_allclose(stated.parameters, drawn.parameters, rtol=2e-3, atol=1e-6)  # printed with four digits
 
 

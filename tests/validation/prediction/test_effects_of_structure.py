@@ -99,7 +99,6 @@ def model(article: str, damping: Damping | None = RATIO) -> Model:
         structure, modes, locations(article), inertia(whole).cog, damping=damping, article=whole
     )
     losses = structure.loss_factors if damping is None else {}
-    assert fmd.seat is not None
     return Model(
         article=article,
         of=nuisances.of(article, made, modes.frequency, losses, highest=20.0),

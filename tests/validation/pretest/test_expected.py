@@ -49,7 +49,6 @@ def test_the_values_are_those_of_the_article_and_the_fit_of_exact_data_has_no_mi
 
 
 def test_less_knowledge_never_narrows_an_interval(tared: PretestFindings) -> None:
-    assert tared.untared is not None
     assert np.all(tared.untared >= tared.best.half_width * (1 - 1e-6))
     assert tared.untared[0] > 5 * tared.best.half_width[0]  # an FMD that is known to 5 %
     assert set(tared.without) == set(tared.spectra.table.names)
@@ -116,7 +115,6 @@ def test_sensors_of_a_campaign_of_ones_own_take_the_place_of_the_usual_ones(
     made = runpy.run_path(str(root / "examples" / "own_campaign.py"))["campaign"]()
     campaign_file.write(tmp_path / "own", made)
     found = ask(sensors=tmp_path / "own")
-    assert found.table is not None
     assert found.table.names == made.table.names
     assert found.table.channels[0].noise_rms == made.table.channels[0].noise_rms
     assert findings(found).spectra.table is found.table

@@ -18,7 +18,6 @@ def test_the_elastic_share_of_nodes_is_that_of_the_equations_of_motion_themselve
     """(K - omega² M) x = omega² M R u without modes: relative displacements, from the matrices of the model."""
     model = flexible("clumod-1", "beam", FlexibleOptions(count=40))
     structure = model.structure
-    assert structure is not None
     share = elastic_share(node_displacement(structure, model.modes.shapes), structure.points + SEAT, model.modes, SEAT, LINES)
     K, M, free = structure.stiffness.toarray(), structure.mass.toarray(), structure.free
     R = structure.rigid @ rigid_transformation_6(SEAT)
@@ -35,7 +34,6 @@ def test_the_elastic_share_of_nodes_is_that_of_the_equations_of_motion_themselve
 
 def test_the_largest_share_of_a_surface_is_the_largest_over_its_lines() -> None:
     model = flexible("clumod-1", "beam", FlexibleOptions(count=8))
-    assert model.structure is not None
     of = (node_displacement(model.structure, model.modes.shapes), model.structure.points + SEAT, model.modes, SEAT, LINES)
     first, most = largest_share(*of)
     share = elastic_share(*of).max(axis=2)

@@ -46,7 +46,6 @@ def test_nothing_on_the_page_leads_out_of_it(read: Any, page: Any) -> None:
     policy = next(given["content"] for tag, given in read.elements if given.get("http-equiv") == "Content-Security-Policy")
     assert "default-src 'none'" in policy
     style = re.search(r"<style>(.*?)</style>", page.read_text("utf-8"), re.DOTALL)
-    assert style is not None
     assert "url(" not in style.group(1)
     assert "@import" not in style.group(1)
 
@@ -69,7 +68,6 @@ def test_every_control_and_picture_has_a_name(read: Any) -> None:
 
 def test_the_summary_has_five_sentences_with_verdicts(page: Any) -> None:
     summary = re.search(r'<ol class="summary">(.*?)</ol>', page.read_text("utf-8"), re.DOTALL)
-    assert summary is not None
     items = re.findall(r"<li>(.*?)</li>", summary.group(1), re.DOTALL)
     assert len(items) == 5
     assert "FAILED" in items[1]
@@ -191,7 +189,6 @@ def test_what_nobody_asked_for_is_said_instead_of_shown(report: Report, parsed: 
 @pytest.mark.parametrize("verdict", ["nothing", "unknown", "ambiguous", "several", "mistake"])
 def test_every_verdict_has_its_page(report: Report, verdict: str, parsed: Callable[[str], Any]) -> None:
     found = report.diagnosis
-    assert found is not None
     alike = ("force-gain:fmd-z2", "cell-stiffness:2z") if verdict == "ambiguous" else ()
     accepted = () if verdict in ("nothing", "unknown") else found.accepted
     told = replace(found, verdict=verdict, accepted=accepted, equivalence_class=alike)

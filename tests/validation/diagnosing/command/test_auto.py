@@ -53,7 +53,6 @@ class Laboratory:
         named = parse(asked.effect)
         if named.id == self.interrupted:
             raise KeyboardInterrupt
-        assert at.rung is not None
         text = rewritten(at.text, (Added(named=named),), str(asked.model))
         rung = Version(
             number=len(at.ladder.rungs),
