@@ -70,10 +70,10 @@ def build(exudyn: Any, plan: Plan, *, held: bool, damping: Plan | None = None) -
     ----------
     damping : the same plan with viscous dampings [N s, N m² s ...] where `plan` has stiffnesses; undamped when None
     """
-    return _Builder(exudyn, plan, damping).build(held)
+    return _FrameBuilder(exudyn, plan, damping).build(held)
 
 
-class _Builder:
+class _FrameBuilder:
     def __init__(self, exudyn: Any, plan: Plan, damping: Plan | None) -> None:
         from exudyn import itemInterface
 
