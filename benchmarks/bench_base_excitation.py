@@ -16,7 +16,7 @@ from fem.base_excitation import response, rig
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.beam import articles
 from fem.damping import Damping
 from fem.exudyn import driven_run, large_motion
@@ -35,7 +35,7 @@ ELEMENTS = 4
 Call = Callable[[], object]
 
 
-def article(count: int = MODES) -> Body:
+def article(count: int = MODES) -> FlexibleBody:
     """Clumod with one blade, on beams."""
     structure = articles.structure(ARTICLE)
     modes = fixed_base(structure, count, damping=Damping(ratio=0.003))
@@ -47,7 +47,7 @@ def driven(rate: float = RATE) -> BaseMotion:
     return Sweep(axis="x", rate=OCTAVES).motion(rate, ring_down=0.0)
 
 
-def rigs(article: Body) -> dict[str, Rig]:
+def rigs(article: FlexibleBody) -> dict[str, Rig]:
     """`article` on a rigid base, and with one kind of joint at a time."""
     fmd = built_in("fmd")
     seat = np.zeros(3) if fmd.seat is None else fmd.seat.position
@@ -65,7 +65,7 @@ def rigs(article: Body) -> dict[str, Rig]:
     }
 
 
-def with_struts(article: Body, count: int) -> Rig:
+def with_struts(article: FlexibleBody, count: int) -> Rig:
     """`article` with `count` dampers to the table."""
     names = list(article.places)
     return Rig(

@@ -53,16 +53,35 @@ class Damping:
 
     def __post_init__(self) -> None:
         if self.ratio is not None:
-            _check_ratio(np.asarray(self.ratio, dtype=np.float64))
+            ratio = np.asarray(self.ratio, dtype=np.float64)
+            if ratio.ndim > 1:
+                raise _bad(
+                    "ratio",
+                    f"one value or a list of one per mode is needed, found shape {ratio.shape}",
+                    "Use `modal` for a matrix",
+                )
+            wrong = ~((ratio >= 0) & (ratio < 1))  # NaN is wrong too
+            if np.any(wrong):
+                found = np.atleast_1d(ratio)[np.atleast_1d(wrong)][0]
+                raise _bad(
+                    "ratio",
+                    f"a damping ratio must be at least 0 and below 1, found {found:g}",
+                    "Give it as a fraction: 0.5 % is 0.005",
+                )
         for part, eta in self.loss_factors.items():
-            _check_loss_factor(part, eta)
+            if not 0 <= eta < 2:
+                raise _bad(
+                    f"loss_factors.{part}",
+                    f"a loss factor must be at least 0 and below 2, which is a damping ratio of 1, found {eta:g}",
+                    "Give it as a fraction: steel about 0.001, silicone about 0.2",
+                )
         if self.modal is not None:
             _check_matrix(np.asarray(self.modal, dtype=np.float64), "modal")
         if self.viscous is not None:
             _check_sparse(self.viscous)
 
 
-def default(structure: Structure) -> Damping:
+def default_damping(structure: Structure) -> Damping:
     """The loss factors that `structure` brings, else `DEFAULT_RATIO` for every mode."""
     known = structure.loss_factors and structure.part_stiffness
     return Damping(loss_factors=structure.loss_factors) if known else Damping(ratio=DEFAULT_RATIO)
@@ -81,7 +100,7 @@ def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes:
     BadInput : a ratio or modal matrix of another number of modes, a matrix of another size, a part that the structure has not;
         C or S that feeds energy into a motion of these modes, a mode that does not oscillate (ratio of 1 and above).
     """
-    C = per_mode(damping, omega)
+    C = damping_per_mode(damping, omega)
     if damping.viscous is not None:
         C = C + _symmetric(shapes.T @ (viscous_matrix(damping, structure) @ shapes))
     S = np.zeros_like(C)
@@ -89,18 +108,42 @@ def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes:
         S = S + _symmetric(shapes.T @ (K @ shapes))
     _require_losses(C, np.sqrt(omega), "viscous")
     _require_losses(S, omega, "structural")
-    _require_oscillating(C, S, omega)
+    ratio = equivalent_ratio(C, S, omega)
+    if ratio.max(initial=0.0) < 1:
+        pass
+    else:
+        r = int(np.argmax(ratio >= 1))
+        problem = (
+            f"a mode must keep swinging, found the damping ratio {ratio[r]:.4g} for mode {r + 1} at {omega[r] / 2 / np.pi:.4g} Hz"
+        )
+        name = "viscous" if C[r, r] * omega[r] > S[r, r] else "structural"
+        raise _bad(name, problem, "A ratio stays below 1: check the unit of its entries, or ask for fewer modes")
     return C, S
 
 
-def per_mode(damping: Damping, omega: Array) -> Array:
+def damping_per_mode(damping: Damping, omega: Array) -> Array:
     """The part of C (n, n) [rad/s] that is given per mode: diag(2 zeta omega) and `modal`; omega (n,) [rad/s].
 
     Raises
     ------
     BadInput : a ratio or modal matrix of another number of modes.
     """
-    return np.diag(2 * _ratios(damping, len(omega)) * omega) + _modal(damping, len(omega))
+    count = len(omega)
+    ratio = np.asarray(0.0 if damping.ratio is None else damping.ratio, dtype=np.float64)
+    if ratio.ndim and ratio.shape != (count,):
+        raise _bad(
+            "ratio",
+            f"one value or one for each of the {count} modes is needed, found {ratio.size}",
+            "Give one ratio for all modes, or ask for as many modes as there are ratios",
+        )
+    matrix = np.zeros((count, count)) if damping.modal is None else np.asarray(damping.modal, dtype=np.float64)
+    if matrix.shape != (count, count):
+        raise _bad(
+            "modal",
+            f"it must have a row and a column for each of the {count} modes, found {matrix.shape}",
+            "Ask for as many modes as it has rows",
+        )
+    return np.diag(2 * np.broadcast_to(ratio, (count,)) * omega) + matrix
 
 
 def structural_matrix(damping: Damping, structure: Structure) -> Sparse:
@@ -151,28 +194,6 @@ def _lossy(damping: Damping, structure: Structure) -> list[Sparse]:
     return [eta * structure.part_stiffness[part] for part, eta in damping.loss_factors.items() if eta > 0]
 
 
-def _ratios(damping: Damping, count: int) -> Array:
-    ratio = np.asarray(0.0 if damping.ratio is None else damping.ratio, dtype=np.float64)
-    if ratio.ndim and ratio.shape != (count,):
-        raise _bad(
-            "ratio",
-            f"one value or one for each of the {count} modes is needed, found {ratio.size}",
-            "Give one ratio for all modes, or ask for as many modes as there are ratios",
-        )
-    return np.broadcast_to(ratio, (count,))
-
-
-def _modal(damping: Damping, count: int) -> Array:
-    matrix = np.zeros((count, count)) if damping.modal is None else np.asarray(damping.modal, dtype=np.float64)
-    if matrix.shape != (count, count):
-        raise _bad(
-            "modal",
-            f"it must have a row and a column for each of the {count} modes, found {matrix.shape}",
-            "Ask for as many modes as it has rows",
-        )
-    return matrix
-
-
 def _require_losses(matrix: Array, scale: Array, name: str) -> None:
     """Refuse an indefinite modal matrix; `scale` (n,) makes a loss factor of what is on its diagonal, whatever the frequency."""
     loss = np.linalg.eigvalsh(matrix / np.outer(scale, scale))
@@ -183,42 +204,8 @@ def _require_losses(matrix: Array, scale: Array, name: str) -> None:
         )
 
 
-def _require_oscillating(viscous: Array, structural: Array, omega: Array) -> None:
-    ratio = equivalent_ratio(viscous, structural, omega)
-    if ratio.max(initial=0.0) < 1:
-        return
-    r = int(np.argmax(ratio >= 1))
-    problem = (
-        f"a mode must keep swinging, found the damping ratio {ratio[r]:.4g} for mode {r + 1} at {omega[r] / 2 / np.pi:.4g} Hz"
-    )
-    name = "viscous" if viscous[r, r] * omega[r] > structural[r, r] else "structural"
-    raise _bad(name, problem, "A ratio stays below 1: check the unit of its entries, or ask for fewer modes")
-
-
 def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
-
-
-def _check_ratio(ratio: Array) -> None:
-    if ratio.ndim > 1:
-        raise _bad(
-            "ratio", f"one value or a list of one per mode is needed, found shape {ratio.shape}", "Use `modal` for a matrix"
-        )
-    wrong = ~((ratio >= 0) & (ratio < 1))  # NaN is wrong too
-    if np.any(wrong):
-        found = np.atleast_1d(ratio)[np.atleast_1d(wrong)][0]
-        raise _bad(
-            "ratio", f"a damping ratio must be at least 0 and below 1, found {found:g}", "Give it as a fraction: 0.5 % is 0.005"
-        )
-
-
-def _check_loss_factor(part: str, eta: float) -> None:
-    if not 0 <= eta < 2:
-        raise _bad(
-            f"loss_factors.{part}",
-            f"a loss factor must be at least 0 and below 2, which is a damping ratio of 1, found {eta:g}",
-            "Give it as a fraction: steel about 0.001, silicone about 0.2",
-        )
 
 
 def _check_matrix(matrix: Array, name: str) -> None:

@@ -12,8 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fem import damping as fem_damping
-from fem.damping import Damping
+from fem.damping import Damping, damping_per_mode, default_damping, structural_matrix, viscous_matrix
 from fem.factorisers import Singular, factorise
 from fem.held_base import HeldBase, hold, restricted
 from fem.modes import Modes
@@ -30,7 +29,7 @@ WELL_CONDITIONED = 1e6
 """Up to this condition of its eigenvectors a complex modal stiffness is diagonalised once instead of solved line by line."""
 
 
-def modal(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = True) -> DynamicMass:
+def modal_dynamic_mass(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = True) -> DynamicMass:
     """Dynamic mass from `modes` at `frequency` (n,) [Hz], about their reference point (Eq. 8 in matrix form).
 
     Parameters
@@ -69,14 +68,20 @@ def direct(
     ValueError : damping per mode without `modes`.
     CheckFailed : a line lies on an undamped mode.
     """
-    damping = damping or fem_damping.default(structure)
+    damping = damping or default_damping(structure)
     held, C, S = (
         hold(structure),
-        fem_damping.viscous_matrix(damping, structure),
-        fem_damping.structural_matrix(damping, structure),
+        viscous_matrix(damping, structure),
+        structural_matrix(damping, structure),
     )
     C, S = (None if matrix is None else restricted(matrix, structure.free) for matrix in (C, S))
-    per_mode = _per_mode(damping, held, modes)
+    # M Phi (f, n) and the modal viscous matrix of ratios and `modal_dynamic_mass`, where damping has them
+    if damping.ratio is None and damping.modal is None:
+        per_mode: tuple[Array, Array] | None = None
+    else:
+        if modes is None:
+            raise ValueError("`modes` are needed where damping is given per mode")
+        per_mode = held.mass @ modes.shapes[held.free], damping_per_mode(damping, 2 * np.pi * modes.frequency)
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     elastic = [_line(held, omega, C, S, per_mode, factoriser) for omega in 2 * np.pi * lines]
     H = structure.rigid_mass + np.array(elastic).reshape(-1, 6, 6)
@@ -143,15 +148,6 @@ def _line(
         core = 1j * omega * modal_viscous
         X = X - Y @ np.linalg.solve(np.eye(len(core)) + core @ (B.T @ Y), core @ (B.T @ X))
     return np.asarray(omega**2 * (held.load.T @ X))
-
-
-def _per_mode(damping: Damping, held: HeldBase, modes: Modes | None) -> tuple[Array, Array] | None:
-    """M Phi (f, n) and the modal viscous matrix of ratios and `modal`, where damping has them."""
-    if damping.ratio is None and damping.modal is None:
-        return None
-    if modes is None:
-        raise ValueError("`modes` are needed where damping is given per mode")
-    return held.mass @ modes.shapes[held.free], fem_damping.per_mode(damping, 2 * np.pi * modes.frequency)
 
 
 def _finite(H: ComplexArray, lines: Array) -> ComplexArray:

@@ -51,7 +51,7 @@ class Singular(ArithmeticError):
 # It takes no pivots, so nothing indefinite: K - sigma M qualifies while sigma lies below the lowest eigenvalue.
 
 
-def cholmod_factorise(matrix: Sparse, definite: bool) -> Factor:
+def by_cholmod(matrix: Sparse, definite: bool) -> Factor:
     """Cholesky factor of a real positive definite matrix, of which only the lower triangle is read.
 
     Raises
@@ -59,8 +59,11 @@ def cholmod_factorise(matrix: Sparse, definite: bool) -> Factor:
     Singular : it is not positive definite.
     """
     from kvxopt import cholmod
+    from scipy.sparse import tril
 
-    lower = _lower(matrix)
+    entries, kvxopt = tril(matrix, format="coo"), _library()
+    row, column = (kvxopt.matrix(index.astype(np.int64)) for index in (entries.row, entries.col))
+    lower = kvxopt.spmatrix(kvxopt.matrix(np.asarray(entries.data, dtype=np.float64)), row, column, matrix.shape)
     factor = Cholmod(cholmod.symbolic(lower))
     try:
         cholmod.numeric(lower, factor._factor)
@@ -87,14 +90,6 @@ class Cholmod:
         return np.array(X).reshape(B.shape)
 
 
-def _lower(sparse: Sparse) -> Any:
-    from scipy.sparse import tril
-
-    entries, kvxopt = tril(sparse, format="coo"), _library()
-    row, column = (kvxopt.matrix(index.astype(np.int64)) for index in (entries.row, entries.col))
-    return kvxopt.spmatrix(kvxopt.matrix(np.asarray(entries.data, dtype=np.float64)), row, column, sparse.shape)
-
-
 def _library() -> Any:
     """kvxopt, whose own types know neither its matrices' names nor NumPy's arrays."""
     return import_module("kvxopt")
@@ -115,7 +110,7 @@ BYTES = {"superlu": 30.0, "cholmod": 30.0, "pardiso": 16.0}
 BETTER = 0.75
 """Fill of the factorisers' own orders as a share of what this dissection comes to."""
 
-COMPLEX = 2.0
+COMPLEX_FACTOR = 2.0
 LEAF = 60
 MIDDLE = (0.3, 0.7)
 """Where between the two ends of a piece its separator may lie."""
@@ -147,7 +142,7 @@ def require_memory(matrix: Sparse, name: str, leaner: str | None = None) -> None
 
 def predicted_bytes(matrix: Sparse, name: str) -> float:
     """Peak memory [B] that the factoriser `name` will take for `matrix`, to about a factor of 1.5."""
-    return BYTES[name] * (COMPLEX if matrix.dtype.kind == "c" else 1.0) * predicted_entries(matrix)
+    return BYTES[name] * (COMPLEX_FACTOR if matrix.dtype.kind == "c" else 1.0) * predicted_entries(matrix)
 
 
 def predicted_entries(matrix: Sparse) -> float:
@@ -199,7 +194,14 @@ def _dissected(graph: Sparse, weight: Integers) -> tuple[Integers, list[Integers
     order, ends = _levels(graph, int(order[-1]))
     if len(ends) < 3:
         return everything, []
-    first, last = _narrowest(np.append(0, np.cumsum(weight[order])[ends - 1]), ends)
+    # Bounds of the smallest level near the middle; `weights` are summed up to each level's end, from zero
+    weights = np.append(0, np.cumsum(weight[order])[ends - 1])
+    middle = (weights[:-1] + weights[1:]) / 2 / weights[-1]
+    near = (middle > MIDDLE[0]) & (middle < MIDDLE[1])
+    if not np.any(near):
+        near = np.abs(middle - 0.5) == np.abs(middle - 0.5).min()
+    narrowest = int(np.flatnonzero(near)[np.argmin(np.diff(weights)[near])])
+    first, last = int(ends[narrowest - 1]) if narrowest else 0, int(ends[narrowest])
     beyond = np.zeros(len(weight), dtype=np.int32)
     beyond[order[last:]] = 1
     level = order[first:last]
@@ -224,29 +226,15 @@ def _levels(graph: Sparse, start: int) -> tuple[Integers, Integers]:
     return order, np.array(ends)
 
 
-def _narrowest(weights: Integers, ends: Integers) -> tuple[int, int]:
-    """Bounds of the smallest level near the middle; `weights` are summed up to each level's end, from zero."""
-    middle = (weights[:-1] + weights[1:]) / 2 / weights[-1]
-    near = (middle > MIDDLE[0]) & (middle < MIDDLE[1])
-    if not np.any(near):
-        near = np.abs(middle - 0.5) == np.abs(middle - 0.5).min()
-    level = int(np.flatnonzero(near)[np.argmin(np.diff(weights)[near])])
-    return int(ends[level - 1]) if level else 0, int(ends[level])
-
-
 def _free_of_machine() -> float | None:
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
     except (OSError, StopIteration):
-        return _installed()
-
-
-def _installed() -> float | None:
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):
-        return None
+        try:
+            return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+        except (AttributeError, ValueError, OSError):
+            return None
 
 
 def _free_of_group() -> float | None:
@@ -267,7 +255,7 @@ def _gb(size: float) -> str:
 # pypardiso offers its own user the unsymmetric kind only. The symmetric kinds read the upper triangle and need half the memory.
 
 
-DEFINITE, INDEFINITE, PARDISO_COMPLEX = 2, -2, 6
+DEFINITE, INDEFINITE, COMPLEX = 2, -2, 6
 """Kinds of symmetric matrices in PARDISO's numbering (`mtype`)."""
 
 _ANALYSE_AND_FACTORISE, _SOLVE = 12, 33
@@ -276,7 +264,7 @@ _REFINEMENT, _ONLY_AFTER_POOR_PIVOTS = 8, 0
 """By default every solution is refined twice, which costs twice as much again and gains nothing on good pivots."""
 
 
-def pardiso_factorise(matrix: Sparse, definite: bool) -> Factor:
+def by_pardiso(matrix: Sparse, definite: bool) -> Factor:
     """Symmetric factors of a sparse matrix, of which only the upper triangle is read.
 
     Raises
@@ -286,8 +274,15 @@ def pardiso_factorise(matrix: Sparse, definite: bool) -> Factor:
     from pypardiso import PyPardisoSolver
     from pypardiso.pardiso_wrapper import PyPardisoError
 
-    kind = PARDISO_COMPLEX if matrix.dtype.kind == "c" else DEFINITE if definite else INDEFINITE
-    upper = _upper(matrix)
+    kind = COMPLEX if matrix.dtype.kind == "c" else DEFINITE if definite else INDEFINITE
+    from scipy.sparse import coo_array, csr_array, triu
+
+    # Upper triangle by rows, columns ascending, with every diagonal entry stored, be it zero: PARDISO wants it so
+    entries, every = triu(matrix, format="coo"), np.arange(matrix.shape[0])
+    values = np.append(entries.data, np.zeros(len(every), dtype=matrix.dtype))
+    places = np.append(entries.row, every), np.append(entries.col, every)
+    upper = csr_array(coo_array((values, places), shape=matrix.shape))
+    upper.sort_indices()
     solver = PyPardisoSolver(mtype=kind, phase=_ANALYSE_AND_FACTORISE)
     factor = Pardiso(solver, upper)
     try:
@@ -315,18 +310,6 @@ class Pardiso:
         self._solver.free_memory(everything=True)
 
 
-def _upper(sparse: Sparse) -> Sparse:
-    """Upper triangle by rows, columns ascending, with every diagonal entry stored, be it zero: PARDISO wants it so."""
-    from scipy.sparse import coo_array, csr_array, triu
-
-    entries, every = triu(sparse, format="coo"), np.arange(sparse.shape[0])
-    values = np.append(entries.data, np.zeros(len(every), dtype=sparse.dtype))
-    places = np.append(entries.row, every), np.append(entries.col, every)
-    upper = csr_array(coo_array((values, places), shape=sparse.shape))
-    upper.sort_indices()
-    return upper
-
-
 # SuperLU, which comes with SciPy: sparse LU of any regular matrix, real or complex.
 #
 # For a symmetric matrix the fill is ordered for A + A^T and the pivots are taken from the diagonal unless they are poor, which
@@ -337,7 +320,7 @@ DIAGONAL_PIVOT = 1e-3
 """A diagonal pivot is taken when it is at least this share of the largest entry of its column."""
 
 
-def superlu_factorise(matrix: Sparse, definite: bool) -> Factor:
+def by_superlu(matrix: Sparse, definite: bool) -> Factor:
     """Factors of a square sparse matrix; a promise of definiteness is of no use to it.
 
     Raises
@@ -375,9 +358,9 @@ SMALL = 10_000
 
 _LIBRARIES = {"superlu": "scipy", "cholmod": "kvxopt", "pardiso": "pypardiso"}
 _METHODS: dict[str, Callable[[Sparse, bool], Factor]] = {
-    "superlu": superlu_factorise,
-    "cholmod": cholmod_factorise,
-    "pardiso": pardiso_factorise,
+    "superlu": by_superlu,
+    "cholmod": by_cholmod,
+    "pardiso": by_pardiso,
 }
 
 
@@ -413,7 +396,10 @@ def choose(matrix: Sparse, definite: bool, name: str | None = None) -> str:
     BadInput : no such factoriser, its library is not installed, or it cannot serve a matrix of this kind.
     """
     if name is None:
-        return _best(matrix, definite)
+        if matrix.shape[0] <= SMALL:
+            return "superlu"
+        able = ("pardiso", "cholmod", "superlu") if _real_definite(matrix, definite) else ("pardiso", "superlu")
+        return next(name for name in able if name in installed())
     one_of(name, NAMES, source="factoriser", where="name")
     if name not in installed():
         raise BadInput(
@@ -430,13 +416,6 @@ def choose(matrix: Sparse, definite: bool, name: str | None = None) -> str:
             remedy="Use superlu or pardiso",
         )
     return name
-
-
-def _best(matrix: Sparse, definite: bool) -> str:
-    if matrix.shape[0] <= SMALL:
-        return "superlu"
-    able = ("pardiso", "cholmod", "superlu") if _real_definite(matrix, definite) else ("pardiso", "superlu")
-    return next(name for name in able if name in installed())
 
 
 def _real_definite(matrix: Sparse, definite: bool) -> bool:

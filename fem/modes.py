@@ -14,8 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem import damping as fem_damping
-from fem.damping import Damping
+from fem.damping import Damping, default_damping, equivalent_ratio, modal_matrices, structural_matrix, uniform_loss_factor
 from fem.factorisers import Factor, Singular, factorise
 from fem.held_base import HeldBase, check_connected, check_stiff, hold, restricted
 from fem.structure import Sparse, Structure
@@ -59,14 +58,6 @@ class Condensed:
     stiffness: ComplexArray
     participation: ComplexArray
     residual: ComplexArray
-
-
-def alike(loss_factor: float, squares: Array, participation: Array, residual: Array) -> Condensed:
-    """Where all parts have one loss factor, K (1 + i eta) couples nothing; `squares` (n,) [rad²/s²] are Omega²."""
-    turn = 1 + 1j * loss_factor
-    return Condensed(
-        stiffness=np.diag(turn * squares), participation=participation.astype(np.complex128), residual=np.asarray(residual / turn)
-    )
 
 
 def condensed(
@@ -184,7 +175,15 @@ def lowest(
     if size == 0:
         return Eigenpairs(values=np.zeros(0), vectors=np.zeros((0, 0)))
     if size <= DENSE or count > size // 4:
-        return _by_lapack(stiffness, mass, count, shift)
+        from scipy.linalg import LinAlgError, eigh
+
+        m = mass.toarray()
+        try:
+            theta, vectors = eigh(m, stiffness.toarray() - shift * m)
+        except LinAlgError:
+            raise _floats() from None
+        best = np.flatnonzero(theta > SEEN * theta[-1])[::-1][:count]
+        return _sorted(shift + 1 / theta[best], vectors[:, best] / np.sqrt(theta[best]))
     return _by_lanczos(stiffness, mass, count, shift, factoriser, progress or (lambda solved: None))
 
 
@@ -195,18 +194,6 @@ def floating_shift(stiffness: Sparse, mass: Sparse) -> float:
     """
     K, M = stiffness.diagonal(), mass.diagonal()
     return -1e-9 * float(np.median(K[M > 0] / M[M > 0]))
-
-
-def _by_lapack(K: Sparse, M: Sparse, count: int, shift: float) -> Eigenpairs:
-    from scipy.linalg import LinAlgError, eigh
-
-    m = M.toarray()
-    try:
-        theta, vectors = eigh(m, K.toarray() - shift * m)
-    except LinAlgError:
-        raise _floats() from None
-    best = np.flatnonzero(theta > SEEN * theta[-1])[::-1][:count]
-    return _sorted(shift + 1 / theta[best], vectors[:, best] / np.sqrt(theta[best]))
 
 
 def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str | None, progress: Progress) -> Eigenpairs:
@@ -222,7 +209,8 @@ def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str 
         if best <= MISSED / (pairs.values[-1] - shift):
             return replace(pairs, factor=factor)
         others = _iterated(K, M, count, shift, solve, pairs.vectors)
-        pairs = _lowest_of(pairs, others, count)
+        together = _sorted(np.append(pairs.values, others.values), np.hstack([pairs.vectors, others.vectors]))
+        pairs = Eigenpairs(values=together.values[:count], vectors=together.vectors[:, :count])
     frequency = np.sqrt(max(shift + 1 / best, 0.0)) / (2 * np.pi)
     raise CheckFailed(
         f"The eigenvalue iteration missed a mode near {frequency:.4g} Hz. Ask for a few more modes.", frequency_hz=frequency
@@ -249,11 +237,6 @@ def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[A
             "check that stiffness and mass are symmetric and in the same units.",
             found=len(error.eigenvalues),
         ) from None
-
-
-def _lowest_of(some: Eigenpairs, others: Eigenpairs, count: int) -> Eigenpairs:
-    together = _sorted(np.append(some.values, others.values), np.hstack([some.vectors, others.vectors]))
-    return Eigenpairs(values=together.values[:count], vectors=together.vectors[:, :count])
 
 
 def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array]) -> float:
@@ -379,7 +362,7 @@ def fixed_base(
 
     Parameters
     ----------
-    damping : by default the loss factors that the structure's parts bring, else one ratio for all (`fem.damping.default`)
+    damping : by default the loss factors that the structure's parts bring, else one ratio for all (`fem.damping.default_damping`)
     factoriser : name as in `fem.factorisers`; chosen by itself when None
     progress : hook of the eigenvalue iteration, see `fem.modes.Progress`
 
@@ -423,11 +406,11 @@ def with_damping(modes: Modes, structure: Structure, damping: Damping | None = N
 def _with_damping(
     modes: Modes, structure: Structure, damping: Damping | None, held: HeldBase, factor: Factor | None, factoriser: str | None
 ) -> Modes:
-    damping, omega = damping or fem_damping.default(structure), 2 * np.pi * modes.frequency
-    C, S = fem_damping.modal_matrices(damping, structure, omega, modes.shapes)
+    damping, omega = damping or default_damping(structure), 2 * np.pi * modes.frequency
+    C, S = modal_matrices(damping, structure, omega, modes.shapes)
     return replace(
         modes,
-        damping_ratio=fem_damping.equivalent_ratio(C, S, omega),
+        damping_ratio=equivalent_ratio(C, S, omega),
         viscous=C,
         structural=S,
         condensed=_condensed(modes, structure, damping, held, factor, factoriser),
@@ -437,13 +420,19 @@ def _with_damping(
 def _condensed(
     modes: Modes, structure: Structure, damping: Damping, held: HeldBase, factor: Factor | None, factoriser: str | None
 ) -> Condensed | None:
-    S = fem_damping.structural_matrix(damping, structure)
+    S = structural_matrix(damping, structure)
     if S is None or not held.free.size:
         return None
-    uniform = fem_damping.uniform_loss_factor(damping, structure)
+    uniform = uniform_loss_factor(damping, structure)
     if uniform is not None:
         squares = (2 * np.pi * modes.frequency) ** 2
-        return alike(uniform, squares, modes.participation, modes.residual)
+        # Where all parts have one loss factor, K (1 + i eta) couples nothing; `squares` (n,) [rad²/s²] are Omega²
+        turn = 1 + 1j * uniform
+        return Condensed(
+            stiffness=np.diag(turn * squares),
+            participation=modes.participation.astype(np.complex128),
+            residual=np.asarray(modes.residual / turn),
+        )
     greatest = max(damping.loss_factors.values())
     return condensed(held, restricted(S, held.free), greatest, modes.shapes[held.free], factor, factoriser)
 

@@ -8,7 +8,7 @@ import io
 import os
 import signal
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
@@ -35,18 +35,12 @@ OccShape = Any
 
 def solid(part: Part) -> OccShape:
     """The part as a CadQuery compound [mm], in the article's frame, its voids cut out."""
-    return _cut(_compound(part.shape.solids), part.shape.voids).moved(location(part.pose))
-
-
-def _cut(material: OccShape, voids: Iterable[Placed]) -> OccShape:
-    tools = [_placed(void) for void in voids]
-    return material.cut(*tools) if tools else material
-
-
-def _compound(solids: Iterable[Placed]) -> OccShape:
     from cadquery import Compound
 
-    return Compound.makeCompound([_placed(placed) for placed in solids])
+    material = Compound.makeCompound([_placed(placed) for placed in part.shape.solids])
+    tools = [_placed(void) for void in part.shape.voids]
+    cut = material.cut(*tools) if tools else material
+    return cut.moved(location(part.pose))
 
 
 def _placed(placed: Placed) -> OccShape:
@@ -118,16 +112,25 @@ def read(path: Path) -> tuple[Body, ...]:
         raise
     except Exception as error:  # OCC raises Standard_Failure and Python errors alike on corrupt files
         raise BadInput(source=source, problem=f"OCC cannot read it ({type(error).__name__})", remedy=_AGAIN) from error
-    bodies = _numbered([(label, solid) for label, shape in found for solid in shape.Solids()])
+    solids = [(label, solid) for label, shape in found for solid in shape.Solids()]
+    total, seen, bodies = Counter(label for label, _ in solids), Counter[str](), list[Body]()
+    for label, solid in solids:
+        seen[label] += 1
+        name = label if total[label] == 1 else f"{label}-{seen[label]}"
+        bodies.append(Body(name=name, label=label, solid=solid))
     if not bodies:
+        shapes = [shape for _, shape in found]
+        kinds = {"shell": "Shells", "face": "Faces", "wire": "Wires", "edge": "Edges", "vertex": "Vertices"}
+        counts = {kind: sum(len(getattr(shape, method)()) for shape in shapes) for kind, method in kinds.items()}
+        contents = ", ".join(f"{count} {kind}(s)" for kind, count in counts.items() if count) or "nothing"
         raise BadInput(
             source=source,
-            problem=f"it holds no solid body, only {_contents([shape for _, shape in found])}",
+            problem=f"it holds no solid body, only {contents}",
             remedy="Export solids; surfaces must be closed and made solid in the CAD first",
         )
     for body in bodies:
         _require_sound(body, source)
-    return bodies
+    return tuple(bodies)
 
 
 def moved(solid: OccShape, pose: Pose) -> OccShape:
@@ -165,15 +168,11 @@ def _survived(path: Path) -> bool:
         signal.alarm(TIME_LIMIT)
         for _, shape in _leaves(path):
             for solid in shape.Solids():
-                _rehearse(solid)
+                solid.isValid()
+                solid.Volume()
+                solid.tessellate(1e-3 * solid.BoundingBox().DiagonalLength, 0.5)
     finally:
         os._exit(0)  # what the child found wrong without dying is found again, and said, by the parent
-
-
-def _rehearse(solid: OccShape) -> None:
-    solid.isValid()
-    solid.Volume()
-    solid.tessellate(1e-3 * solid.BoundingBox().DiagonalLength, 0.5)
 
 
 def _leaves(path: Path) -> list[tuple[str, OccShape]]:
@@ -230,21 +229,6 @@ def _name(label: Any) -> str:
 
     attribute = TDataStd_Name()
     return str(attribute.Get().ToExtString()).strip() if label.FindAttribute(TDataStd_Name.GetID_s(), attribute) else ""
-
-
-def _numbered(found: list[tuple[str, OccShape]]) -> tuple[Body, ...]:
-    total, seen, bodies = Counter(label for label, _ in found), Counter[str](), []
-    for label, solid in found:
-        seen[label] += 1
-        name = label if total[label] == 1 else f"{label}-{seen[label]}"
-        bodies.append(Body(name=name, label=label, solid=solid))
-    return tuple(bodies)
-
-
-def _contents(shapes: list[OccShape]) -> str:
-    kinds = {"shell": "Shells", "face": "Faces", "wire": "Wires", "edge": "Edges", "vertex": "Vertices"}
-    counts = {kind: sum(len(getattr(shape, method)()) for shape in shapes) for kind, method in kinds.items()}
-    return ", ".join(f"{count} {kind}(s)" for kind, count in counts.items() if count) or "nothing"
 
 
 def _require_sound(body: Body, source: str) -> None:

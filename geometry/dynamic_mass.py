@@ -45,7 +45,14 @@ class DynamicMass:
     def __post_init__(self) -> None:
         frequency = np.asarray(self.frequency, dtype=np.float64)
         object.__setattr__(self, "frequency", frozen(frequency, (frequency.size,), "frequency"))
-        object.__setattr__(self, "matrix", _frozen_complex(self.matrix, (frequency.size, 6, 6)))
+        shape = (frequency.size, 6, 6)
+        array = np.array(self.matrix, dtype=np.complex128)
+        if array.shape != shape:
+            raise ValueError(f"`matrix` must have shape {shape}, found {array.shape}")
+        if not np.all(np.isfinite(array)):
+            raise ValueError("`matrix` must be finite")
+        array.setflags(write=False)
+        object.__setattr__(self, "matrix", array)
         object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
         if frequency.size and (frequency[0] < 0 or np.any(np.diff(frequency) <= 0)):
             raise ValueError("`frequency` must ascend and not be negative")
@@ -58,13 +65,3 @@ class DynamicMass:
         new = np.asarray(point, dtype=np.float64)
         T = rigid_transformation_6(self.reference_point - new)
         return DynamicMass(frequency=self.frequency, matrix=T.T @ self.matrix @ T, reference_point=new)
-
-
-def _frozen_complex(value: npt.ArrayLike, shape: tuple[int, ...]) -> ComplexArray:
-    array = np.array(value, dtype=np.complex128)
-    if array.shape != shape:
-        raise ValueError(f"`matrix` must have shape {shape}, found {array.shape}")
-    if not np.all(np.isfinite(array)):
-        raise ValueError("`matrix` must be finite")
-    array.setflags(write=False)
-    return array

@@ -271,7 +271,17 @@ def judge(inertia: Inertia, rounding: float = ROUNDING) -> Consistency:
         return Consistency(kind=Kind.UNPHYSICAL, text=text, margin=np.full(3, np.nan), rounding=zero)
     moments, _ = inertia.principal()
     margin = np.sort(moments.sum() - 2 * moments)
-    return Consistency(kind=_kind(margin, zero), text=_sentence(moments, margin, zero), margin=margin, rounding=zero)
+    shown = ", ".join(f"{moment:.6g}" for moment in moments)
+    if margin[0] < -zero:
+        sentence = (
+            f"principal moments {shown} kg m² break the triangle inequality by {-margin[0]:.3g} kg m² "
+            "(the largest exceeds the sum of the others)"
+        )
+    elif margin[0] <= zero:
+        sentence = f"principal moments {shown} kg m² lie on the boundary: a point mass, rod or lamina"
+    else:
+        sentence = f"principal moments {shown} kg m² satisfy the triangle inequality"
+    return Consistency(kind=_kind(margin, zero), text=sentence, margin=margin, rounding=zero)
 
 
 def require_physical(inertia: Inertia, source: str, rounding: float = ROUNDING) -> Inertia:
@@ -296,18 +306,6 @@ def _kind(margin: Array, zero: float) -> Kind:
     if margin[0] < -zero:
         return Kind.UNPHYSICAL
     return Kind.BODY if margin[0] > zero else Kind.IDEAL
-
-
-def _sentence(moments: Array, margin: Array, zero: float) -> str:
-    shown = ", ".join(f"{moment:.6g}" for moment in moments)
-    if margin[0] < -zero:
-        return (
-            f"principal moments {shown} kg m² break the triangle inequality by {-margin[0]:.3g} kg m² "
-            "(the largest exceeds the sum of the others)"
-        )
-    if margin[0] <= zero:
-        return f"principal moments {shown} kg m² lie on the boundary: a point mass, rod or lamina"
-    return f"principal moments {shown} kg m² satisfy the triangle inequality"
 
 
 # Can the six base motions and the six resultants be told from the channels, how well, and what is missing by name?
@@ -361,7 +359,15 @@ def of_resultants(table: ChannelTable, groups: Sequence[str] = ("fmd",)) -> Obse
     """
     channels = _chosen(table, groups, ("force", "moment"))
     lever = _lever(table, channels)
-    return _judged(channels, resultants(channels, table.origin).T, LOADS, lever, _lost_in_sums(table, channels, lever))
+    # Resultants that depend on how the cells of one channel share its reading
+    if not channels:
+        lost_in_sums: tuple[str, ...] = ()
+    else:
+        of = summation(channels, table.origin)
+        scale = np.array([1, 1, 1, lever, lever, lever])
+        left = np.abs(of.gives - resultants(channels, table.origin) @ of.adds).max(axis=1) / scale
+        lost_in_sums = tuple(name for name, size in zip(LOADS, left, strict=True) if size > LOST)
+    return _judged(channels, resultants(channels, table.origin).T, LOADS, lever, lost_in_sums)
 
 
 def _chosen(table: ChannelTable, groups: Sequence[str], quantities: Sequence[str]) -> list[Channel]:
@@ -374,16 +380,6 @@ def _lever(table: ChannelTable, channels: Sequence[Channel]) -> float:
     return length or 1.0
 
 
-def _lost_in_sums(table: ChannelTable, channels: Sequence[Channel], lever: float) -> tuple[str, ...]:
-    """Resultants that depend on how the cells of one channel share its reading."""
-    if not channels:
-        return ()
-    of = summation(channels, table.origin)
-    scale = np.array([1, 1, 1, lever, lever, lever])
-    left = np.abs(of.gives - resultants(channels, table.origin) @ of.adds).max(axis=1) / scale
-    return tuple(name for name, size in zip(LOADS, left, strict=True) if size > LOST)
-
-
 def _judged(channels: Sequence[Channel], rows: Array, names: Sequence[str], lever: float, lost: tuple[str, ...]) -> Observability:
     scale = np.array([1, 1, 1, lever, lever, lever])
     _, singular, Vt = np.linalg.svd(np.vstack([rows / scale, np.zeros((6, 6))]), full_matrices=False)
@@ -394,25 +390,22 @@ def _judged(channels: Sequence[Channel], rows: Array, names: Sequence[str], leve
     rank -= len([name for name in lost if share[list(names).index(name)] <= 1e-3])
     condition = float(singular[0] / singular[-1]) if rank == 6 else float("inf")
     in_order = tuple(name for name in names if name in missing)
+    directions = null / scale
+    if rank == 6:
+        words = f"all six are told apart, condition {condition:.3g}"
+    else:
+        summed = f"; a sum of cells that do not lie on one line of action hides {', '.join(lost)}" if lost else ""
+        mixed = len(directions) < len([name for name in in_order if name not in lost])
+        combined = f" ({combination(directions[0], names)} is seen by no channel)" if mixed and len(directions) == 1 else ""
+        words = f"only {rank} of six are told apart: {', '.join(in_order)} cannot be told{combined}{summed}"
     return Observability(
         channels=tuple(channel.name for channel in channels),
         rank=rank,
         condition=condition,
         lever=lever,
         missing=in_order,
-        text=_words(rank, condition, in_order, null / scale, names, lost),
+        text=words,
     )
-
-
-def _words(
-    rank: int, condition: float, missing: tuple[str, ...], null: Array, names: Sequence[str], lost: tuple[str, ...]
-) -> str:
-    if rank == 6:
-        return f"all six are told apart, condition {condition:.3g}"
-    summed = f"; a sum of cells that do not lie on one line of action hides {', '.join(lost)}" if lost else ""
-    mixed = len(null) < len([name for name in missing if name not in lost])
-    combined = f" ({combination(null[0], names)} is seen by no channel)" if mixed and len(null) == 1 else ""
-    return f"only {rank} of six are told apart: {', '.join(missing)} cannot be told{combined}{summed}"
 
 
 def combination(vector: Array, names: Sequence[str]) -> str:

@@ -232,19 +232,6 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
         inconsistently, inside-out, self-intersecting, or made of pieces that overlap.
     """
     mesh = merged(mesh)
-    _require_extent(mesh, source)
-    _require_areas(mesh, source, unit)
-    _require_single_faces(mesh, source, unit)
-    found = edges(mesh)
-    _require_watertight(mesh, found, source, unit)
-    _require_one_outside(mesh, found, source, unit)
-    return _require_simple(mesh, source, unit)
-
-
-# --- triangles ------------------------------------------------------------------------------------------------------------
-
-
-def _require_extent(mesh: TriangleMesh, source: str) -> None:
     if not len(mesh.faces):
         raise BadInput(source=source, problem="the mesh has no faces", remedy="Export the body again as a triangle mesh")
     corners = mesh.triangles.reshape(-1, 3)
@@ -255,9 +242,6 @@ def _require_extent(mesh: TriangleMesh, source: str) -> None:
             problem=f"the mesh is flat: all its {len(mesh.faces)} faces lie in one plane, so that it encloses no volume",
             remedy="Export the body, not one of its faces or its drawing",
         )
-
-
-def _require_areas(mesh: TriangleMesh, source: str, unit: LengthUnit) -> None:
     t = mesh.triangles
     sides = t - np.roll(t, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
@@ -270,17 +254,29 @@ def _require_areas(mesh: TriangleMesh, source: str, unit: LengthUnit) -> None:
             f"at {_places(t[degenerate].mean(axis=1), unit)}",
             remedy="Merge doubled vertices and remove degenerate faces in the program that made the mesh, then export it again",
         )
-
-
-def _require_single_faces(mesh: TriangleMesh, source: str, unit: LengthUnit) -> None:
     _, first, count = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True, return_counts=True)
     doubled = first[count > 1]
     if doubled.size:
+        middles: Array = mesh.triangles[doubled].mean(axis=1)
         raise BadInput(
             source=source,
-            problem=f"{_count(doubled.size, 'face')} given more than once, at {_places(_middles(mesh, doubled), unit)}",
+            problem=f"{_count(doubled.size, 'face')} given more than once, at {_places(middles, unit)}",
             remedy="Remove the doubled faces; if the body was exported twice, export it once",
         )
+    found = edges(mesh)
+    _require_watertight(mesh, found, source, unit)
+    broken = found.turns != 0
+    if broken.any():
+        raise BadInput(
+            source=source,
+            problem=f"the faces disagree on what is outside along {_count(broken.sum(), 'edge')}, "
+            f"at {_places(mesh.vertices[found.ends[broken]].mean(axis=1), unit)}",
+            remedy="Make the normals consistent (all outwards) in the program that made the mesh and export it again",
+        )
+    return _require_simple(mesh, source, unit)
+
+
+# --- triangles ------------------------------------------------------------------------------------------------------------
 
 
 # --- edges ----------------------------------------------------------------------------------------------------------------
@@ -304,32 +300,17 @@ def _require_watertight(mesh: TriangleMesh, found: Edges, source: str, unit: Len
     )
 
 
-def _require_one_outside(mesh: TriangleMesh, found: Edges, source: str, unit: LengthUnit) -> None:
-    broken = found.turns != 0
-    if broken.any():
-        raise BadInput(
-            source=source,
-            problem=f"the faces disagree on what is outside along {_count(broken.sum(), 'edge')}, "
-            f"at {_places(mesh.vertices[found.ends[broken]].mean(axis=1), unit)}",
-            remedy="Make the normals consistent (all outwards) in the program that made the mesh and export it again",
-        )
-
-
 def _clusters(mesh: TriangleMesh, ends: Integers, what: str, unit: LengthUnit) -> str:
     """Where the edges (n, 2) are: `` in 2 holes: 3 edges within (..) to (..); ...``."""
     if not ends.size:
         return ""
-    clusters = _connected(ends)
-    where = (f"{_count(len(edge), 'edge')} within {_box(mesh.vertices[edge.reshape(-1)], unit)}" for edge in clusters)
-    return f" in {_count(len(clusters), what)}: {_listed(where, len(clusters))}"
-
-
-def _connected(ends: Integers) -> list[Integers]:
-    """The edges (n, 2) gathered into connected lines, the longest first."""
+    # The edges (n, 2) gathered into connected lines, the longest first
     vertices, index = np.unique(ends, return_inverse=True)
     index = index.reshape(-1, 2)
     label = connected(index, len(vertices))[index[:, 0]]
-    return sorted((ends[label == number] for number in range(label.max() + 1)), key=len, reverse=True)
+    clusters = sorted((ends[label == number] for number in range(label.max() + 1)), key=len, reverse=True)
+    where = (f"{_count(len(edge), 'edge')} within {_box(mesh.vertices[edge.reshape(-1)], unit)}" for edge in clusters)
+    return f" in {_count(len(clusters), what)}: {_listed(where, len(clusters))}"
 
 
 # --- pieces ---------------------------------------------------------------------------------------------------------------
@@ -340,9 +321,25 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
     pairs = intersecting_faces(mesh)
     within = label[pairs[:, 0]] == label[pairs[:, 1]]
     _require_no_crossing(mesh, pairs[within], source, unit)
-    _require_orientation(bodies, source, unit)
+    volumes = np.array([body.volume for body in bodies])
+    if np.all(volumes <= 0):
+        raise BadInput(
+            source=source,
+            problem=f"the mesh is inside-out: its normals point inwards, its volume comes out as {_volume(volumes.sum(), unit)}",
+            remedy="Flip the normals (reverse the faces) in the program that made the mesh and export it again",
+        )
     touching = np.unique(np.sort(label[pairs[~within]], axis=1), axis=0)
-    _require_nested_cavities(bodies, touching, source, unit)
+    # Around a body there must be nothing, around a cavity material, as far as they do not touch
+    for number, body in enumerate(bodies):
+        contacts = set(touching[(touching == number).any(axis=1)].reshape(-1).tolist())
+        apart = [other for index, other in enumerate(bodies) if index != number and index not in contacts]
+        around = winding_number(joined(*apart), body.vertices[0]) if apart else 0
+        if body.volume < 0 and contacts:
+            raise _misplaced(body, number, "touches or crosses another piece", source, unit)
+        if body.volume < 0 and around != 1:
+            raise _misplaced(body, number, "does not lie within another piece", source, unit)
+        if body.volume > 0 and around != 0:
+            raise _overlap(f"piece {number + 1} lies within another piece", body.volume, body.vertices, source, unit)
     return tuple(
         warning for first, second in touching if (warning := _contact(bodies, int(first), int(second), source, unit)) is not None
     )
@@ -356,30 +353,6 @@ def _require_no_crossing(mesh: TriangleMesh, pairs: Integers, source: str, unit:
             f"within {_box(mesh.triangles[pairs].reshape(-1, 3), unit)}",
             remedy="Unite the crossing surfaces in the program that made the mesh and export it again",
         )
-
-
-def _require_orientation(bodies: tuple[TriangleMesh, ...], source: str, unit: LengthUnit) -> None:
-    volumes = np.array([body.volume for body in bodies])
-    if np.all(volumes <= 0):
-        raise BadInput(
-            source=source,
-            problem=f"the mesh is inside-out: its normals point inwards, its volume comes out as {_volume(volumes.sum(), unit)}",
-            remedy="Flip the normals (reverse the faces) in the program that made the mesh and export it again",
-        )
-
-
-def _require_nested_cavities(bodies: tuple[TriangleMesh, ...], touching: Integers, source: str, unit: LengthUnit) -> None:
-    """Around a body there must be nothing, around a cavity material, as far as they do not touch."""
-    for number, body in enumerate(bodies):
-        contacts = set(touching[(touching == number).any(axis=1)].reshape(-1).tolist())
-        apart = [other for index, other in enumerate(bodies) if index != number and index not in contacts]
-        around = winding_number(joined(*apart), body.vertices[0]) if apart else 0
-        if body.volume < 0 and contacts:
-            raise _misplaced(body, number, "touches or crosses another piece", source, unit)
-        if body.volume < 0 and around != 1:
-            raise _misplaced(body, number, "does not lie within another piece", source, unit)
-        if body.volume > 0 and around != 0:
-            raise _overlap(f"piece {number + 1} lies within another piece", body.volume, body.vertices, source, unit)
 
 
 def _contact(bodies: tuple[TriangleMesh, ...], first: int, second: int, source: str, unit: LengthUnit) -> str | None:
@@ -436,11 +409,6 @@ def _box(points: Array, unit: LengthUnit) -> str:
     return f"{unit.shown(points.min(axis=0))} to {unit.shown(points.max(axis=0))}"
 
 
-def _middles(mesh: TriangleMesh, faces: Integers) -> Array:
-    middles: Array = mesh.triangles[faces].mean(axis=1)
-    return middles
-
-
 def _volume(volume: float, unit: LengthUnit) -> str:
     return f"{volume / unit.metres**3:.6g} {unit.name}³"
 
@@ -448,7 +416,7 @@ def _volume(volume: float, unit: LengthUnit) -> str:
 # STL, PLY and OBJ files: bare numbers that become lengths only with a unit.
 
 
-ENDINGS = (".stl", ".ply", ".obj")
+MESH_ENDINGS = (".stl", ".ply", ".obj")
 """What can be read, upper or lower case."""
 
 _STATED = re.compile(r"\bunits?\s*[:=]\s*([A-Za-z]+)", re.IGNORECASE)
@@ -464,7 +432,7 @@ class MeshFile(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def read(path: Path, unit: str | None = None) -> MeshFile:
+def read_mesh(path: Path, unit: str | None = None) -> MeshFile:
     """The mesh in `path`, its numbers taken in `unit`, or in the unit that the file states in a comment.
 
     Raises
@@ -473,38 +441,28 @@ def read(path: Path, unit: str | None = None) -> MeshFile:
     """
     content = path.read_bytes()
     ending = path.suffix.lower()
-    meant = _unit(content, ending, unit, str(path))
-    mesh = scaled(_parsed(content, ending, str(path)), meant.metres)
-    return MeshFile(mesh=mesh, unit=meant, warnings=doubts(float(np.ptp(mesh.bounds, axis=0).max()), str(path), meant))
-
-
-def _unit(content: bytes, ending: str, given: str | None, source: str) -> LengthUnit:
-    stated = _stated(content, ending)
-    if given is None and stated is None:
+    source = str(path)
+    # The unit that the file's own comments name, if any
+    comments = b"\n".join(_COMMENT[ending].findall(content[:4096])).decode("latin-1")
+    found = _STATED.search(comments)
+    stated = found.group(1) if found else None
+    if unit is None and stated is None:
         raise BadInput(
             source=source,
             field="unit",
             problem="the file does not say in which unit its lengths are, and none was given",
             remedy=f"Give one of {', '.join(UNITS)}",
         )
-    if given is None or stated is None:
-        return length_unit(given or stated or "", source)
-    meant = length_unit(given, source)
-    if meant != length_unit(stated, source):
+    meant = length_unit((stated if unit is None else unit) or "", source)
+    if unit is not None and stated is not None and meant != length_unit(stated, source):
         raise BadInput(
             source=source,
             field="unit",
             problem=f"the unit given is {meant.name}, but the file says of itself that its unit is {stated}",
             remedy="Leave the unit out to believe the file, or correct the file's comment",
         )
-    return meant
-
-
-def _stated(content: bytes, ending: str) -> str | None:
-    """The unit that the file's own comments name, if any."""
-    comments = b"\n".join(_COMMENT[ending].findall(content[:4096])).decode("latin-1")
-    found = _STATED.search(comments)
-    return found.group(1) if found else None
+    mesh = scaled(_parsed(content, ending, str(path)), meant.metres)
+    return MeshFile(mesh=mesh, unit=meant, warnings=doubts(float(np.ptp(mesh.bounds, axis=0).max()), str(path), meant))
 
 
 def _parsed(content: bytes, ending: str, source: str) -> TriangleMesh:

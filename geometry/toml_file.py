@@ -29,7 +29,7 @@ FORMAT = 1
 DEEPEST = 20
 """Levels of tables and lists in each other: no file of ours needs five, and beyond hundreds Python's own stack ends."""
 
-LARGEST = 1e300
+LARGEST_INTEGER = 1e300
 """A whole number beyond is no number that can be calculated with."""
 
 
@@ -108,7 +108,7 @@ def _refused_constant(word: str) -> None:
 
 def _require_plain(value: Any, source: str, levels: int) -> None:
     """Refuse what no reader behind this door could as much as print."""
-    if isinstance(value, int) and abs(value) > LARGEST:
+    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
         raise BadInput(source=source, problem="it holds a whole number of hundreds of digits", remedy="Correct it")
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     if inner and not levels:
@@ -303,7 +303,7 @@ SI_UNITS = {
 FIRST_ORDER_LIMIT = 0.1
 """Relative tolerance above which first order is doubtful: the neglected terms are of the order of its square, 1 %."""
 
-QUANTITIES_LARGEST = 1e15
+LARGEST_QUANTITY = 1e15
 """In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
 the rounding that another program leaves of a zero, and is read as zero."""
 
@@ -327,7 +327,9 @@ def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = 
     """
     match = _QUANTITY.fullmatch(text.strip()) if isinstance(text, str) else None
     if match is None:
-        raise _not_a_quantity(text, dimension, source, field)
+        if isinstance(text, int | float) and not isinstance(text, bool):
+            raise _refused(f"{_a(dimension)} needs its unit, found the bare number {text!r}", dimension, source, field)
+        raise _refused(f"{_a(dimension)} cannot be read from {text!r}", dimension, source, field)
     first, last = match["unit"], match["last"]
     unit = first or last
     if unit is None and dimension != "ratio":
@@ -344,7 +346,7 @@ def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = 
         raise _refused(f"the tolerance needs its unit too, found {text!r}", dimension, source, field)
     if width < 0 or not math.isfinite(value + width):
         raise _refused(f"a tolerance must not be negative and all must be finite, found {text!r}", dimension, source, field)
-    if max(abs(value), width) >= QUANTITIES_LARGEST:
+    if max(abs(value), width) >= LARGEST_QUANTITY:
         raise _refused(f"no measured {dimension} has this size, found {text!r}", dimension, source, field)
     return tagged(_nothing_less(value), _nothing_less(width), name or field)
 
@@ -369,7 +371,7 @@ def doubtful_at_first_order(value: float, tolerance: float) -> bool:
 
 
 def _nothing_less(size: float) -> float:
-    return size if abs(size) > 1 / QUANTITIES_LARGEST else 0.0
+    return size if abs(size) > 1 / LARGEST_QUANTITY else 0.0
 
 
 @cache
@@ -408,12 +410,6 @@ def _described(dimensionality: Any) -> str:
 
 def _a(name: str) -> str:
     return f"an {name}" if name[0] in "aeiou" else f"a {name}"
-
-
-def _not_a_quantity(text: Any, dimension: str, source: str, field: str) -> BadInput:
-    if isinstance(text, int | float) and not isinstance(text, bool):
-        return _refused(f"{_a(dimension)} needs its unit, found the bare number {text!r}", dimension, source, field)
-    return _refused(f"{_a(dimension)} cannot be read from {text!r}", dimension, source, field)
 
 
 def _refused(problem: str, dimension: str, source: str, field: str) -> BadInput:

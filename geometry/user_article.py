@@ -10,15 +10,24 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from geometry import mesh as geometry_mesh
 from geometry import toml_file
 from geometry.article import Material, material
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rotation_about
 from geometry.inertia import Inertia
-from geometry.mesh import SLIVER, TriangleMesh, bodies, inertia_unchecked, placed, require_closed_volume, shared_volume
+from geometry.mesh import (
+    MESH_ENDINGS,
+    SLIVER,
+    TriangleMesh,
+    bodies,
+    inertia_unchecked,
+    placed,
+    read_mesh,
+    require_closed_volume,
+    shared_volume,
+)
 from geometry.routes import Agreement, held_together, missing_mass, rounding, single
-from geometry.toml_file import MILLIMETRE, LengthUnit, doubts, length_unit, quantity
+from geometry.toml_file import MILLIMETRE, doubts, length_unit, quantity
 
 if TYPE_CHECKING:
     from geometry import cad
@@ -128,7 +137,12 @@ def read(path: Path) -> Description:
     if not isinstance(entries, list) or not entries:
         raise BadInput(source=source, field="part", problem="there is no part", remedy="Add a [[part]] with name and file")
     parts = tuple(_part(entry, number, path, own) for number, entry in enumerate(entries, start=1))
-    _require_unique([part.name for part in parts], source)
+    names = [part.name for part in parts]
+    for name in names:
+        if names.count(name) > 1:
+            raise BadInput(
+                source=source, field="part.name", problem=f"{name!r} names more than one part", remedy="Give each its own name"
+            )
     return Description(name=_text(article, "name", source, "article") or path.resolve().parent.name, parts=parts)
 
 
@@ -198,23 +212,26 @@ def _own_material(name: str, entry: Any, source: str) -> Material:
     toml_file.require_known(table, ("density", *_ELASTIC), source=source, where=where)
     if "density" not in table:
         raise BadInput(source=source, field=f"{where}.density", problem="is missing", remedy='Add density = "7800 kg/m^3"')
-    elastic = {key: _elastic(key, table[key], source, f"{where}.{key}") for key in _ELASTIC if key in table}
+    elastic = {}
+    for key in _ELASTIC:
+        if key in table:
+            # A modulus [Pa], Poisson's ratio or loss factor, within its range
+            value = table[key]
+            place = f"{where}.{key}"
+            dimension, lowest, highest, example = _ELASTIC[key]
+            text = (
+                str(value) if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool) else value
+            )
+            found = quantity(text, dimension, source=source, field=place).nominal_value
+            if not lowest < found < highest:
+                raise BadInput(
+                    source=source,
+                    field=place,
+                    problem=f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}",
+                    remedy=f"Steel has {example}",
+                )
+            elastic[key] = float(found)
     return Material(name=name, density=density(table["density"], source, f"{where}.density"), **elastic)
-
-
-def _elastic(key: str, value: Any, source: str, where: str) -> float:
-    """A modulus [Pa], Poisson's ratio or loss factor, within its range."""
-    dimension, lowest, highest, example = _ELASTIC[key]
-    text = str(value) if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool) else value
-    found = quantity(text, dimension, source=source, field=where).nominal_value
-    if not lowest < found < highest:
-        raise BadInput(
-            source=source,
-            field=where,
-            problem=f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}",
-            remedy=f"Steel has {example}",
-        )
-    return float(found)
 
 
 def _materials(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> dict[str, Material]:
@@ -264,14 +281,6 @@ def _text(table: dict[str, Any], key: str, source: str, where: str) -> str | Non
 
 def _wrong(found: Any, wanted: str, source: str, where: str) -> BadInput:
     return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy="Correct it")
-
-
-def _require_unique(names: list[str], source: str) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise BadInput(
-                source=source, field="part.name", problem=f"{name!r} names more than one part", remedy="Give each its own name"
-            )
 
 
 # `UserPart` and `UserArticle`: bodies as files have them, where `geometry.article` has drawings of primitives.
@@ -400,7 +409,7 @@ RELATIVE_CHORD = 1e-4
 """Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
 
 STEP_ENDINGS = (".step", ".stp")
-ENDINGS = (*STEP_ENDINGS, *geometry_mesh.ENDINGS, ".toml")
+ENDINGS = (*STEP_ENDINGS, *MESH_ENDINGS, ".toml")
 """Files that can be an article, upper or lower case; a folder stands for the ``article.toml`` in it."""
 
 
@@ -419,7 +428,16 @@ def load(path: str | Path, *, unit: str | None = None, material: str | None = No
     path = require_file(path)
     given = None if material is None else made_of(material, "--material")
     if path.suffix.lower() == ".toml":
-        return _described(path, unit, given, chord)
+        # The article that `path` describes; `unit` and `given` go to the parts that state none
+        found = read(path)
+        bodies_read: list[UserPart] = []
+        noticed: list[str] = []
+        for entry in found.parts:
+            default = None if entry.file.suffix.lower() in STEP_ENDINGS else unit
+            there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or given), chord)
+            bodies_read += there
+            noticed += said
+        return _finished(found.name, tuple(bodies_read), f"{found.name}: read from {path.name}.", tuple(noticed))
     parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given), chord)
     return _finished(path.stem, parts, f"{path.stem}: read from {path.name}.", warnings)
 
@@ -435,7 +453,21 @@ def require_file(path: str | Path) -> Path:
     if not path.exists():
         raise BadInput(source=str(path), problem="there is no such file or folder", remedy="Check the path")
     if path.is_dir():
-        return _description_in(path)
+        there = path / DESCRIPTION
+        if there.is_file():
+            return there
+        parts = sorted(file for file in path.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *MESH_ENDINGS))
+        if not parts:
+            raise BadInput(
+                source=str(path),
+                problem=f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})",
+                remedy="Check the path",
+            )
+        raise BadInput(
+            source=str(path),
+            problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
+            remedy=f"Put this into {there}, corrected:\n\n{template(path.name, parts)}\nThen try again",
+        )
     if not path.is_file():
         raise BadInput(source=str(path), problem="it is a device or a pipe, where a file is needed", remedy="Check the path")
     if path.suffix.lower() not in ENDINGS:
@@ -448,19 +480,6 @@ def _unreadable(path: Path) -> BadInput:
     return BadInput(source=str(path), problem=problem, remedy=f"Give one of {', '.join(ENDINGS)}")
 
 
-def _described(path: Path, unit: str | None, material: Material | None, chord: float | None) -> UserArticle:
-    """The article that `path` describes; `unit` and `material` go to the parts that state none."""
-    found = read(path)
-    parts: list[UserPart] = []
-    warnings: list[str] = []
-    for entry in found.parts:
-        default = None if entry.file.suffix.lower() in STEP_ENDINGS else unit
-        there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or material), chord)
-        parts += there
-        warnings += said
-    return _finished(found.name, tuple(parts), f"{found.name}: read from {path.name}.", tuple(warnings))
-
-
 def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:
     return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(name, parts)))
 
@@ -469,36 +488,44 @@ def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...],
     """The bodies that one entry stands for, and what was noticed."""
     ending = entry.file.suffix.lower()
     if ending in STEP_ENDINGS:
-        parts = _from_step(entry, chord)
+        from geometry import cad
+
+        if entry.unit is not None:
+            raise BadInput(
+                source=str(entry.file),
+                field="unit",
+                problem=f"a STEP file states its own unit, and {entry.unit!r} was given beside it",
+                remedy="Leave the unit out",
+            )
+        found = cad.read(entry.file)
+        if entry.body is not None:
+            chosen = tuple(body for body in found if entry.body in (body.name, body.label))
+            found = chosen or _no_body(entry, [body.name for body in found])
+        materials = {body.name: entry.materials.get(body.name, entry.materials.get(body.label, entry.material)) for body in found}
+        names = {name for body in found for name in (body.name, body.label)}
+        for name in entry.materials:
+            if name not in names:
+                _no_body(entry, sorted(names), name)
+        missing = [name for name, found in materials.items() if found is None]
+        if missing:
+            rows = ", ".join(f'"{name}" = "..."' for name in missing)
+            raise BadInput(
+                source=str(entry.file),
+                field="material",
+                problem=f"no material is given for {', '.join(missing)}",
+                remedy=f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
+                f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}',
+            )
+        made_of_it = ((body, materials[body.name]) for body in found)
+        parts = tuple(_of_solid(entry, body, _name(entry, body, len(found)), made, chord) for body, made in made_of_it if made)
         corners = np.vstack([part.mesh.bounds for part in parts])
         return parts, doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
-    if ending in geometry_mesh.ENDINGS:
+    if ending in MESH_ENDINGS:
         return _from_mesh(entry)
     raise _unreadable(entry.file)
 
 
 # --- STEP -----------------------------------------------------------------------------------------------------------------
-
-
-def _from_step(entry: PartEntry, chord: float | None) -> tuple[UserPart, ...]:
-    from geometry import cad
-
-    if entry.unit is not None:
-        raise BadInput(
-            source=str(entry.file),
-            field="unit",
-            problem=f"a STEP file states its own unit, and {entry.unit!r} was given beside it",
-            remedy="Leave the unit out",
-        )
-    found = cad.read(entry.file)
-    if entry.body is not None:
-        chosen = tuple(body for body in found if entry.body in (body.name, body.label))
-        found = chosen or _no_body(entry, [body.name for body in found])
-    materials = {body.name: entry.materials.get(body.name, entry.materials.get(body.label, entry.material)) for body in found}
-    _require_used(entry, {name for body in found for name in (body.name, body.label)})
-    _require_materials(entry, materials)
-    made_of_it = ((body, materials[body.name]) for body in found)
-    return tuple(_of_solid(entry, body, _name(entry, body, len(found)), made, chord) for body, made in made_of_it if made)
 
 
 def _name(entry: PartEntry, body: cad.Body, count: int) -> str:
@@ -517,31 +544,12 @@ def _of_solid(entry: PartEntry, body: cad.Body, name: str, made: Material, chord
     return UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=chord, solid=solid)
 
 
-def _require_materials(entry: PartEntry, materials: Mapping[str, Material | None]) -> None:
-    missing = [name for name, found in materials.items() if found is None]
-    if missing:
-        rows = ", ".join(f'"{name}" = "..."' for name in missing)
-        raise BadInput(
-            source=str(entry.file),
-            field="material",
-            problem=f"no material is given for {', '.join(missing)}",
-            remedy=f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
-            f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}',
-        )
-
-
-def _require_used(entry: PartEntry, names: set[str]) -> None:
-    for name in entry.materials:
-        if name not in names:
-            _no_body(entry, sorted(names), name)
-
-
 # --- meshes ---------------------------------------------------------------------------------------------------------------
 
 
 def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
     source = str(entry.file)
-    mesh, unit, doubts = geometry_mesh.read(entry.file, entry.unit)
+    mesh, unit, doubts = read_mesh(entry.file, entry.unit)
     touching = require_closed_volume(mesh, source, unit)
     found = bodies(mesh)
     if entry.materials:
@@ -564,22 +572,19 @@ def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]
             _no_body(entry, numbers)
         mesh = found[int(entry.body) - 1]
     elif len(found) > 1:
-        doubts = (*doubts, *touching, _several(entry, found, unit))
+        # How a user learns that one density may not do
+        listed = "; ".join(
+            f"body {number}: {body.volume / unit.metres**3:.6g} {unit.name}³ around {unit.shown(body.bounds.mean(axis=0))}"
+            for number, body in enumerate(found[:6], start=1)
+        )
+        more = f"; and {len(found) - 6} more" if len(found) > 6 else ""
+        several = (
+            f"{entry.file}: {len(found)} separate bodies are taken as one material ({listed}{more}); if they differ, give each a "
+            f"[[part]] with its own body = 1, 2 ... and material in an {DESCRIPTION}"
+        )
+        doubts = (*doubts, *touching, several)
     part = UserPart(name=entry.name, material=entry.material, source=source, mesh=placed(mesh, entry.pose))
     return (part,), doubts
-
-
-def _several(entry: PartEntry, found: tuple[TriangleMesh, ...], unit: LengthUnit) -> str:
-    """How a user learns that one density may not do."""
-    listed = "; ".join(
-        f"body {number}: {body.volume / unit.metres**3:.6g} {unit.name}³ around {unit.shown(body.bounds.mean(axis=0))}"
-        for number, body in enumerate(found[:6], start=1)
-    )
-    more = f"; and {len(found) - 6} more" if len(found) > 6 else ""
-    return (
-        f"{entry.file}: {len(found)} separate bodies are taken as one material ({listed}{more}); if they differ, give each a "
-        f"[[part]] with its own body = 1, 2 ... and material in an {DESCRIPTION}"
-    )
 
 
 def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> NoReturn:
@@ -592,21 +597,3 @@ def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> N
 
 
 # --- folders --------------------------------------------------------------------------------------------------------------
-
-
-def _description_in(folder: Path) -> Path:
-    there = folder / DESCRIPTION
-    if there.is_file():
-        return there
-    parts = sorted(file for file in folder.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *geometry_mesh.ENDINGS))
-    if not parts:
-        raise BadInput(
-            source=str(folder),
-            problem=f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})",
-            remedy="Check the path",
-        )
-    raise BadInput(
-        source=str(folder),
-        problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
-        remedy=f"Put this into {there}, corrected:\n\n{template(folder.name, parts)}\nThen try again",
-    )

@@ -121,14 +121,27 @@ def base_motion(
     BadInput : the accelerometers do not tell six motions, which are missing; weights that are none.
     """
     used = groups_used(spectra.table) if groups is None else tuple(groups)
-    chosen = _complete(spectra.table, used)
-    G = rows(spectra, chosen, gravity)
-    noise = _shared(spectra.noise[:, :, chosen])
+    verdict = of_motions(spectra.table, used)
+    if not verdict.complete:
+        raise BadInput(
+            source="base motion",
+            field="channel",
+            problem=f"the accelerometers of {' and '.join(used)} do not tell the six base motions: {verdict.text}",
+            remedy=f"Add one that sees {', '.join(verdict.missing)}, or use another group",
+        )
+    chosen = spectra.table.select(group=used, quantity="acceleration")
+    G = rows_at_lines(spectra, chosen, gravity)
+    # (r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once
+    each_run = spectra.noise[:, :, chosen]
+    noise = each_run[:1] if np.all(each_run == each_run[:1]) else each_run
     T = _solver(G, _roots(noise, weights))
     y = spectra.values[:, :, chosen]
     u = (T @ y[..., None])[..., 0]
     residual = y - (G @ u[..., None])[..., 0]
-    expected = np.broadcast_to(_expected(G, T, noise), y.shape)
+    # (r, n, c) standard deviation of the residual (I - G T) n; 0 where rounding is all that is left
+    left = np.eye(G.shape[1]) - G @ T
+    sd = np.sqrt((left**2 @ noise[..., None] ** 2)[..., 0])
+    expected = np.broadcast_to(np.where(sd > 1e-6 * noise, sd, 0.0), y.shape)
     covariance = (T * noise[:, :, None, :] ** 2) @ T.swapaxes(2, 3)
     return BaseMotion(
         channels=tuple(spectra.table.names[k] for k in chosen),
@@ -164,7 +177,7 @@ def groups_used(table: ChannelTable) -> tuple[str, ...]:
     )
 
 
-def rows(spectra: Spectra, chosen: Sequence[int], gravity: float) -> Array:
+def rows_at_lines(spectra: Spectra, chosen: Sequence[int], gravity: float) -> Array:
     """(n, c, 6): what the channels `chosen` read for unit *apparent* motions of the reference point, line by line."""
     channels = [spectra.table.channels[k] for k in chosen]
     G = np.broadcast_to(motion_rows(channels, spectra.table.origin), (len(spectra.frequency), len(channels), 6)).copy()
@@ -188,18 +201,6 @@ def in_percent(residual: ComplexArray, readings: ComplexArray) -> Array:
     return np.asarray(100 * np.sqrt(np.mean(np.abs(residual) ** 2, axis=1)) / np.where(level > 0, level, 1.0))
 
 
-def _complete(table: ChannelTable, groups: Sequence[str]) -> tuple[int, ...]:
-    verdict = of_motions(table, groups)
-    if not verdict.complete:
-        raise BadInput(
-            source="base motion",
-            field="channel",
-            problem=f"the accelerometers of {' and '.join(groups)} do not tell the six base motions: {verdict.text}",
-            remedy=f"Add one that sees {', '.join(verdict.missing)}, or use another group",
-        )
-    return table.select(group=groups, quantity="acceleration")
-
-
 def _roots(noise: Array, weights: npt.ArrayLike | None) -> Array:
     """(r, n, c) square roots of the weights, about 1."""
     if weights is not None:
@@ -213,21 +214,9 @@ def _roots(noise: Array, weights: npt.ArrayLike | None) -> Array:
     return np.where(known, least / np.where(known, noise, 1.0), 1.0)
 
 
-def _shared(noise: Array) -> Array:
-    """(r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once."""
-    return noise[:1] if np.all(noise == noise[:1]) else noise
-
-
 def _solver(G: Array, roots: Array) -> Array:
     """(r, n, 6, c): the matrix [T] of Eq. 6, weighted."""
     return np.asarray(np.linalg.pinv(roots[..., None] * G) * roots[:, :, None, :])
-
-
-def _expected(G: Array, T: Array, noise: Array) -> Array:
-    """(r, n, c) standard deviation of the residual (I - G T) n; 0 where rounding is all that is left."""
-    left = np.eye(G.shape[1]) - G @ T
-    sd = np.sqrt((left**2 @ noise[..., None] ** 2)[..., 0])
-    return np.where(sd > 1e-6 * noise, sd, 0.0)
 
 
 def _warnings(table: ChannelTable, groups: Sequence[str]) -> tuple[str, ...]:
@@ -311,7 +300,7 @@ def of_runs(motion: ComplexArray, frequency: Array, levels: Mapping[str, float])
     return DrivenMotions(frequency=frequency, singular=singular, directions=directions)
 
 
-def exclusions(excitation: DrivenMotions, limit: float) -> Exclusions:
+def excluded_lines(excitation: DrivenMotions, limit: float) -> Exclusions:
     """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together there."""
     kept = excitation.condition <= limit
     out = [(k, names(excitation.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
@@ -426,17 +415,13 @@ def _lost(spectra: Spectra, gone: int, whole: BaseMotion, groups: Sequence[str],
         return Loss(channel=name, lost=verdict.missing, text=text, moved=untold, amplification=np.full(6, np.inf))
     rest = base_motion(left, groups=groups, gravity=gravity)
     amplification = np.sqrt(np.median(_variance(rest) / _variance(whole), axis=(0, 1)))
-    moved = _moved(rest, whole)
+    size = np.sqrt(np.mean(np.abs(whole.values / NOMINAL) ** 2, axis=1)).max(axis=1)
+    change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
+    moved = np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
     k = int(np.argmax(moved.max(axis=0)))
     most = f"moves {MOTIONS[k]} most, by {100 * moved[:, k].max():.2g} % of the driven motion"
     text = f"without {name} {most}; noise grows up to {amplification.max():.2g} times"
     return Loss(channel=name, lost=(), text=text, moved=moved, amplification=amplification)
-
-
-def _moved(rest: BaseMotion, whole: BaseMotion) -> Array:
-    size = np.sqrt(np.mean(np.abs(whole.values / NOMINAL) ** 2, axis=1)).max(axis=1)
-    change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
-    return np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
 
 
 def _variance(motion: BaseMotion) -> Array:

@@ -242,7 +242,7 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """Units of each quantity, and what a number in one is multiplied with to be SI."""
 
-SAME = 1e-6
+SAME_UNIT = 1e-6
 """Relative difference up to which two factors are the same unit: universal files write them with seven digits and more."""
 
 _SPELT = {"m/s²": "m/s^2", "m/s2": "m/s^2", "m/s**2": "m/s^2", "mm/s²": "mm/s^2", "mm/s2": "mm/s^2", "Nm": "N m", "N*m": "N m"}
@@ -279,5 +279,5 @@ def is_same(unit: str, other: str, quantity: str) -> bool:
 
 def named(size: float, quantity: str) -> str:
     """The unit of `quantity` with the factor `size`, or the factor in SI when it has no name."""
-    names = [name for name, value in UNITS[quantity].items() if math.isclose(value, size, rel_tol=SAME)]
+    names = [name for name, value in UNITS[quantity].items() if math.isclose(value, size, rel_tol=SAME_UNIT)]
     return names[0] if names else f"{size:.7g} {next(iter(UNITS[quantity]))}"

@@ -30,8 +30,19 @@ from geometry.frames import Array, Pose, frozen, rotation_about
 from geometry.inertia import Observability, of_motions, of_resultants
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place, motion_rows
 from geometry.toml_file import doubts, length_unit, nearest
-from identification.campaign import METHODS, Campaign, Excitation, Processing, Recording, Run, factor, is_same, is_unit, named
-from identification.campaign import SAME as UNITS_SAME
+from identification.campaign import (
+    METHODS,
+    SAME_UNIT,
+    Campaign,
+    Excitation,
+    Processing,
+    Recording,
+    Run,
+    factor,
+    is_same,
+    is_unit,
+    named,
+)
 from identification.files import files
 from identification.files.files import Samples, Signals, StatedUnits, require_file, variable
 
@@ -55,34 +66,10 @@ def observed(table: ChannelTable) -> dict[str, Observability]:
     }
 
 
-def problems_of_table(table: ChannelTable, source: str) -> list[BadInput]:
-    """What cannot be told from the channels at all: a base motion by table and cover plate together, or a resultant."""
-    verdicts = observed(table)
-    found = []
-    for key, what, remedy in (
-        ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
-        ("resultants by fmd", "resultant", "Add a load cell that senses it to [[channel]], or give the cells of a sum singly"),
-    ):
-        verdict = verdicts[key]
-        if not verdict.complete:
-            what = what if len(verdict.missing) == 1 else f"{what}s"
-            problem = f"the {what} {', '.join(verdict.missing)} cannot be told from its channels: {verdict.text}"
-            found.append(BadInput(source=source, field="channel", problem=problem, remedy=remedy))
-    return found
-
-
 def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recording]) -> tuple[str, ...]:
     """What is odd but leaves the data usable: weak geometry, runs of different rates, records shorter than their sweep."""
-    return (
-        *_of_table(campaign.table, campaign.source),
-        *(text for recorded in recordings.values() for text in recorded.warnings),
-        *_of_rates(recordings, campaign.source),
-        *(text for run in campaign.runs if run.name in recordings for text in _of_run(campaign, run.name, recordings[run.name])),
-    )
-
-
-def _of_table(table: ChannelTable, source: str) -> list[str]:
-    verdicts = observed(table)
+    source = campaign.source
+    verdicts = observed(campaign.table)
     cover = verdicts["base motion by cover"]
     found = []
     if not cover.complete and verdicts["base motion by table and cover"].complete:
@@ -92,7 +79,12 @@ def _of_table(table: ChannelTable, source: str) -> list[str]:
     for key, verdict in verdicts.items():
         if verdict.complete and verdict.condition > WEAK:
             found.append(f"{source}: {key} has the condition number {verdict.condition:.3g}; move the pick-ups farther apart")
-    return found
+    return (
+        *found,
+        *(text for recorded in recordings.values() for text in recorded.warnings),
+        *_of_rates(recordings, campaign.source),
+        *(text for run in campaign.runs if run.name in recordings for text in _of_run(campaign, run.name, recordings[run.name])),
+    )
 
 
 def _of_rates(recordings: Mapping[str, Recording], source: str) -> list[str]:
@@ -124,7 +116,7 @@ def _of_run(campaign: Campaign, name: str, recorded: Recording) -> list[str]:
 # Values out of a parsed TOML file, checked one by one; what is wrong is collected, so that all of it can be said at once.
 
 
-LARGEST = 1e9
+LARGEST_NUMBER = 1e9
 """No figure of a test lies beyond, in whatever unit."""
 
 T = TypeVar("T")
@@ -185,7 +177,7 @@ class Reader:
         return {key: value for key, value in found.items() if isinstance(value, str)}
 
     def number(
-        self, table: dict[str, Any], where: str, key: str, *, low: float = -LARGEST, high: float = LARGEST
+        self, table: dict[str, Any], where: str, key: str, *, low: float = -LARGEST_NUMBER, high: float = LARGEST_NUMBER
     ) -> float | None:
         """The number under `key`, from `low` to `high`."""
         if key not in table:
@@ -194,7 +186,7 @@ class Reader:
         value = table[key]
         if is_number(value) and low <= value <= high:
             return float(value)
-        span = f" from {low:g} to {high:g}" if (low, high) != (-LARGEST, LARGEST) else ""
+        span = f" from {low:g} to {high:g}" if (low, high) != (-LARGEST_NUMBER, LARGEST_NUMBER) else ""
         self.refuse(f"{where}.{key}", f"must be a finite number{span}, found {value!r}", "Correct it")
         return None
 
@@ -230,7 +222,7 @@ class Reader:
 
 def is_number(value: Any) -> bool:
     """Whether `value` is a number, no truth value, and of a size that a test has."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST_NUMBER
 
 
 # The tables [[channel]] of ``campaign.toml``: one channel each, in metres and SI.
@@ -367,7 +359,17 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
     origin = reader.vector(frame.get("origin", [0, 0, 0]), "frame.origin", metres)
     around = reader.table(table, "environment", ("gravity",))
     gravity = reader.number(around, "environment", "gravity", low=0.0) if "environment" in table else None
-    mounting = _mounting(reader, table, metres)
+    if "mounting" not in table:
+        mounting: Pose | None = None
+    else:
+        found = reader.table(table, "mounting", ("origin", "rotation_deg"))
+        reader.problems.attempt(toml_file.require_present, found, ("origin",), source=reader.source, where="mounting")
+        seat = reader.vector(found.get("origin", [0, 0, 0]), "mounting.origin", metres)
+        turn = reader.number({"rotation_deg": 0.0, **found}, "mounting", "rotation_deg", low=-360.0, high=360.0)
+        if seat is None or turn is None:
+            mounting = None
+        else:
+            mounting = Pose(position=seat, rotation=rotation_about("z", float(np.radians(turn))))
     processing = _processing(reader, table)
     channels = reader.named(table, "channel", partial(channel, reader, metres=metres))
     runs = reader.named(table, "run", partial(_run, reader))
@@ -389,18 +391,6 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
     )
 
 
-def _mounting(reader: Reader, table: Mapping[str, Any], metres: float) -> Pose | None:
-    if "mounting" not in table:
-        return None
-    found = reader.table(table, "mounting", ("origin", "rotation_deg"))
-    reader.problems.attempt(toml_file.require_present, found, ("origin",), source=reader.source, where="mounting")
-    origin = reader.vector(found.get("origin", [0, 0, 0]), "mounting.origin", metres)
-    turn = reader.number({"rotation_deg": 0.0, **found}, "mounting", "rotation_deg", low=-360.0, high=360.0)
-    if origin is None or turn is None:
-        return None
-    return Pose(position=origin, rotation=rotation_about("z", float(np.radians(turn))))
-
-
 def _processing(reader: Reader, table: Mapping[str, Any]) -> Processing | None:
     if "processing" not in table:
         return None
@@ -409,7 +399,7 @@ def _processing(reader: Reader, table: Mapping[str, Any]) -> Processing | None:
     method = found.get("method", plain.method)
     reader.problems.attempt(toml_file.one_of, method, METHODS, source=reader.source, where=f"{where}.method")
     size = found.get("block_size", plain.block_size)
-    if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST:
+    if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST_NUMBER:
         reader.refuse(f"{where}.block_size", f"must be a whole number of samples, found {size!r}", "Write for example 8192")
     overlap = reader.number({"overlap": plain.overlap, **found}, where, "overlap", low=0.0, high=1 - 1e-6)
     grid = reader.table({"frequency": found.get("frequency", {})}, "frequency", ("start", "stop", "step"))
@@ -470,16 +460,12 @@ def text(campaign: Campaign) -> str:
     blocks = [
         f"format = {toml_file.FORMAT}",
         _block("[campaign]", _about(campaign)),
-        *(
-            []
-            if campaign.mounting is None
-            else [_block("[mounting]", _campaign_words_mounting(campaign.mounting, campaign.source))]
-        ),
+        *([] if campaign.mounting is None else [_block("[mounting]", _mounting_lines(campaign.mounting, campaign.source))]),
         _block("[environment]", [("gravity", _number(campaign.gravity))]),
         _block("[frame]", [("origin", _numbers(campaign.table.origin)), ("length_unit", '"m"')]),
-        *([] if campaign.processing is None else [_block("[processing]", _campaign_words_processing(campaign.processing))]),
+        *([] if campaign.processing is None else [_block("[processing]", _processing_lines(campaign.processing))]),
         *(_block("[[channel]]", _channel(channel)) for channel in campaign.table.channels),
-        *(_block("[[run]]", _campaign_words_run(run)) for run in campaign.runs),
+        *(_block("[[run]]", _run_lines(run)) for run in campaign.runs),
     ]
     return "\n\n".join(blocks) + "\n"
 
@@ -496,7 +482,7 @@ def _about(campaign: Campaign) -> Lines:
     return [(key, _string(value)) for key, value in words if value]
 
 
-def _campaign_words_mounting(pose: Pose, source: str) -> Lines:
+def _mounting_lines(pose: Pose, source: str) -> Lines:
     R = pose.rotation
     if abs(R[2, 2] - 1) > ROUNDING:
         problem = "is turned about another axis than z"
@@ -505,7 +491,7 @@ def _campaign_words_mounting(pose: Pose, source: str) -> Lines:
     return [("origin", _numbers(pose.position)), ("rotation_deg", _number(turn))]
 
 
-def _campaign_words_processing(of: Processing) -> Lines:
+def _processing_lines(of: Processing) -> Lines:
     lines = [("method", _string(of.method))]
     if of.method == "peak-reference-hold":
         lines += [("block_size", str(of.block_size)), ("overlap", _number(of.overlap))]
@@ -518,11 +504,11 @@ def _channel(channel: Channel) -> Lines:
     if channel.is_sum:
         cells = "".join(
             f"  {{ position = {position}, direction = {direction} }},\n"
-            for position, direction in map(_campaign_words_place, channel.places)
+            for position, direction in map(_place_text, channel.places)
         )
         lines.append(("cells", f"[\n{cells}]"))
     else:
-        position, direction = _campaign_words_place(channel.places[0])
+        position, direction = _place_text(channel.places[0])
         lines += [("position", position), ("direction", direction)]
     if channel.reference:
         lines.append(("reference", "true"))
@@ -534,17 +520,17 @@ def _channel(channel: Channel) -> Lines:
     return lines
 
 
-def _campaign_words_place(place: Place) -> tuple[str, str]:
+def _place_text(place: Place) -> tuple[str, str]:
     return _numbers(place.position), _numbers(place.direction)
 
 
-def _campaign_words_run(run: Run) -> Lines:
+def _run_lines(run: Run) -> Lines:
     lines = [("name", _string(run.name)), ("file", _string(run.file))]
     lines += [("axis", _string(run.axis))] if run.axis else []
-    return lines if run.excitation is None else [*lines, ("excitation", _campaign_words_excitation(run.excitation))]
+    return lines if run.excitation is None else [*lines, ("excitation", _excitation_text(run.excitation))]
 
 
-def _campaign_words_excitation(of: Excitation) -> str:
+def _excitation_text(of: Excitation) -> str:
     figures = [f"{key} = {_numbers(value) if isinstance(value, tuple) else _number(value)}" for key, value in of.figures.items()]
     return "{ " + ", ".join([f"kind = {_string(of.kind)}", *figures]) + " }"
 
@@ -573,7 +559,7 @@ OVERSHOOT = 4.0
 """Steps of resolution by which the signal, continued as it arrived, would have passed the flat top: beyond, it was cut off."""
 
 
-SOUNDNESS_LARGEST = 1e15
+LARGEST_SAMPLE = 1e15
 """In the unit of the file: numbers whose bytes came in another order are of any size at all."""
 
 
@@ -584,9 +570,9 @@ def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
     ------
     BadInput : how many there are, and where the first stands.
     """
-    bad = ~((np.abs(values.real) < SOUNDNESS_LARGEST) & (np.abs(values.imag) < SOUNDNESS_LARGEST))
+    bad = ~((np.abs(values.real) < LARGEST_SAMPLE) & (np.abs(values.imag) < LARGEST_SAMPLE))
     if np.any(bad):
-        what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {SOUNDNESS_LARGEST:g}, which no sensor reads"
+        what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {LARGEST_SAMPLE:g}, which no sensor reads"
         problem = (
             f"holds {int(bad.sum())} samples that are {what}, the first is number {int(np.argmax(bad)) + 1} of {len(values)}"
         )
@@ -627,14 +613,11 @@ def _cut_off(values: Array) -> int:
         return 0
     speed = values[starts - 1] - values[starts - 2]
     passed = speed * (ends - starts) / 4  # a parabola through the arrival, over the flat stretch
-    cut = passed > OVERSHOOT * _resolution(values)
-    return int(np.sum((ends - starts)[cut]))
-
-
-def _resolution(values: Array) -> float:
-    """The smallest difference between two different samples: the converter's step, or rounding."""
+    # The smallest difference between two different samples: the converter's step, or rounding
     steps = np.diff(np.unique(values))
-    return float(steps.min()) if len(steps) else 0.0
+    resolution = float(steps.min()) if len(steps) else 0.0
+    cut = passed > OVERSHOOT * resolution
+    return int(np.sum((ends - starts)[cut]))
 
 
 # From the contents of a signal file to a `Recording`: the channels of the table, each once, in SI.
@@ -645,7 +628,28 @@ def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recordi
 
     `toml` is what the channel table is called in messages.
     """
-    samples, problems = _matched(signals, table)
+    # Samples by the name of the channel table, and the channels that are missing or too many
+    is_mat = signals.source.lower().endswith(".mat")
+    called: dict[str, str] = {}
+    problems = []
+    for name in table.names:
+        key = variable(name) if is_mat else name
+        if key in called:
+            problem = f"stands for {called[key]!r} and {name!r}: a MAT file cannot tell them apart"
+            problems.append(BadInput(source=signals.source, field=key, problem=problem, remedy="Rename one, or export .h5"))
+        called[key] = name
+    for name in called:
+        if name not in signals.samples:
+            problem = f"the channel {called[name]!r} is missing"
+            like = nearest(name, [other for other in signals.samples if other not in called])
+            remedy = f"{like}Export it, or take it out of campaign.toml"
+            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+    for name in signals.samples:
+        if name not in called:
+            remedy = "Add it to campaign.toml as a [[channel]], or leave it out of the file"
+            problem = "this channel is not in campaign.toml"
+            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+    samples = {called[name]: values for name, values in signals.samples.items() if name in called}
     for channel in table.channels:
         if channel.name in samples:
             problems += _problems(samples[channel.name], channel, signals, toml)
@@ -668,31 +672,6 @@ def _factor(channel: Channel) -> float:
     return factor(channel.unit, channel.quantity, source="channel", field=channel.name)
 
 
-def _matched(signals: Signals, table: ChannelTable) -> tuple[dict[str, Samples], list[BadInput]]:
-    """Samples by the name of the channel table, and the channels that are missing or too many."""
-    is_mat = signals.source.lower().endswith(".mat")
-    called: dict[str, str] = {}
-    problems = []
-    for name in table.names:
-        key = variable(name) if is_mat else name
-        if key in called:
-            problem = f"stands for {called[key]!r} and {name!r}: a MAT file cannot tell them apart"
-            problems.append(BadInput(source=signals.source, field=key, problem=problem, remedy="Rename one, or export .h5"))
-        called[key] = name
-    for name in called:
-        if name not in signals.samples:
-            problem = f"the channel {called[name]!r} is missing"
-            like = nearest(name, [other for other in signals.samples if other not in called])
-            remedy = f"{like}Export it, or take it out of campaign.toml"
-            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
-    for name in signals.samples:
-        if name not in called:
-            remedy = "Add it to campaign.toml as a [[channel]], or leave it out of the file"
-            problem = "this channel is not in campaign.toml"
-            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
-    return {called[name]: values for name, values in signals.samples.items() if name in called}, problems
-
-
 def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
     found = []
     if np.iscomplexobj(values) != (signals.frequency is not None):
@@ -705,14 +684,10 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
         except BadInput as error:
             found.append(error)
             break
-    return found + _contradictions(channel, signals, toml)
-
-
-def _contradictions(channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
-    """What the signal file says about a unit beside what ``campaign.toml`` says: dataset 164, and the label of the ordinate."""
+    # What the signal file says about a unit beside what ``campaign.toml`` says: dataset 164, and the label of the ordinate
     ours, said = _factor(channel), []
     units, label = signals.units.get(channel.name), signals.labels.get(channel.name, "")
-    if units is not None and abs(units.size(channel.quantity) - ours) > UNITS_SAME * ours:
+    if units is not None and abs(units.size(channel.quantity) - ours) > SAME_UNIT * ours:
         theirs = units.size(channel.quantity)
         size = f"1 {channel.unit} is {ours:.7g} {SI[channel.quantity]}, the file's unit {theirs:.7g}"
         said.append(
@@ -721,7 +696,8 @@ def _contradictions(channel: Channel, signals: Signals, toml: str) -> list[BadIn
     if is_unit(label) and not is_same(label, channel.unit, channel.quantity):
         said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
     remedy = "Correct the one that is wrong"
-    return [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
+    contradictions = [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
+    return found + contradictions
 
 
 def _clipped(samples: Mapping[str, Samples], table: ChannelTable, source: str) -> list[str]:
@@ -799,7 +775,20 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
     campaign = _described(Path(folder), problems)
     if campaign is None:
         return Examined(campaign=None, problems=tuple(problems.found))
-    problems.found += problems_of_table(campaign.table, f"{folder}/{NAME}")
+    # What cannot be told from the channels at all: a base motion by table and cover plate together, or a resultant
+    source = f"{folder}/{NAME}"
+    verdicts = observed(campaign.table)
+    found = []
+    for key, what, remedy in (
+        ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
+        ("resultants by fmd", "resultant", "Add a load cell that senses it to [[channel]], or give the cells of a sum singly"),
+    ):
+        verdict = verdicts[key]
+        if not verdict.complete:
+            what = what if len(verdict.missing) == 1 else f"{what}s"
+            problem = f"the {what} {', '.join(verdict.missing)} cannot be told from its channels: {verdict.text}"
+            found.append(BadInput(source=source, field="channel", problem=problem, remedy=remedy))
+    problems.found += found
     recordings: dict[str, Recording] = {}
     for k, run in enumerate(campaign.runs):
         one = problems.attempt(_recorded, Path(folder), run, campaign, problems)
@@ -1061,7 +1050,14 @@ SAME = 1e-6
 def problems_of_runs(campaign: Campaign) -> list[BadInput]:
     """Why six base motions cannot be told from the runs: too few of them, or an axis that none drives."""
     driven = {name: share for name, one in campaign.recordings.items() if (share := shares(one, campaign.table)) is not None}
-    words = _undriven(campaign, driven)
+    # The axes that no run drives, in words; by what the runs say they drive where their motion cannot be told
+    if len(driven) == len(campaign.runs) and driven:
+        most = np.max(list(driven.values()), axis=0)
+        missing = [axis for axis, share in zip(MOTIONS, most, strict=True) if share < UNDRIVEN]
+    else:
+        said = {run.axis for run in campaign.runs}
+        missing = [] if "" in said else [axis for axis in MOTIONS if axis not in said]
+    words = f"no run drives {' or '.join(missing)}" if missing else ""
     if len(campaign.runs) < 6:
         many = "1 run" if len(campaign.runs) == 1 else f"{len(campaign.runs)} runs"
         words = f"six base motions take at least six runs, found {many}{f'; {words}' if words else ''}"
@@ -1074,7 +1070,14 @@ def problems_of_runs(campaign: Campaign) -> list[BadInput]:
 
 def warnings_of_runs(campaign: Campaign) -> tuple[str, ...]:
     """Runs that are one and the same, and runs that drive another axis than they say."""
-    return tuple(f"{campaign.source}: {text}" for text in (*_copies(campaign), *_misnamed(campaign)))
+    found = []
+    for run in campaign.runs:
+        recorded = campaign.recordings.get(run.name)
+        share = None if recorded is None or not run.axis else shares(recorded, campaign.table)
+        if share is not None and share[MOTIONS.index(run.axis)] < UNDRIVEN:
+            most = MOTIONS[int(np.argmax(share))]
+            found.append(f"run {run.name} says that it drives {run.axis}, but it drives {most}")
+    return tuple(f"{campaign.source}: {text}" for text in (*_copies(campaign), *found))
 
 
 def shares(recorded: Recording, table: ChannelTable) -> Array | None:
@@ -1091,17 +1094,6 @@ def shares(recorded: Recording, table: ChannelTable) -> Array | None:
     return None
 
 
-def _undriven(campaign: Campaign, driven: dict[str, Array]) -> str:
-    """The axes that no run drives, in words; by what the runs say they drive where their motion cannot be told."""
-    if len(driven) == len(campaign.runs) and driven:
-        most = np.max(list(driven.values()), axis=0)
-        missing = [axis for axis, share in zip(MOTIONS, most, strict=True) if share < UNDRIVEN]
-    else:
-        said = {run.axis for run in campaign.runs}
-        missing = [] if "" in said else [axis for axis in MOTIONS if axis not in said]
-    return f"no run drives {' or '.join(missing)}" if missing else ""
-
-
 def _copies(campaign: Campaign) -> list[str]:
     return [
         f"runs {a} and {b} are the same recording"
@@ -1115,14 +1107,3 @@ def _same(one: Recording, other: Recording) -> bool:
     return all(
         np.linalg.norm(one.values[at] - other.values[at]) <= SAME * np.linalg.norm(one.values[at]) for at in (first, slice(None))
     )
-
-
-def _misnamed(campaign: Campaign) -> list[str]:
-    found = []
-    for run in campaign.runs:
-        recorded = campaign.recordings.get(run.name)
-        share = None if recorded is None or not run.axis else shares(recorded, campaign.table)
-        if share is not None and share[MOTIONS.index(run.axis)] < UNDRIVEN:
-            most = MOTIONS[int(np.argmax(share))]
-            found.append(f"run {run.name} says that it drives {run.axis}, but it drives {most}")
-    return found

@@ -98,21 +98,17 @@ def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> t
     BadInput : an override that fits no parameter of this chain, or is negative or not finite.
     """
     known = tuple(candidates)
-    _require_known(known, overrides)
-    changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
-    return tuple(one for one in changed if one.tolerance > 0)
-
-
-def _require_known(candidates: Sequence[Parameter], overrides: Mapping[str, float]) -> None:
-    names = {one.name for one in candidates} | {one.family for one in candidates}
+    names = {one.name for one in known} | {one.family for one in known}
     for name, size in overrides.items():
         if name not in names:
-            families = ", ".join(sorted({one.family for one in candidates}))
+            families = ", ".join(sorted({one.family for one in known}))
             problem = "this chain has no such parameter"
             raise BadInput(source="tolerances", field=name, problem=problem, remedy=f"Name one of the families {families}")
         if not (isfinite(size) and size >= 0):
             problem = f"a standard deviation must be finite and not negative, found {size}"
             raise BadInput(source="tolerances", field=name, problem=problem, remedy="Give it in SI units; 0 closes the parameter")
+    changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
+    return tuple(one for one in changed if one.tolerance > 0)
 
 
 # The load cells as springs: how they share a load between them, and how far the cover plate moves on them.
@@ -236,7 +232,15 @@ def cell_springs(elements: Sequence[Place], point: Array, stiffness: npt.ArrayLi
     ------
     BadInput : `stiffness` is not three positive numbers, or infinite along some axes only.
     """
-    k, rigid = _stated(stiffness)
+    j = np.asarray(assumed_stiffness() if stiffness is None else stiffness, dtype=np.float64)
+    if j.shape == () and np.isinf(j):
+        k, rigid = assumed_stiffness(), True
+    else:
+        if j.shape != (3,) or not np.all(np.isfinite(j)) or np.any(j <= 0):
+            problem = f"three positive numbers are needed, along x, y and z of one cell, found {np.asarray(stiffness).tolist()}"
+            remedy = "Give N/m, infinity for a rigid FMD, or leave it out"
+            raise BadInput(source="measurement chain", field="stiffness", problem=problem, remedy=remedy)
+        k, rigid = frozen(j, (3,), "stiffness"), False
     squares = np.array([place.direction**2 for place in elements]).reshape(-1, 3)
     made = Springs(
         names=names(elements, point),
@@ -245,7 +249,28 @@ def cell_springs(elements: Sequence[Place], point: Array, stiffness: npt.ArrayLi
         shares={"lateral": squares[:, 0] + squares[:, 1], "vertical": squares[:, 2]},
         rigid=rigid,
     )
-    return made if made.complete else _six(k, rigid)
+    if made.complete:
+        return made
+    # One spring for each motion, as stiff as four cells on the reconstructed FMD's square around the reference point
+    square = load("fmd")["load_cell"]["square"]
+    K = np.zeros((6, 6))
+    for x, y in rectangle(square, square):
+        G = rigid_transformation_6(np.array([x, y, 0.0]))[:3]
+        K += G.T @ (k[:, None] * G)
+    shares = {
+        "lateral": [1, 1, 0, 0, 0, 0],
+        "vertical": [0, 0, 1, 0, 0, 0],
+        "rotation": [0, 0, 0, 1, 1, 0],
+        "torsion": [0] * 5 + [1],
+    }
+    return Springs(
+        names=MOTIONS,
+        rows=np.eye(6),
+        stiffness=np.diag(K),
+        shares={name: np.array(share, dtype=np.float64) for name, share in shares.items()},
+        rigid=rigid,
+        of_cells=False,
+    )
 
 
 def names(elements: Sequence[Place], point: Array) -> tuple[str, ...]:
@@ -268,40 +293,6 @@ def _around(at: Array) -> float:
     return round(angle % (2 * np.pi), 9) % round(2 * np.pi, 9)
 
 
-def _six(k: Array, rigid: bool) -> Springs:
-    """One spring for each motion, as stiff as four cells on the reconstructed FMD's square around the reference point."""
-    square = load("fmd")["load_cell"]["square"]
-    K = np.zeros((6, 6))
-    for x, y in rectangle(square, square):
-        G = rigid_transformation_6(np.array([x, y, 0.0]))[:3]
-        K += G.T @ (k[:, None] * G)
-    shares = {
-        "lateral": [1, 1, 0, 0, 0, 0],
-        "vertical": [0, 0, 1, 0, 0, 0],
-        "rotation": [0, 0, 0, 1, 1, 0],
-        "torsion": [0] * 5 + [1],
-    }
-    return Springs(
-        names=MOTIONS,
-        rows=np.eye(6),
-        stiffness=np.diag(K),
-        shares={name: np.array(share, dtype=np.float64) for name, share in shares.items()},
-        rigid=rigid,
-        of_cells=False,
-    )
-
-
-def _stated(stiffness: npt.ArrayLike | None) -> tuple[Array, bool]:
-    k = np.asarray(assumed_stiffness() if stiffness is None else stiffness, dtype=np.float64)
-    if k.shape == () and np.isinf(k):
-        return assumed_stiffness(), True
-    if k.shape != (3,) or not np.all(np.isfinite(k)) or np.any(k <= 0):
-        problem = f"three positive numbers are needed, along x, y and z of one cell, found {np.asarray(stiffness).tolist()}"
-        remedy = "Give N/m, infinity for a rigid FMD, or leave it out"
-        raise BadInput(source="measurement chain", field="stiffness", problem=problem, remedy=remedy)
-    return frozen(k, (3,), "stiffness"), False
-
-
 # What happens to a signal on its way from the sensor to the record: gain, delay of channel and board, high-pass.
 #
 #     factor = (1 + g) e^{-i omega (tau + tau_board)} / (1 - i f_c / f)
@@ -309,7 +300,9 @@ def _stated(stiffness: npt.ArrayLike | None) -> tuple[Array, bool]:
 # with a late channel's delay positive, and f_c the corner of the charge amplifier's high-pass of first order.
 
 
-def parameters(names: tuple[str, ...], first: int, kind: str, board: str, gain: float, known: Tolerances) -> Iterator[Parameter]:
+def channel_parameters(
+    names: tuple[str, ...], first: int, kind: str, board: str, gain: float, known: Tolerances
+) -> Iterator[Parameter]:
     """Gain and delay of the channels `names`, columns `first` and on, of `kind` ("force", "accelerometer") on `board`."""
     columns = range(first, first + len(names))
     for k, name in zip(columns, names, strict=True):
@@ -333,7 +326,7 @@ def factors(names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency
     return np.asarray((1 + gain) * np.exp(-2j * np.pi * turns) / passed, dtype=np.complex128)
 
 
-def changes(
+def channel_changes(
     names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency: Array, wanted: Collection[str]
 ) -> Iterator[tuple[str, list[int], ComplexArray]]:
     """By parameter of those `wanted`: which of `names` it touches, and d ln(factor) / d parameter of these, (n, k)."""
@@ -410,10 +403,10 @@ class Loads(Placed):
     springs: Springs
 
 
-def loads_parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
+def force_parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
     """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
     all_of_them = part.columns
-    yield from parameters(part.names, part.first, "force", "force", known.gain, known)
+    yield from channel_parameters(part.names, part.first, "force", "force", known.gain, known)
     for pair in CROSSTALK if part.channels else ():
         yield Parameter(name=f"force-crosstalk:{pair}", unit="1", tolerance=known.crosstalk, channels=all_of_them)
     for axis in AXES if part.channels else ():
@@ -422,20 +415,20 @@ def loads_parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
         yield Parameter(name=f"force-plane-offset:{axis}", unit="m", tolerance=0.0, channels=all_of_them)
 
 
-def rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
+def force_rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
     """A1 of the force channels, (n, c, 6): what they read for a unit load at `frequency` (n,) [Hz]."""
     f = factors(part.names, "force", "force", x, frequency)
     return np.asarray(f[:, :, None] * _mixed(part, x))
 
 
-def loads_changes(
+def force_changes(
     part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]
 ) -> Iterator[tuple[str, list[int], ComplexArray]]:
     """By open parameter of those `wanted`: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
     f = factors(part.names, "force", "force", x, frequency)
     reading, X, even = _reading(part, x), _moved(x), _even(part)
     A1 = f[:, :, None] * _mixed(part, x)
-    for key, touched, slope in changes(part.names, "force", "force", x, frequency, wanted):
+    for key, touched, slope in channel_changes(part.names, "force", "force", x, frequency, wanted):
         yield key, touched, slope[:, :, None] * A1[:, touched]
     every = list(range(len(part.channels)))
     for key, change in _reading_changes(part, x):
@@ -614,25 +607,34 @@ class Sight:
     bending: float
 
 
-def pick_ups_parameters(part: PickUps, known: Tolerances) -> Iterator[Parameter]:
+def pick_up_parameters(part: PickUps, known: Tolerances) -> Iterator[Parameter]:
     """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
     gain = known.table_gain if part.group == "table" else known.gain
-    yield from parameters(part.names, part.first, "accelerometer", part.group, gain, known)
+    yield from channel_parameters(part.names, part.first, "accelerometer", part.group, gain, known)
     for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
         for k, channel in zip(part.columns, part.channels, strict=True):
-            for axis in _axes(channel, family):
+            # Axes along which a shift, or the two about which a turn, changes what `channel` reads
+            across = np.array(
+                [np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)]
+            )
+            if family == "position":
+                axes = "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
+            else:
+                kept = sorted(np.argsort(-across, kind="stable")[:2])
+                axes = "".join(AXES[k] for k in kept)
+            for axis in axes:
                 yield Parameter(name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,))
     if part.group == "cover" and part.channels:
         yield Parameter(name=BENDING, unit="m/N", tolerance=0.0, channels=part.columns)
 
 
-def pick_ups_rows(part: PickUps, x: Offsets, frequency: Array) -> Rows:
+def pick_up_rows(part: PickUps, x: Offsets, frequency: Array) -> Rows:
     """A0 and A1 of the accelerometers, (n, c, 6) each, at `frequency` (n,) [Hz]."""
     geometry, upward = _geometry(part, x)
     return _seen(_sight(part, x, frequency), geometry, upward, list(range(len(part.channels))))
 
 
-def pick_ups_changes(
+def pick_up_changes(
     part: PickUps, x: Offsets, frequency: Array, wanted: Collection[str]
 ) -> Iterator[tuple[str, list[int], Rows]]:
     """By parameter of those `wanted`: the channels of `part` it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
@@ -640,21 +642,12 @@ def pick_ups_changes(
     geometry, upward = _geometry(part, x)
     every = list(range(len(part.channels)))
     A0, A1 = _seen(sight, geometry, upward, every)
-    for key, touched, slope in changes(part.names, "accelerometer", part.group, x, frequency, wanted):
+    for key, touched, slope in channel_changes(part.names, "accelerometer", part.group, x, frequency, wanted):
         yield key, touched, (slope[:, :, None] * A0[:, touched], slope[:, :, None] * A1[:, touched])
     for key, k, change, rise in _geometry_changes(part, x, wanted):
         yield key, [k], _seen(sight, change[None], rise[None], [k])
     common = _common_changes(part, x, sight, geometry, upward)
     yield from ((key, every, change) for key, change in common if key in wanted)
-
-
-def _axes(channel: Channel, family: str) -> str:
-    """Axes along which a shift, or the two about which a turn, changes what `channel` reads."""
-    across = np.array([np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)])
-    if family == "position":
-        return "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
-    kept = sorted(np.argsort(-across, kind="stable")[:2])
-    return "".join(AXES[k] for k in kept)
 
 
 def _vector(x: Offsets, stem: str) -> Array:
@@ -680,7 +673,11 @@ def _geometry_changes(part: PickUps, x: Offsets, wanted: Collection[str]) -> Ite
     """By `wanted` parameter of position and angle: the channel, the change (6,) of its row and () of its vertical component."""
     for k, channel in enumerate(part.channels):
         shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-        Q, J = _rotation(turn), _left_jacobian(turn)
+        # (3, 3) J: a small change t of `turn` rotates what is already turned about J t
+        angle, S = float(np.linalg.norm(turn)), skew(turn)
+        third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
+        left_jacobian = np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
+        Q, J = _rotation(turn), left_jacobian
         for axis, e in zip(AXES, np.eye(3), strict=True):
             if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
                 d = np.mean([Q @ place.direction for place in channel.places], axis=0)
@@ -737,13 +734,6 @@ def _rotation(turn: Array) -> Array:
     """(3, 3) rotation about the vector `turn` (3,) by its length [rad] (Rodrigues)."""
     angle, S = float(np.linalg.norm(turn)), skew(turn)
     return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S @ S)
-
-
-def _left_jacobian(turn: Array) -> Array:
-    """(3, 3) J: a small change t of `turn` rotates what is already turned about J t."""
-    angle, S = float(np.linalg.norm(turn)), skew(turn)
-    third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
-    return np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
 
 
 STANDARD_GRAVITY = 9.81
@@ -825,8 +815,8 @@ class Chain:
         Columns are the motions, and for A1 the loads, about the reference point in the order of `MOTIONS`.
         """
         x, lines = self._offsets(theta), _lines(frequency)
-        cover, table = (pick_ups_rows(part, x, lines) for part in (self.cover, self.table))
-        A1 = rows(self.forces, x, lines)
+        cover, table = (pick_up_rows(part, x, lines) for part in (self.cover, self.table))
+        A1 = force_rows(self.forces, x, lines)
         return np.concatenate([cover[0], table[0], np.zeros_like(A1)], axis=1), np.concatenate([cover[1], table[1], A1], axis=1)
 
     def derivatives(
@@ -840,9 +830,9 @@ class Chain:
         x, lines, matrix = self._offsets(theta), _lines(frequency), np.asarray(H, dtype=np.complex128)
         found: dict[str, list[tuple[list[int], ComplexArray]]] = {name: [] for name in names}
         for part in (self.cover, self.table):
-            for key, touched, (A0, A1) in pick_ups_changes(part, x, lines, found):
+            for key, touched, (A0, A1) in pick_up_changes(part, x, lines, found):
                 found[key].append(([part.first + k for k in touched], A0 + A1 @ matrix))
-        for key, touched, A1 in loads_changes(self.forces, x, lines, found):
+        for key, touched, A1 in force_changes(self.forces, x, lines, found):
             found[key].append(([self.forces.first + k for k in touched], A1 @ matrix))
         return tuple(_joined(found[name]) for name in names)
 
@@ -915,9 +905,9 @@ def chain(
 
 def _candidates(cover: PickUps, table: PickUps, forces: Loads, known: Tolerances, softness: float) -> tuple[Parameter, ...]:
     """Every parameter that the chain could have, family by family; tolerance 0 where none is expected to move."""
-    pick_up = [*pick_ups_parameters(cover, known), *pick_ups_parameters(table, known)]
+    pick_up = [*pick_up_parameters(cover, known), *pick_up_parameters(table, known)]
     common = [*_cells(table, forces, known, softness), *_gravity(cover, table)]
-    return tuple(sorted([*loads_parameters(forces, known), *pick_up, *common], key=lambda one: _FAMILIES.index(one.family)))
+    return tuple(sorted([*force_parameters(forces, known), *pick_up, *common], key=lambda one: _FAMILIES.index(one.family)))
 
 
 _FAMILIES = (
@@ -1077,11 +1067,7 @@ def _combination(weights: Array, units: Array, names: Sequence[str]) -> Combinat
     kept = {name: float(w * unit) for name, w, unit in zip(names, weights, units, strict=True) if abs(w) > least}
     first = next(iter(kept.values()))
     offsets = {name: w / first for name, w in kept.items()}
-    return Combination(weights=MappingProxyType(offsets), text=_words(offsets, names))
-
-
-def _words(offsets: Mapping[str, float], names: Sequence[str]) -> str:
-    """Families of which all take part alike as one, everything else by its name."""
+    # Families of which all take part alike as one, everything else by its name
     said: dict[str, str] = {}
     for name, weight in offsets.items():
         family = name.partition(":")[0]
@@ -1089,4 +1075,4 @@ def _words(offsets: Mapping[str, float], names: Sequence[str]) -> str:
         alike = all(abs(offsets.get(one, 0.0) - weight) < NEGLIGIBLE * abs(weight) for one in members)
         whole = alike and len(members) > 1
         said[family if whole else name] = f"{weight:+.3g} {f'{family} (all {len(members)})' if whole else name}"
-    return " ".join(said.values())
+    return Combination(weights=MappingProxyType(offsets), text=" ".join(said.values()))

@@ -23,8 +23,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Integers, rigid_transformation
 from geometry.inertia import LOADS
 from geometry.sensors import Channel, ChannelTable, Tolerances, resultants
-from identification import base_motion as identification_base_motion
-from identification.base_motion import STANDARD_GRAVITY, base_motion
+from identification.base_motion import STANDARD_GRAVITY, base_motion, groups_used, rows_at_lines
 from identification.campaign import UNITS
 from identification.campaign_file import RIGID_GROUPS
 from identification.dynamic_mass import from_runs
@@ -117,7 +116,7 @@ def readings(spectra: Spectra, tolerances: Tolerances, gravity: float = STANDARD
     chosen = [*moved, *spectra.table.select(group="fmd", quantity=("force", "moment"))]
     return Readings(
         table=spectra.table.subset(chosen),
-        rows=identification_base_motion.rows(spectra, moved, gravity)[lines],
+        rows=rows_at_lines(spectra, moved, gravity)[lines],
         omega=2 * np.pi * spectra.frequency[lines],
         values=spectra.values[:, lines][:, :, chosen],
         noise=spectra.noise[:, lines][:, :, chosen],
@@ -139,14 +138,26 @@ def parity(of: Readings, values: ComplexArray, noise: Array) -> Array:
 def misfit(of: Readings, values: ComplexArray, noise: Array) -> Misfit:
     """The misfit of variants (v, r, n, c) of the readings and of their noise; structure takes six runs."""
     motion, load = _motion(of, values, noise), _load(of, values, noise)
-    third = _structure(of, _entries(motion, load)) if values.shape[1] >= 6 else np.zeros(len(values))
+    if values.shape[1] >= 6:
+        # Mean squares (v,) of what H has that no body has and that no structure has, and the price of a negative mass
+        found = _entries(motion, load)
+        H, sd = found.matrix, found.deviation
+        lowest = np.diagonal(H[:, 0], axis1=1, axis2=2).real
+        negative = np.any(lowest <= 0, axis=1)
+        # Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone
+        j, k = np.triu_indices(6, 1)
+        unsymmetric = _mean_square((H[..., j, k] - H[..., k, j]) / np.hypot(sd[..., j, k], sd[..., k, j]))
+        square = np.maximum(_unlike_a_body(H, np.hypot(sd, elasticity(of, H))), unsymmetric)
+        third = np.asarray(square + NEGATIVE * negative)
+    else:
+        third = np.zeros(len(values))
     return Misfit(redundancy=motion.left_over, parity=load.left_over, structure=third)
 
 
 def deviation(of: Readings) -> Array:
     """(n, 6, 6) standard deviation of the entries of H by the tolerances, its base motion as in `identification.base_motion`."""
     values, noise = of.values[None], of.noise[None]
-    groups = identification_base_motion.groups_used(of.table)
+    groups = groups_used(of.table)
     used = [k for k, channel in enumerate(_pick_ups(of)) if channel.group in groups]
     T = np.linalg.pinv(of.rows[:, used])
     sd = _tolerance(of, values, noise)[..., used]
@@ -182,7 +193,11 @@ def _tolerance(of: Readings, values: ComplexArray, noise: Array) -> Array:
     """(v, r, n, a) standard deviation of the accelerometers: own gain and delay, place and angle in what is around."""
     channels, t = _pick_ups(of), of.tolerances
     a, floor = values[..., : len(channels)], noise[..., : len(channels)]
-    rough = (np.linalg.pinv(of.rows) @ _clipped(a)[..., None])[..., 0]
+    # Readings (v, r, n, a) cut off far beyond the largest of most channels: one in a wrong unit shall not excuse the others
+    size = np.abs(a)
+    usual = np.median(size.max(axis=(1, 2)), axis=-1)[:, None, None, None]
+    clipped = np.asarray(a * np.minimum(1.0, CLIP * usual / np.maximum(size, np.finfo(np.float64).tiny)))
+    rough = (np.linalg.pinv(of.rows) @ clipped[..., None])[..., 0]
     local = np.stack([rough @ rigid_transformation(_place(channel) - of.table.origin).T for channel in channels], axis=-2)
     across, turning = np.linalg.norm(local, axis=-1), np.linalg.norm(rough[..., 3:], axis=-1, keepdims=True)
     gain = np.array([t.table_gain if channel.group == "table" else t.gain for channel in channels])
@@ -190,13 +205,6 @@ def _tolerance(of: Readings, values: ComplexArray, noise: Array) -> Array:
     sd = np.sqrt(own + (t.angle * across) ** 2 + (t.position * turning) ** 2 + floor**2)
     rounding = np.finfo(np.float64).eps * np.abs(a).max(axis=-1, keepdims=True) + np.finfo(np.float64).tiny
     return np.asarray(np.maximum(sd, rounding))
-
-
-def _clipped(a: ComplexArray) -> ComplexArray:
-    """Readings (v, r, n, a) cut off far beyond the largest of most channels: one in a wrong unit shall not excuse the others."""
-    size = np.abs(a)
-    usual = np.median(size.max(axis=(1, 2)), axis=-1)[:, None, None, None]
-    return np.asarray(a * np.minimum(1.0, CLIP * usual / np.maximum(size, np.finfo(np.float64).tiny)))
 
 
 def _motion(of: Readings, values: ComplexArray, noise: Array) -> _Side:
@@ -257,15 +265,6 @@ def _entries(motion: _Side, load: _Side) -> _Entries:
     return _Entries(matrix=H, deviation=np.sqrt(np.einsum("vrni,vnrk->vnik", own + through, np.abs(P) ** 2, optimize=True)))
 
 
-def _structure(of: Readings, found: _Entries) -> Array:
-    """Mean squares (v,) of what H has that no body has and that no structure has, and the price of a negative mass."""
-    H, sd = found.matrix, found.deviation
-    lowest = np.diagonal(H[:, 0], axis1=1, axis2=2).real
-    negative = np.any(lowest <= 0, axis=1)
-    square = np.maximum(_unlike_a_body(H, np.hypot(sd, elasticity(of, H))), _unsymmetric(H, sd))
-    return np.asarray(square + NEGATIVE * negative)
-
-
 def _unlike_a_body(H: ComplexArray, sd: Array) -> Array:
     """Mean square (v,) of what the best mass matrix of Eq. 1 leaves of H (v, n, 6, 6)."""
     weight = 1 / sd.reshape(len(H), -1)
@@ -273,12 +272,6 @@ def _unlike_a_body(H: ComplexArray, sd: Array) -> Array:
     b = H.reshape(len(H), -1) * weight
     p = np.linalg.pinv(rows) @ b.real[..., None]
     return _mean_square(b - (rows @ p)[..., 0])
-
-
-def _unsymmetric(H: ComplexArray, sd: Array) -> Array:
-    """Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone."""
-    j, k = np.triu_indices(6, 1)
-    return _mean_square((H[..., j, k] - H[..., k, j]) / np.hypot(sd[..., j, k], sd[..., k, j]))
 
 
 def _mean_square(values: ComplexArray) -> Array:
@@ -390,13 +383,11 @@ def candidates(table: ChannelTable) -> tuple[Mistake, ...]:
         shared = [tuple(names)] if len(names) > 1 and sum(other == quantity for _, other in groups) > 1 else []
         found.extend(unit for one in [*alone, *shared] for unit in _units(table, quantity, one))
         found.extend(Mistake(kind="channel-swap", channels=pair) for pair in combinations(names, 2))
-    wholes = {tuple(names) for names in groups.values()} | {_of_quantity(table, quantity) for _, quantity in groups}
+    wholes = {tuple(names) for names in groups.values()} | {
+        tuple(table.names[k] for k in table.select(quantity=quantity)) for _, quantity in groups
+    }
     found.extend(Mistake(kind="polarity", channels=one, factor=-1.0) for one in sorted(wholes) if len(one) > 1)
     return tuple(found)
-
-
-def _of_quantity(table: ChannelTable, quantity: str) -> tuple[str, ...]:
-    return tuple(table.names[k] for k in table.select(quantity=quantity))
 
 
 def _units(table: ChannelTable, quantity: str, channels: tuple[str, ...]) -> list[Mistake]:
@@ -419,7 +410,13 @@ def suspects(of: Readings) -> tuple[Suspect, ...]:
     if start.worst[0] <= LIMIT:
         return ()
     before = float(start.total[0])
-    pairs = [(*one, *other) for one, other in product(*(_options(of, side) for side in _sides(of.table)))]
+    table = of.table
+    known = candidates(table)
+    pick_ups = {table.names[k] for k in table.select(quantity="acceleration")}
+    moved = tuple(one for one in known if one.channels[0] in pick_ups)
+    felt = tuple(one for one in known if one.channels[0] not in pick_ups)
+    sides = _SideChecks(known=moved, square=redundancy), _SideChecks(known=felt, square=parity)
+    pairs = [(*one, *other) for one, other in product(*(_options(of, side) for side in sides))]
     tried: list[_Tried] = []
     for count in sorted({len(chain) for chain in pairs} - {0}):
         tried += _tried(of, [chain for chain in pairs if len(chain) == count])
@@ -453,22 +450,14 @@ class _Tried:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _MistakesSide:
+class _SideChecks:
     """The mistakes of one side, and how well that side agrees with itself."""
 
     known: tuple[Mistake, ...]
     square: Callable[[Readings, ComplexArray, Array], Array]
 
 
-def _sides(table: ChannelTable) -> tuple[_MistakesSide, _MistakesSide]:
-    known = candidates(table)
-    pick_ups = {table.names[k] for k in table.select(quantity="acceleration")}
-    moved = tuple(one for one in known if one.channels[0] in pick_ups)
-    felt = tuple(one for one in known if one.channels[0] not in pick_ups)
-    return _MistakesSide(known=moved, square=redundancy), _MistakesSide(known=felt, square=parity)
-
-
-def _options(of: Readings, side: _MistakesSide) -> list[Chain]:
+def _options(of: Readings, side: _SideChecks) -> list[Chain]:
     """What may have happened on a side so that it agrees with itself once that is undone: nothing, one mistake, or else two."""
     sound = _squares(of, side, [()])[0] <= LIMIT
     singles: list[Chain] = [(one,) for one in side.known]
@@ -480,15 +469,13 @@ def _options(of: Readings, side: _MistakesSide) -> list[Chain]:
     doubles = [(*singles[k], second) for k in order[:BEAM].tolist() for second in side.known if (second,) != singles[k]]
     squares = _squares(of, side, doubles)
     order = np.argsort(squares, kind="stable")[:OPTIONS]
-    return _unordered([doubles[k] for k in order.tolist() if squares[k] <= LIMIT]) or [()]
+    # The same two in either order count once
+    chains = [doubles[k] for k in order.tolist() if squares[k] <= LIMIT]
+    unordered = list({frozenset(chain): chain for chain in reversed(chains)}.values())[::-1]
+    return unordered or [()]
 
 
-def _unordered(chains: Sequence[Chain]) -> list[Chain]:
-    """The same two in either order count once."""
-    return list({frozenset(chain): chain for chain in reversed(chains)}.values())[::-1]
-
-
-def _squares(of: Readings, side: _MistakesSide, chains: Sequence[Chain]) -> Array:
+def _squares(of: Readings, side: _SideChecks, chains: Sequence[Chain]) -> Array:
     """(v,) how a side agrees with itself without the mistakes of each chain."""
     parts = [chains[k : k + PORTION] for k in range(0, len(chains), PORTION)]
     return np.concatenate([side.square(of, *_undone_all(of, part)) for part in parts])
@@ -561,10 +548,33 @@ def checks(
     of = readings(spectra, tolerances, gravity)
     H, sd = dynamic_mass.matrix[of.lines], deviation(of)
     rigid = np.hypot(sd, elasticity(of, H))
+    departures = [
+        (f"{LOADS[j]} by {MOTIONS[k]}", H[:, j, k] - H[:, k, j], np.hypot(sd[:, j, k], sd[:, k, j])) for j, k in _pairs(range(6))
+    ]
+    symmetry = _finding("symmetry", "the dynamic mass is symmetric", "the dynamic mass is not symmetric in {}", departures)
+    unequal = [
+        (f"{MOTIONS[j]} and {MOTIONS[k]}", H[:, j, j] - H[:, k, k], np.hypot(rigid[:, j, j], rigid[:, k, k]))
+        for j, k in _pairs(range(3))
+    ]
+    unequal += [(f"{LOADS[j]} by {MOTIONS[k]}", H[:, j, k], rigid[:, j, k]) for j in range(3) for k in range(3) if j != k]
+    sound = "the masses along x, y and z are one and do not couple"
+    masses = _finding("equal masses", sound, "the masses along x, y and z are not one, or they couple: {}", unequal)
+    own = [(f"{LOADS[j]} by {MOTIONS[j + 3]}", H[:, j, j + 3], rigid[:, j, j + 3]) for j in range(3)]
+    skew = [
+        (
+            f"{LOADS[j]} by {MOTIONS[k + 3]} and {LOADS[k]} by {MOTIONS[j + 3]}",
+            H[:, j, k + 3] + H[:, k, j + 3],
+            np.hypot(rigid[:, j, k + 3], rigid[:, k, j + 3]),
+        )
+        for j, k in _pairs(range(3))
+    ]
+    coupling = _finding(
+        "coupling", "the coupling of forces and rotations is skew", "the coupling is not skew in {}", [*own, *skew]
+    )
     return (
-        _symmetry(H, sd),
-        _masses(H, rigid),
-        _coupling(H, rigid),
+        symmetry,
+        masses,
+        coupling,
         _diagonal(H, sd),
         _phase(H, rigid),
         *_agreement(of),
@@ -588,15 +598,11 @@ def of_spectra(spectra: Spectra, tolerances: Tolerances = ORDINARY, *, gravity: 
     return checks(estimate.dynamic_mass, spectra, tolerances, gravity=gravity)
 
 
-def _worst(departures: Iterable[Departure]) -> tuple[str, float]:
-    """The name and the size in tolerances of the largest of (name, departure (n,), tolerance (n,))."""
-    sizes = {name: float(np.max(np.abs(departure) / tolerance)) for name, departure, tolerance in departures}
-    name = max(sizes, key=sizes.__getitem__)
-    return name, sizes[name]
-
-
 def _finding(name: str, sound: str, broken: str, departures: Iterable[Departure]) -> Finding:
-    where, value = _worst(departures)
+    # The name and the size in tolerances of the largest of (name, departure (n,), tolerance (n,))
+    sizes = {name: float(np.max(np.abs(departure) / tolerance)) for name, departure, tolerance in departures}
+    key = max(sizes, key=sizes.__getitem__)
+    where, value = key, sizes[key]
     holds = value**2 <= LIMIT
     said = sound if holds else broken.format(where)
     return Finding(name=name, holds=holds, value=value, text=f"{said} (worst {where}: {value:.2g} tolerances)")
@@ -604,36 +610,6 @@ def _finding(name: str, sound: str, broken: str, departures: Iterable[Departure]
 
 def _pairs(indices: range) -> list[tuple[int, int]]:
     return [(j, k) for j in indices for k in indices if j < k]
-
-
-def _symmetry(H: ComplexArray, sd: Array) -> Finding:
-    departures = [
-        (f"{LOADS[j]} by {MOTIONS[k]}", H[:, j, k] - H[:, k, j], np.hypot(sd[:, j, k], sd[:, k, j])) for j, k in _pairs(range(6))
-    ]
-    return _finding("symmetry", "the dynamic mass is symmetric", "the dynamic mass is not symmetric in {}", departures)
-
-
-def _masses(H: ComplexArray, sd: Array) -> Finding:
-    departures = [
-        (f"{MOTIONS[j]} and {MOTIONS[k]}", H[:, j, j] - H[:, k, k], np.hypot(sd[:, j, j], sd[:, k, k]))
-        for j, k in _pairs(range(3))
-    ]
-    departures += [(f"{LOADS[j]} by {MOTIONS[k]}", H[:, j, k], sd[:, j, k]) for j in range(3) for k in range(3) if j != k]
-    sound = "the masses along x, y and z are one and do not couple"
-    return _finding("equal masses", sound, "the masses along x, y and z are not one, or they couple: {}", departures)
-
-
-def _coupling(H: ComplexArray, sd: Array) -> Finding:
-    own = [(f"{LOADS[j]} by {MOTIONS[j + 3]}", H[:, j, j + 3], sd[:, j, j + 3]) for j in range(3)]
-    skew = [
-        (
-            f"{LOADS[j]} by {MOTIONS[k + 3]} and {LOADS[k]} by {MOTIONS[j + 3]}",
-            H[:, j, k + 3] + H[:, k, j + 3],
-            np.hypot(sd[:, j, k + 3], sd[:, k, j + 3]),
-        )
-        for j, k in _pairs(range(3))
-    ]
-    return _finding("coupling", "the coupling of forces and rotations is skew", "the coupling is not skew in {}", [*own, *skew])
 
 
 def _diagonal(H: ComplexArray, sd: Array) -> Finding:

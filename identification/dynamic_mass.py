@@ -85,7 +85,7 @@ def from_runs(
 
 def exclusions(estimate: Estimate, limit: float) -> Exclusions:
     """Lines with a scaled condition number above `limit` are left out; the reasons name what moves together there."""
-    return base_motion.exclusions(estimate.excitation, limit)
+    return base_motion.excluded_lines(estimate.excitation, limit)
 
 
 def quotient(load: npt.ArrayLike, motion: npt.ArrayLike, axis: str) -> ComplexArray:
@@ -178,15 +178,11 @@ def cost(load: npt.ArrayLike, motion: npt.ArrayLike, axes: Sequence[str], estima
     off, own = _rms(columns - H), _rms(np.sqrt(np.abs(np.einsum("nj,nk->njk", *2 * [np.diagonal(H, axis1=1, axis2=2)]))))
     share = off / own
     others = share - np.diag(np.diag(share))
-    crossed = _crossed(U[runs])
+    scaled = _rms(U[runs].transpose(1, 0, 2)) / np.array([LEVELS[axis] for axis in MOTIONS])
+    driven = np.diag(scaled)
+    crossed = np.asarray(np.linalg.norm(scaled - np.diag(driven), axis=1) / driven)
     text = tuple(_said(*figures) for figures in zip(MOTIONS, crossed, np.diag(share), others.max(axis=0), strict=True))
     return CrossMotion(quotient=columns, cross_motion=crossed, diagonal=np.diag(share), column=others.max(axis=0), text=text)
-
-
-def _crossed(U: ComplexArray) -> Array:
-    scaled = _rms(U.transpose(1, 0, 2)) / np.array([LEVELS[axis] for axis in MOTIONS])
-    driven = np.diag(scaled)
-    return np.asarray(np.linalg.norm(scaled - np.diag(driven), axis=1) / driven)
 
 
 def _rms(values: npt.NDArray[np.complex128] | Array) -> Array:
@@ -256,7 +252,12 @@ def corrected(
     F, U = np.asarray(load, dtype=np.complex128), np.asarray(motion, dtype=np.complex128)
     H = estimate.dynamic_mass.matrix
     for _ in range(ROUNDS):
-        left, right = _normal(H, U, F, noise)
+        # The equations for H, with motions corrected by the present H: matrix (n, 36, 36), right side (n, 36)
+        residual, R = balance(H, U, F, noise)
+        V = (U + correction(H, residual, R, noise)).conj()
+        weight = np.linalg.inv(R)
+        left = np.einsum("rnaj,rnb,rnk->nabjk", weight, V, U, optimize=True).reshape(len(H), 36, 36)
+        right = np.einsum("rnaj,rnj,rnb->nab", weight, F, V, optimize=True).reshape(len(H), 36)
         new = np.asarray(np.linalg.solve(left, right[..., None]).reshape(H.shape), dtype=np.complex128)
         change = np.abs(new - H).max() / np.abs(new).max()
         H = new
@@ -287,16 +288,6 @@ def bias(estimate: Estimate, noise: RunNoise) -> Array:
 def deviation(covariance: ComplexArray) -> Array:
     """(n, 6, 6) standard deviation of each entry of H from their covariance (n, 36, 36)."""
     return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2).real).reshape(-1, 6, 6))
-
-
-def _normal(H: ComplexArray, U: ComplexArray, F: ComplexArray, noise: RunNoise) -> tuple[ComplexArray, ComplexArray]:
-    """Matrix (n, 36, 36) and right side (n, 36) of the equations for H, with motions corrected by the present H."""
-    residual, R = balance(H, U, F, noise)
-    V = (U + correction(H, residual, R, noise)).conj()
-    weight = np.linalg.inv(R)
-    left = np.einsum("rnaj,rnb,rnk->nabjk", weight, V, U, optimize=True).reshape(len(H), 36, 36)
-    right = np.einsum("rnaj,rnj,rnb->nab", weight, F, V, optimize=True).reshape(len(H), 36)
-    return np.asarray(left), np.asarray(right)
 
 
 def _covariance(H: ComplexArray, U: ComplexArray, F: ComplexArray, noise: RunNoise) -> ComplexArray:

@@ -19,9 +19,8 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia
-from identification import base_motion as identification_base_motion
 from identification import dynamic_mass, rigid_band
-from identification.base_motion import BaseMotion, Exclusions, base_motion
+from identification.base_motion import BaseMotion, Exclusions, base_motion, excluded_lines
 from identification.campaign import Campaign
 from identification.campaign_file import problems_of_runs
 from identification.consistency import Finding
@@ -31,7 +30,7 @@ from identification.request import Evidence, Identified, Known, Request, Setting
 from identification.resultants import Resultants, resultants
 from identification.self_calibration.fit import calibrated, fitted, identified
 from identification.self_calibration.likelihood import Rows, normal
-from identification.self_calibration.problem import Assembly, Layout, Part, assembled, of_fmd
+from identification.self_calibration.problem import Assembly, Part, assembled, of_fmd
 from identification.self_calibration.solve import inverse
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
@@ -87,7 +86,7 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     article, *tares = _spectra(request, _between(tell, 0.0, READ))
     motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
     estimate = _estimate(request.campaign, load, motion, article)
-    driven = identification_base_motion.exclusions(estimate.excitation, request.condition_limit)
+    driven = excluded_lines(estimate.excitation, request.condition_limit)
     _require_lines(driven, request.campaign)
     resonance = _resonance(request, estimate.dynamic_mass, driven)
     left_out = driven if resonance is None or request.band is not None else _nearly_rigid(driven, article.frequency, resonance)
@@ -266,7 +265,10 @@ def expected(
     problem = assembled(evidence, settings)
     tell(0.4)
     solution = fitted(problem, settings, progress=lambda share: tell(0.4 + 0.2 * share))
-    planned = [_at(part, problem.layout, solution.x) for part in problem.parts(settings.floor)]
+    planned = [
+        _At(part=part, rows=part.rows(problem.layout, solution.x), selection=part.selection(problem.layout))
+        for part in problem.parts(settings.floor)
+    ]
     names = problem.campaigns[0].chain.names if lost else ()
     without = {}
     for k, name in enumerate(names):
@@ -290,10 +292,6 @@ class _At:
     part: Part
     rows: Rows
     selection: Array
-
-
-def _at(part: Part, layout: Layout, x: Array) -> _At:
-    return _At(part=part, rows=part.rows(layout, x), selection=part.selection(layout))
 
 
 def _information(one: _At, blind: str | None = None) -> Array:
@@ -336,17 +334,6 @@ def fmd(
     """
     if not tares:
         raise BadInput(source="tare", field="tares", problem="the FMD needs a campaign on a known article", remedy="Add one")
-    _require_one_hardware(tares)
-    if not self_calibrated:
-        by_paper = of_tares(list(tares), settings)
-        covariance = covariance_of(by_paper, tolerances_of(tares[0].spectra, settings))
-        return Known(inertia=Inertia(parameters=by_paper.ten), covariance=covariance)
-    problem = of_fmd(tares, settings)
-    found = identified(problem, fitted(problem, settings, progress=progress), settings)
-    return Known(inertia=found.inertia, covariance=found.covariance)
-
-
-def _require_one_hardware(tares: Sequence[TareSpectra]) -> None:
     stated = sorted({tare.hardware for tare in tares if tare.hardware})
     if len(stated) > 1:
         raise BadInput(
@@ -355,6 +342,13 @@ def _require_one_hardware(tares: Sequence[TareSpectra]) -> None:
             problem=f"one FMD is asked for, found campaigns of {', '.join(stated)}",
             remedy="Give those of one hardware",
         )
+    if not self_calibrated:
+        by_paper = of_tares(list(tares), settings)
+        covariance = covariance_of(by_paper, tolerances_of(tares[0].spectra, settings))
+        return Known(inertia=Inertia(parameters=by_paper.ten), covariance=covariance)
+    problem = of_fmd(tares, settings)
+    found = identified(problem, fitted(problem, settings, progress=progress), settings)
+    return Known(inertia=found.inertia, covariance=found.covariance)
 
 
 # Whether the data bear the figures that came out of them: what contradicts itself is said before any interval.
@@ -411,12 +405,13 @@ def judged(told: Mapping[str, str], against: tuple[str, ...], failed: tuple[str,
     against : contradictions of the data, which come first in every verdict
     failed : failures of the fit; elasticity is a reason for these, so a verdict that names it stays
     """
-    return {name: _judged(said, against or (() if said.startswith(ELASTIC) else failed)) for name, said in told.items()}
-
-
-def _judged(said: str, against: tuple[str, ...]) -> str:
-    if not against:
-        return said
-    advice = CORRECT if against[0].startswith("it looks as if") else "see what `massline check` says of the channels"
-    kept = "" if said.startswith(TRUSTWORTHY) else f"; {said}"
-    return f"not trustworthy: {against[0]}; {advice}{kept}"
+    made = {}
+    for name, said in told.items():
+        reasons = against or (() if said.startswith(ELASTIC) else failed)
+        if not reasons:
+            made[name] = said
+        else:
+            advice = CORRECT if reasons[0].startswith("it looks as if") else "see what `massline check` says of the channels"
+            kept = "" if said.startswith(TRUSTWORTHY) else f"; {said}"
+            made[name] = f"not trustworthy: {reasons[0]}; {advice}{kept}"
+    return made

@@ -81,7 +81,7 @@ def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
     dH = model.derivatives(found.terms, frequency, layout)[:, :, UPPER[0], UPPER[1]]
     J = (dH * np.sqrt(2) / deviation).reshape(len(dH), -1)
     covariance = inverse((J @ J.conj().T).real)
-    scale = model.pack(np.ones(10), type(found.terms)(), model.Layout(modes=0))[:10]
+    scale = model.pack(np.ones(10), type(found.terms)(), model.ElasticLayout(modes=0))[:10]
     upper = (covariance[:10] @ (J.conj() * (np.sqrt(2) / deviation).ravel())).reshape(10, len(frequency), 21) / scale[
         :, None, None
     ]
@@ -171,7 +171,28 @@ def plain(evidence: Evidence, settings: Settings = _DEFAULT, *, progress: Callab
     fmd = of_tares(tares, settings) if tares else _known(evidence.fmd)
     tell(1.0)
     said = [*warnings, *found.notes, *([WITHOUT_TARE] if fmd is None else []), *([FACTS_LEFT_OUT] if evidence.facts else [])]
-    return _identified(whole if fmd is None else _less(whole, fmd), found, evidence.article, settings, tuple(said))
+    of = whole if fmd is None else _less(whole, fmd)
+    tolerances = tolerances_of(evidence.article, settings)
+    parts = dict(of.parts)
+    for name, row in of.chain.items():
+        family = name.partition(":")[0]
+        parts[family] = parts.get(family, np.zeros((10, 10))) + np.outer(row, row) * tolerances[name] ** 2
+    covariance = covariance_of(of, tolerances)
+    variance = np.maximum(np.diag(covariance), np.finfo(np.float64).tiny)
+    kept = {name: part for name, part in parts.items() if np.any(np.diag(part) > 0)}
+    return Identified(
+        way="plain",
+        inertia=Inertia(parameters=of.ten),
+        covariance=covariance,
+        band=found.fitted.band,
+        elastic=found.terms if settings.modes != 0 else None,
+        shares={name: np.diag(part) / variance for name, part in kept.items()},
+        parts=kept,
+        misfit=found.fitted.misfit,
+        converged=found.fitted.converged,
+        raw=of.raw,
+        warnings=tuple(said),
+    )
 
 
 def of_tares(tares: list[TareSpectra], settings: Settings) -> Difference:
@@ -235,28 +256,4 @@ def _less(whole: Difference, fmd: Difference) -> Difference:
         raw=whole.raw - fmd.raw,
         chain={name: whole.chain.get(name, nothing) - fmd.chain.get(name, nothing) for name in names},
         parts={name: whole.parts.get(name, np.zeros((10, 10))) + fmd.parts.get(name, np.zeros((10, 10))) for name in kinds},
-    )
-
-
-def _identified(of: Difference, found: Setup, spectra: Spectra, settings: Settings, warnings: tuple[str, ...]) -> Identified:
-    tolerances = tolerances_of(spectra, settings)
-    parts = dict(of.parts)
-    for name, row in of.chain.items():
-        family = name.partition(":")[0]
-        parts[family] = parts.get(family, np.zeros((10, 10))) + np.outer(row, row) * tolerances[name] ** 2
-    covariance = covariance_of(of, tolerances)
-    whole = np.maximum(np.diag(covariance), np.finfo(np.float64).tiny)
-    kept = {name: part for name, part in parts.items() if np.any(np.diag(part) > 0)}
-    return Identified(
-        way="plain",
-        inertia=Inertia(parameters=of.ten),
-        covariance=covariance,
-        band=found.fitted.band,
-        elastic=found.terms if settings.modes != 0 else None,
-        shares={name: np.diag(part) / whole for name, part in kept.items()},
-        parts=kept,
-        misfit=found.fitted.misfit,
-        converged=found.fitted.converged,
-        raw=of.raw,
-        warnings=warnings,
     )

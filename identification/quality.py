@@ -121,7 +121,9 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
     J = jacobian(ten) @ carried
     covariance = J @ identified.covariance @ J.T
     half = NORMAL_95 * np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    shares = _shares(identified, J)
+    variance = {name: np.maximum(np.einsum("ij,jk,ik->i", J, part, J), 0.0) for name, part in identified.parts.items()}
+    whole = np.maximum(np.sum(list(variance.values()), axis=0), np.finfo(np.float64).tiny) if variance else np.ones(10)
+    shares = {name: one / whole for name, one in variance.items()}
     about_f = (identified.shares, NORMAL_95 * np.sqrt(np.diag(identified.covariance)) / scale(identified.inertia))
     reported = (shares, half / sizes(Inertia(parameters=ten)))
     judged = [(PARAMETERS, *about_f), (QUANTITIES, *reported)]
@@ -214,12 +216,6 @@ def _wider(identified: Identified, J: Array, names: Sequence[str]) -> dict[str, 
     own, drawn = (np.einsum("ij,jk,ik->i", J, C, J) for C in (identified.covariance, identified.resampled))
     ratio = np.sqrt(np.maximum(drawn, 0.0) / np.maximum(own, np.finfo(np.float64).tiny))
     return dict(zip(names, ratio.tolist(), strict=True))
-
-
-def _shares(identified: Identified, J: Array) -> dict[str, Array]:
-    variance = {name: np.maximum(np.einsum("ij,jk,ik->i", J, part, J), 0.0) for name, part in identified.parts.items()}
-    whole = np.maximum(np.sum(list(variance.values()), axis=0), np.finfo(np.float64).tiny) if variance else np.ones(10)
-    return {name: one / whole for name, one in variance.items()}
 
 
 def _dominant(shares: Mapping[str, Array], k: int) -> str:

@@ -64,7 +64,15 @@ def resultants(spectra: Spectra) -> Resultants:
     ------
     BadInput : the load cells do not tell six resultants, which are missing.
     """
-    chosen = _complete(spectra.table)
+    verdict = of_resultants(spectra.table)
+    if not verdict.complete:
+        raise BadInput(
+            source="resultants",
+            field="channel",
+            problem=f"the load cells do not tell the six resultants: {verdict.text}",
+            remedy=f"Add a load cell that sees {', '.join(verdict.missing)}",
+        )
+    chosen = spectra.table.select(group=("fmd",), quantity=("force", "moment"))
     channels = [spectra.table.channels[k] for k in chosen]
     names = tuple(channel.name for channel in channels)
     R = sensors.resultants(channels, spectra.table.origin)
@@ -113,18 +121,6 @@ def _sparse(null: Array) -> Array:
     rows = rows[np.argsort([int(np.flatnonzero(row)[0]) for row in rows], kind="stable")]
     first = np.array([np.sign(row[np.flatnonzero(row)[0]]) for row in rows])
     return np.asarray(rows * first[:, None] / np.linalg.norm(rows, axis=1, keepdims=True))
-
-
-def _complete(table: ChannelTable) -> tuple[int, ...]:
-    verdict = of_resultants(table)
-    if not verdict.complete:
-        raise BadInput(
-            source="resultants",
-            field="channel",
-            problem=f"the load cells do not tell the six resultants: {verdict.text}",
-            remedy=f"Add a load cell that sees {', '.join(verdict.missing)}",
-        )
-    return table.select(group=("fmd",), quantity=("force", "moment"))
 
 
 def _words(row: Array, names: Sequence[str]) -> str:

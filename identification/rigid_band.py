@@ -63,10 +63,10 @@ def _peak(size: Array) -> int | None:
 # end.
 
 
-DRIFT_LOW_END = 0.1
+LOW_END_SHARE = 0.1
 """Share of the band that is its low end."""
 
-DRIFT_FEWEST = 5
+LOW_END_LINES = 5
 """Lines at least that make a low end."""
 
 
@@ -77,7 +77,7 @@ SIGNIFICANT = 18.3
 def drift(dynamic_mass: DynamicMass, floor: float) -> Array:
     """(10,) rigid fit over all lines of `dynamic_mass` less that over its low end; zero where noise alone differs as much."""
     f = dynamic_mass.frequency
-    high = max(float(f[0] + DRIFT_LOW_END * (f[-1] - f[0])), float(f[min(DRIFT_FEWEST, len(f)) - 1]))
+    high = max(float(f[0] + LOW_END_SHARE * (f[-1] - f[0])), float(f[min(LOW_END_LINES, len(f)) - 1]))
     whole, low = (fit(dynamic_mass, modes=0, floor=floor, band=band) for band in (None, (float(f[0]), high)))
     moved = np.asarray(whole.parameters - low.parameters)
     scatter = low.covariance * min(low.misfit, 1.0)

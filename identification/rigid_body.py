@@ -60,23 +60,20 @@ def nearest_body(inertia: Inertia, covariance: Array) -> Inertia:
     def misfit(coordinates: Array) -> Array:
         return np.asarray(whiten @ (_of(coordinates, inertia).parameters - inertia.parameters))
 
-    found = least_squares(misfit, log_cholesky(_inside(inertia)), x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    # A body near `inertia`, about the origin: second moments of its density about its CoG lifted to be positive
+    about = Inertia(parameters=inertia.parameters)
+    values, axes = np.linalg.eigh(about.tensor_cog)
+    sigma = values.sum() / 2 - values
+    lifted = np.maximum(sigma, INSIDE * np.abs(sigma).max())
+    tensor = axes @ np.diag(lifted.sum() - lifted) @ axes.T
+    inside = Inertia.from_cog(mass=about.mass, cog=about.cog, tensor=tensor)
+    found = least_squares(misfit, log_cholesky(inside), x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
     return _of(found.x, inertia)
 
 
 def _of(coordinates: Array, like: Inertia) -> Inertia:
     """The body with log-Cholesky coordinates about the reference point of `like`, which stands for the frame's origin there."""
     return Inertia(parameters=from_log_cholesky(coordinates).parameters, reference_point=like.reference_point)
-
-
-def _inside(inertia: Inertia) -> Inertia:
-    """A body near `inertia`, about the origin: second moments of its density about its CoG lifted to be positive."""
-    about = Inertia(parameters=inertia.parameters)
-    values, axes = np.linalg.eigh(about.tensor_cog)
-    sigma = values.sum() / 2 - values
-    lifted = np.maximum(sigma, INSIDE * np.abs(sigma).max())
-    tensor = axes @ np.diag(lifted.sum() - lifted) @ axes.T
-    return Inertia.from_cog(mass=about.mass, cog=about.cog, tensor=tensor)
 
 
 # Robust weights: equations that do not fit the others lose their say (iteratively reweighted least squares).
@@ -141,7 +138,7 @@ ROUNDING = 1e-9
 SHARE = 0.05
 """Share of the largest from which a parameter counts as part of the combination that is open."""
 
-REGRESSION_STEADY, REGRESSION_ROUNDS = 1e-10, 100
+ROBUST_STEADY, ROBUST_ROUNDS = 1e-10, 100
 """Relative change of the parameters at which reweighting ends, and after how many rounds at the latest."""
 
 
@@ -163,7 +160,7 @@ class Equations:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Solution:
+class RigidSolution:
     """What the equations say.
 
     Attributes
@@ -182,7 +179,7 @@ class Solution:
     singular_values: Array
 
 
-def solve(equations: Equations, robust: str = "") -> Solution:
+def solve(equations: Equations, robust: str = "") -> RigidSolution:
     """The ten parameters, robust in the way `robust` of `WEIGHTS`.
 
     Raises
@@ -194,10 +191,10 @@ def solve(equations: Equations, robust: str = "") -> Solution:
     weight = np.ones(len(equations.values))
     found = _weighted(equations, weight)
     least = ROUNDING * float(np.sqrt(np.mean(np.abs(equations.values) ** 2))) or 1.0
-    for _ in range(REGRESSION_ROUNDS if robust else 0):
+    for _ in range(ROBUST_ROUNDS if robust else 0):
         before, size = found.parameters, found.size
         found = _weighted(equations, WEIGHTS[robust](size / max(scale(size, equations.values.shape[1]), least)))
-        if np.linalg.norm(found.parameters - before) <= REGRESSION_STEADY * np.linalg.norm(before):
+        if np.linalg.norm(found.parameters - before) <= ROBUST_STEADY * np.linalg.norm(before):
             break
     return found
 
@@ -215,7 +212,7 @@ def require_known(robust: str) -> None:
         raise BadInput(source="ten parameters", field="robust", problem=problem, remedy="Take one of these")
 
 
-def _weighted(equations: Equations, weight: Array) -> Solution:
+def _weighted(equations: Equations, weight: Array) -> RigidSolution:
     root = np.sqrt(weight)[:, None]
     A, Z = _real(equations.rows * root[:, :, None]), _real(equations.left * root[:, :, None])
     b = _real(equations.values * root)
@@ -227,7 +224,7 @@ def _weighted(equations: Equations, weight: Array) -> Solution:
     p = np.linalg.solve(inner, left.T @ b)
     residual = equations.values - equations.rows @ p
     half = (right / singular[:, None]) / length
-    return Solution(
+    return RigidSolution(
         parameters=np.asarray(p, dtype=np.float64),
         inverse=half.T @ half / 2,
         size=np.sqrt(np.mean(np.abs(residual) ** 2, axis=1)),
@@ -332,7 +329,12 @@ def fit(
     rows = np.broadcast_to(BASIS.reshape(10, 36).T, (len(values), 36, 10)).astype(np.complex128)
     known = weights is not None or covariance is not None
     if covariance is not None:
-        W = _whitening(covariance, weights, len(values))
+        lines = len(values)
+        C = np.asarray(covariance, dtype=np.complex128)
+        if weights is not None or C.shape != (lines, 36, 36):
+            problem = f"give either `weights` or a covariance of shape {(lines, 36, 36)}, found {C.shape}"
+            raise BadInput(source="ten parameters", field="covariance", problem=problem, remedy="Leave one of them out")
+        W = np.asarray(np.linalg.inv(np.linalg.cholesky(C)))
         rows, values = W @ rows, (W @ values[:, :, None])[:, :, 0]
     else:
         w = _entry_weights(weights, H).reshape(-1, 36)
@@ -370,7 +372,10 @@ def from_spectra(
     """
     U, F = np.asarray(motion, dtype=np.complex128), np.asarray(load, dtype=np.complex128)
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    _require_fitting(U, F, lines, noise)
+    found = [U.shape, F.shape, *([] if noise is None else [noise.load.shape[:3], noise.motion.shape[:3]])]
+    if any(shape != U.shape for shape in found) or U.ndim != 3 or U.shape[1:] != (len(lines), 6):
+        problem = f"motions and loads of (runs, {len(lines)} lines, 6) are needed, found {', '.join(map(str, found))}"
+        raise BadInput(source="ten parameters", field="spectra", problem=problem, remedy="Give them on the same lines")
     require_known(robust)
     T = tilt(lines, gravity)
     data = _Data(
@@ -413,37 +418,26 @@ def _plain(data: _Data) -> Equations:
     return Equations(rows=rows, values=(values / size).reshape(-1, 6), left=rows)
 
 
-def _corrected(data: _Data, noise: RunNoise, robust: str) -> Solution:
+def _corrected(data: _Data, noise: RunNoise, robust: str) -> RigidSolution:
     """Errors in variables: motions corrected by what the loads say, from the plain answer until nothing moves."""
     found = solve(_plain(data), robust)
     for _ in range(ROUNDS):
         before = found.parameters
         try:
-            found = solve(_whitened(data, noise, before), robust)
+            # The equations at p, whitened by the noise of their residual f - H u, against regressors of corrected motions
+            H = np.tensordot(before, BASIS, axes=1) + data.elastic
+            residual, R = balance(H, data.motion, data.load, noise)
+            W = np.linalg.inv(np.linalg.cholesky(R))
+            corrected = data.motion + correction(H, residual, R, noise)
+            values = (W @ data.rigid_load[..., None])[..., 0]
+            rows, left = (W @ _regressor(motion) for motion in (data.motion, corrected))
+            whitened = Equations(rows=rows.reshape(-1, 6, 10), values=values.reshape(-1, 6), left=left.reshape(-1, 6, 10))
+            found = solve(whitened, robust)
         except Unidentifiable:  # the data told all ten: it is the correction that takes the motions away
             break
         if np.linalg.norm(found.parameters - before) <= STEADY * np.linalg.norm(before):
             return found
     raise CheckFailed("The correction of the motions' noise does not settle: it is about as large as the motions themselves")
-
-
-def _whitened(data: _Data, noise: RunNoise, p: Array) -> Equations:
-    """The equations at p, whitened by the noise of their residual f - H u, against regressors of corrected motions."""
-    H = np.tensordot(p, BASIS, axes=1) + data.elastic
-    residual, R = balance(H, data.motion, data.load, noise)
-    W = np.linalg.inv(np.linalg.cholesky(R))
-    corrected = data.motion + correction(H, residual, R, noise)
-    values = (W @ data.rigid_load[..., None])[..., 0]
-    rows, left = (W @ _regressor(motion) for motion in (data.motion, corrected))
-    return Equations(rows=rows.reshape(-1, 6, 10), values=values.reshape(-1, 6), left=left.reshape(-1, 6, 10))
-
-
-def _whitening(covariance: npt.ArrayLike, weights: npt.ArrayLike | None, lines: int) -> ComplexArray:
-    C = np.asarray(covariance, dtype=np.complex128)
-    if weights is not None or C.shape != (lines, 36, 36):
-        problem = f"give either `weights` or a covariance of shape {(lines, 36, 36)}, found {C.shape}"
-        raise BadInput(source="ten parameters", field="covariance", problem=problem, remedy="Leave one of them out")
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(C)))
 
 
 def _entry_weights(weights: npt.ArrayLike | None, mass: DynamicMass) -> Array:
@@ -459,20 +453,23 @@ def _entry_weights(weights: npt.ArrayLike | None, mass: DynamicMass) -> Array:
     return w
 
 
-def _require_fitting(U: ComplexArray, F: ComplexArray, lines: Array, noise: RunNoise | None) -> None:
-    found = [U.shape, F.shape, *([] if noise is None else [noise.load.shape[:3], noise.motion.shape[:3]])]
-    if any(shape != U.shape for shape in found) or U.ndim != 3 or U.shape[1:] != (len(lines), 6):
-        problem = f"motions and loads of (runs, {len(lines)} lines, 6) are needed, found {', '.join(map(str, found))}"
-        raise BadInput(source="ten parameters", field="spectra", problem=problem, remedy="Give them on the same lines")
-
-
-def _told(solution: Solution, together: int, known: bool, point: Array, consistent: bool, shape: tuple[int, ...]) -> RigidFit:
+def _told(
+    solution: RigidSolution, together: int, known: bool, point: Array, consistent: bool, shape: tuple[int, ...]
+) -> RigidFit:
     """The answer of equations in groups of `together`; a tenth unknown takes half a complex number."""
     squares = solution.weight @ np.square(solution.size) * together
     variance = squares / max(float(solution.weight.sum()) * together - 5, 1.0)
     covariance = solution.inverse * (1.0 if known else variance)
     free = Inertia(parameters=solution.parameters, reference_point=point)
-    inertia, text = _as_body(free, covariance) if consistent else (free, judge(free).text)
+    if consistent:
+        if judge(free).physical:
+            inertia, text = free, judge(free).text
+        else:
+            body = nearest_body(free, covariance)
+            moved = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(covariance), body.parameters - free.parameters))
+            inertia, text = body, f"{judge(free).text}; the nearest body is {moved:.2g} standard deviations of noise away"
+    else:
+        inertia, text = (free, judge(free).text)
     return RigidFit(
         inertia=inertia,
         covariance=covariance,
@@ -481,11 +478,3 @@ def _told(solution: Solution, together: int, known: bool, point: Array, consiste
         singular_values=solution.singular_values,
         text=text,
     )
-
-
-def _as_body(free: Inertia, covariance: Array) -> tuple[Inertia, str]:
-    if judge(free).physical:
-        return free, judge(free).text
-    body = nearest_body(free, covariance)
-    moved = np.linalg.norm(np.linalg.solve(np.linalg.cholesky(covariance), body.parameters - free.parameters))
-    return body, f"{judge(free).text}; the nearest body is {moved:.2g} standard deviations of noise away"

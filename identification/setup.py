@@ -84,7 +84,12 @@ def setup(spectra: Spectra, settings: Settings) -> Setup:
     limit = LIMITED if settings.robust else ""
     raw = rigid_body.from_spectra(motion, load, spectra.frequency, spectra.table.origin, robust=limit, elastic=fitted.terms)
     if settings.robust:
-        fitted = replace(fitted, parameters=_limited(estimate, fitted, spread))
+        # (10,) from all entries of H with the elastic terms taken off; those that do not fit lose their say
+        H = estimate.dynamic_mass
+        floor = CHAIN_ERROR * levels(H.matrix)
+        weights = 1 / (floor if spread is None else np.hypot(floor, spread))
+        limited = rigid_body.fit(H, weights=weights, robust=LIMITED, elastic=fitted.terms).inertia.parameters
+        fitted = replace(fitted, parameters=limited)
     return Setup(
         motion=motion, load=load, estimate=estimate, fitted=fitted, noise=spread, raw=raw.inertia.parameters, notes=notes
     )
@@ -103,11 +108,3 @@ def _unbiased(
     except CheckFailed:
         return estimate, (f"{low}; the correction does not settle and is left out",)
     return replace(estimate, dynamic_mass=mass), (f"{low}; corrected as errors in variables",)
-
-
-def _limited(estimate: Estimate, fitted: Fitted, spread: Array | None) -> Array:
-    """(10,) from all entries of H with the elastic terms taken off; those that do not fit lose their say."""
-    H = estimate.dynamic_mass
-    floor = CHAIN_ERROR * levels(H.matrix)
-    weights = 1 / (floor if spread is None else np.hypot(floor, spread))
-    return rigid_body.fit(H, weights=weights, robust=LIMITED, elastic=fitted.terms).inertia.parameters

@@ -97,7 +97,27 @@ def decimated(record: BaseMotion | Response, rate: float) -> BaseMotion | Respon
     factor = _factor(record.sampling_rate, rate)
     if factor == 1:
         return record
-    return _motion(record, factor) if isinstance(record, BaseMotion) else _response(record, factor)
+    if isinstance(record, BaseMotion):
+        motion_rate = record.sampling_rate / factor
+        return replace(
+            record,
+            sampling_rate=motion_rate,
+            displacement=_filtered(record.displacement, factor),
+            velocity=_filtered(record.velocity, factor),
+            acceleration=_filtered(record.acceleration, factor),
+            driven=min(record.driven + HALF / motion_rate, record.duration),
+        )
+    response_rate = record.sampling_rate / factor
+    channels: dict[str, Any] = {
+        name: _filtered(getattr(record, name), factor) for name in ("table", "cover", "load", "cells", "coordinates")
+    }
+    return replace(
+        record,
+        **channels,
+        sampling_rate=response_rate,
+        places={name: _filtered(channel, factor) for name, channel in record.places.items()},
+        settings={**record.settings, "anti_alias": _described(record.sampling_rate, response_rate)},
+    )
 
 
 def decimated_channels(channels: Array, simulated: float, rate: float, delay: npt.ArrayLike = 0.0) -> Array:
@@ -121,32 +141,6 @@ def taps(factor: int) -> Array:
     found = np.asarray(firwin(2 * HALF * factor + 1, middle, window=("kaiser", kaiser_beta(-20 * np.log10(RIPPLE)))))
     found.setflags(write=False)
     return found
-
-
-def _motion(motion: BaseMotion, factor: int) -> BaseMotion:
-    rate = motion.sampling_rate / factor
-    return replace(
-        motion,
-        sampling_rate=rate,
-        displacement=_filtered(motion.displacement, factor),
-        velocity=_filtered(motion.velocity, factor),
-        acceleration=_filtered(motion.acceleration, factor),
-        driven=min(motion.driven + HALF / rate, motion.duration),
-    )
-
-
-def _response(response: Response, factor: int) -> Response:
-    rate = response.sampling_rate / factor
-    channels: dict[str, Any] = {
-        name: _filtered(getattr(response, name), factor) for name in ("table", "cover", "load", "cells", "coordinates")
-    }
-    return replace(
-        response,
-        **channels,
-        sampling_rate=rate,
-        places={name: _filtered(channel, factor) for name, channel in response.places.items()},
-        settings={**response.settings, "anti_alias": _described(response.sampling_rate, rate)},
-    )
 
 
 def _described(simulated: float, rate: float) -> dict[str, object]:
@@ -213,7 +207,16 @@ def _several(held: Array, base: int, pieces: list[_Cut], start: int, stop: int, 
     """Samples `start` to `stop` of the record, (c, stop - start); `held` (c, k) begins at the sample `base`."""
     found = np.zeros((len(pieces), stop - start))
     for row, signal, cut in zip(found, held, pieces, strict=True):
-        samples = _padded(signal, start * factor - cut.before - base, (stop - start + len(cut.table) - 1) * factor)
+        # `count` samples of `signal` from `begin` on, at rest beyond both its ends
+        begin = start * factor - cut.before - base
+        count = (stop - start + len(cut.table) - 1) * factor
+        low, high = max(begin, 0), min(begin + count, len(signal))
+        if low == begin and high == begin + count:
+            samples = signal[low:high]
+        else:
+            samples = np.zeros(count)
+            if high > low:
+                samples[low - begin : high - begin] = signal[low:high]
         for k, products in enumerate(cut.table @ samples.reshape(-1, factor).T):
             row += products[k : k + stop - start]
     return found
@@ -231,17 +234,6 @@ def delayed_taps(factor: int, samples: float) -> tuple[int, Array]:
     nodes = first + np.arange(POINTS)
     weights = [np.prod([(samples - other) / (node - other) for other in nodes if other != node]) for node in nodes]
     return first - HALF * factor, np.convolve(taps(factor), weights)
-
-
-def _padded(signal: Array, start: int, count: int) -> Array:
-    """`count` samples of `signal` from `start` on, at rest beyond both its ends."""
-    low, high = max(start, 0), min(start + count, len(signal))
-    if low == start and high == start + count:
-        return signal[low:high]
-    found = np.zeros(count)
-    if high > low:
-        found[low - start : high - start] = signal[low:high]
-    return found
 
 
 def _factor(simulated: float, rate: float) -> int:

@@ -115,7 +115,8 @@ def states(mass: Array, viscous: Array, stiffness: Array, input_matrix: Array) -
 
     n = len(mass)
     if not n:
-        return _nothing(input_matrix.shape[1])
+        none, square = np.zeros((0, input_matrix.shape[1])), np.zeros((0, 0))
+        return States(A=square, B=none, displacement=square, velocity=square, acceleration=square, direct=none)
     try:
         squares, Phi = eigh(stiffness, mass)
     except LinAlgError:
@@ -230,7 +231,16 @@ def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array]
 
 def _by_stepping(system: States, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:
     """The same by the matrix exponential, all states together."""
-    growth, first, last = _exponential(system, step)
+    from scipy.linalg import expm
+
+    # growth, first and last of the whole system, from one matrix exponential (Van Loan, IEEE Trans. Autom. Control 23, 1978)
+    n, p = system.B.shape
+    whole = np.zeros((n + 2 * p, n + 2 * p))
+    whole[:n, :n], whole[:n, n : n + p] = step * system.A, step * system.B
+    whole[n : n + p, n + p :] = np.eye(p)
+    E = expm(whole)
+    growth, last = E[:n, :n], E[:n, n + p :]
+    first = E[:n, n : n + p] - last
     state = np.zeros(len(system.A))
     before: Array | None = None
 
@@ -261,21 +271,3 @@ def _series(s: ComplexArray, order: int) -> ComplexArray:
     for k in reversed(range(TERMS)):
         total = total * s + 1 / factorial(k + order)
     return total
-
-
-def _exponential(system: States, step: float) -> tuple[Array, Array, Array]:
-    """The same three for the whole system, from one matrix exponential (Van Loan, IEEE Trans. Autom. Control 23, 1978)."""
-    from scipy.linalg import expm
-
-    n, p = system.B.shape
-    whole = np.zeros((n + 2 * p, n + 2 * p))
-    whole[:n, :n], whole[:n, n : n + p] = step * system.A, step * system.B
-    whole[n : n + p, n + p :] = np.eye(p)
-    E = expm(whole)
-    first, second = E[:n, n : n + p], E[:n, n + p :]
-    return E[:n, :n], first - second, second
-
-
-def _nothing(inputs: int) -> States:
-    none, square = np.zeros((0, inputs)), np.zeros((0, 0))
-    return States(A=square, B=none, displacement=square, velocity=square, acceleration=square, direct=none)

@@ -301,7 +301,11 @@ def sampled(
     require_not_negative(ring_down, "ring_down", pattern.label, "s")
     require_below_nyquist(pattern, sampling_rate)
     driven = pattern.driven + (cross.delay if cross else 0.0)
-    clock = Clock(sampling_rate=sampling_rate, count=_count((driven + ring_down) * sampling_rate, pattern.label))
+    samples = (driven + ring_down) * sampling_rate
+    if samples > MOST_SAMPLES:
+        problem = f"the record would have {samples:.3g} samples, more than {MOST_SAMPLES:.3g}"
+        raise BadInput(source=pattern.label, problem=problem, remedy="Sweep faster, shorten the record or sample slower")
+    clock = Clock(sampling_rate=sampling_rate, count=ceil(samples - 1e-6) + 1)
     displacement, velocity, acceleration = at(pattern, clock, cross).transpose(0, 2, 1)
     return BaseMotion(
         sampling_rate=sampling_rate,
@@ -348,13 +352,6 @@ def require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:
         )
 
 
-def _count(samples: float, source: str) -> int:
-    if samples > MOST_SAMPLES:
-        problem = f"the record would have {samples:.3g} samples, more than {MOST_SAMPLES:.3g}"
-        raise BadInput(source=source, problem=problem, remedy="Sweep faster, shorten the record or sample slower")
-    return ceil(samples - 1e-6) + 1
-
-
 # Noise of one level over a band as a sum of equally strong lines of random phase, evaluated by FFT with exact derivatives.
 
 
@@ -373,11 +370,6 @@ def ends(start: float, stop: float, duration: float) -> tuple[int, int]:
     """The first and the last of `numbers`; the last is below the first when there are none."""
     T = period(duration)
     return ceil(start * T - 1e-9), int(stop * T + 1e-9)
-
-
-def phases(generator: np.random.Generator, lines: Array) -> dict[str, Array]:
-    """Phase [rad] of every line, for every axis whether it is driven or not: the axes of a pattern do not shift each other's."""
-    return {axis: generator.uniform(0.0, 2 * np.pi, lines.size) for axis in MOTIONS}
 
 
 def noise(clock: Clock, lines: Array, phase: Array, duration: float, rms: float) -> Jet:
@@ -480,7 +472,9 @@ def noisy(
     """Noise of every axis under one window that rises and falls within `ramp` [s]."""
     shape = window(clock.time, 0.0, ramp, duration - ramp, duration)
     lines = numbers(start, stop, duration)
-    phase = phases(np.random.default_rng(seed), lines)
+    # Phase [rad] of every line, for every axis whether it is driven or not: the axes of a pattern do not shift each other's
+    generator = np.random.default_rng(seed)
+    phase = {axis: generator.uniform(0.0, 2 * np.pi, lines.size) for axis in MOTIONS}
     return {axis: shape * noise(clock, lines, phase[axis], duration, level) for axis, level in rms.items()}
 
 

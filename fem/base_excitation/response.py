@@ -11,7 +11,7 @@ import numpy as np
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.first_order_hold import Progress, States, answer, poles, solver, states, straightened
 from fem.base_excitation.patterns import Clock, CrossMotion, Pattern, at, require_below_nyquist
-from fem.base_excitation.rig import TABLE, Body, Rig, RigStructure, matrices
+from fem.base_excitation.rig import TABLE, FlexibleBody, Rig, RigStructure, matrices
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
@@ -135,7 +135,14 @@ def run(structure: RigStructure, system: States, channels: Channels, motion: Bas
     ------
     CheckFailed : the answer grows beyond all numbers; with the first channel and time at which it does.
     """
-    wanted, samples, last = seen(channels, system), _inputs(structure, motion), drive_end(motion)
+    # The sample at which the drive has ended, or the last one of the record
+    wanted = seen(channels, system)
+    # (N, p) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements
+    if not structure.grounded:
+        samples = motion.acceleration
+    else:
+        samples = np.hstack([motion.acceleration, motion.velocity, motion.displacement])
+    last = min(int(np.ceil(motion.driven * motion.sampling_rate - 1e-6)), len(motion.acceleration) - 1)
     found, state = np.empty((len(wanted.of_states), len(samples))).T, np.zeros(len(system.A))  # a channel lies in one piece
     straight = straightened(samples) if len(system.A) else samples
     with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
@@ -166,18 +173,6 @@ def require_bounded(samples: Array, names: tuple[str, ...], start: int, sampling
         time=time,
         channel=name,
     )
-
-
-def drive_end(motion: BaseMotion) -> int:
-    """The sample at which the drive has ended, or the last one of the record."""
-    return min(int(np.ceil(motion.driven * motion.sampling_rate - 1e-6)), len(motion.acceleration) - 1)
-
-
-def _inputs(structure: RigStructure, motion: BaseMotion) -> Array:
-    """(N, p) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements."""
-    if not structure.grounded:
-        return motion.acceleration
-    return np.hstack([motion.acceleration, motion.velocity, motion.displacement])
 
 
 def load(structure: RigStructure) -> Channels:
@@ -259,7 +254,8 @@ def needed(rig: Rig, motion: BaseMotion, share: float = SHARE) -> float:
     BadInput : a rig that cannot be built.
     CheckFailed : something on the table swings freely, or the answer grows beyond all numbers.
     """
-    structure = matrices(_linear(rig))
+    linear = rig if rig.linear else replace(rig, frictions=(), cells=tuple(replace(cell, preload=None) for cell in rig.cells))
+    structure = matrices(linear)
     system = driven(structure)
     return motion.driven + lasting(structure, system, run(structure, system, load(structure), motion), share)
 
@@ -316,10 +312,6 @@ def size(structure: RigStructure, loads: Array) -> Array:
     return np.asarray(np.sqrt((loads[:3] ** 2).sum(axis=0) + (loads[3:] ** 2).sum(axis=0) * M[:3].sum() / M[3:].sum()))
 
 
-def _linear(rig: Rig) -> Rig:
-    return rig if rig.linear else replace(rig, frictions=(), cells=tuple(replace(cell, preload=None) for cell in rig.cells))
-
-
 # A linear rig on a driven base in time, by the exact recursion in its own modes: seconds for a sweep of a minute and a half.
 #
 # Table, cover plate, load cells, places and the load on the table are sums of the states and of the motion of the table:
@@ -368,7 +360,7 @@ def respond(rig: Rig, motion: BaseMotion, *, keep_coordinates: bool = False, pro
     )
 
 
-def require_fine(article: Body, sampling_rate: float) -> None:
+def require_fine(article: FlexibleBody, sampling_rate: float) -> None:
     """Refuse a sampling rate too coarse for a kept mode.
 
     Raises
@@ -393,7 +385,7 @@ def _channels(structure: RigStructure, keep_coordinates: bool) -> Channels:
     return stacked([*parts, relative(structure)] if keep_coordinates else parts)
 
 
-def _settings(article: Body, system: States, motion: BaseMotion) -> dict[str, object]:
+def _settings(article: FlexibleBody, system: States, motion: BaseMotion) -> dict[str, object]:
     import scipy
 
     return {
@@ -555,10 +547,14 @@ def streamed(
     rung_down = False
     while start < stop:
         count = min(BLOCK, stop - start)
-        around = _motion(pattern, cross, start, count, sampling_rate, end)
-        inputs = _streamed_inputs(structure, around)
+        # (3, 6, count + 2) motion of the table, from the sample before `start` on
+        clock = Clock(sampling_rate=sampling_rate, count=count + 2, late=-(start - 1) / sampling_rate)
+        around = np.zeros((3, 6, count + 2)) if (start - 1) / sampling_rate > end else at(pattern, clock, cross)
+        # (p, k) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements
+        inputs = np.vstack([around[2], around[1], around[0]]) if structure.grounded else around[2]
         with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
-            found, state = solve(_straightened(inputs).T)
+            # The inner of the samples (p, k + 2) lifted as `recursion.straightened` does: (p, k)
+            found, state = solve(np.asarray(inputs[:, 1:-1] * (7 / 6) - (inputs[:, :-2] + inputs[:, 2:]) / 12).T)
             values = found.T + outputs.of_inputs @ inputs[:, 1:-1]
         require_bounded(values.T, wanted.names, start, sampling_rate)
         greatest = max(greatest, float(size(structure, values[:TABLE]).max()))
@@ -567,22 +563,6 @@ def streamed(
         if start >= stop and not rung_down:
             rest = lasting_from(structure, system, state, greatest, share)
             stop, rung_down = start + int(np.ceil((_bearable(rest, pattern) + quiet) * sampling_rate)), True
-
-
-def _motion(pattern: Pattern, cross: CrossMotion | None, start: int, count: int, rate: float, end: float) -> Array:
-    """(3, 6, count + 2) motion of the table, from the sample before `start` on."""
-    clock = Clock(sampling_rate=rate, count=count + 2, late=-(start - 1) / rate)
-    return np.zeros((3, 6, count + 2)) if (start - 1) / rate > end else at(pattern, clock, cross)
-
-
-def _streamed_inputs(structure: RigStructure, motion: Array) -> Array:
-    """(p, k) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements."""
-    return np.vstack([motion[2], motion[1], motion[0]]) if structure.grounded else motion[2]
-
-
-def _straightened(inputs: Array) -> Array:
-    """The inner of the samples (p, k + 2) lifted as `recursion.straightened` does: (p, k)."""
-    return np.asarray(inputs[:, 1:-1] * (7 / 6) - (inputs[:, :-2] + inputs[:, 2:]) / 12)
 
 
 def _bearable(rest: float, pattern: Pattern) -> float:

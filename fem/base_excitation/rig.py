@@ -32,7 +32,7 @@ LATERAL = ("x", "y")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Body:
+class FlexibleBody:
     """A flexible article, reduced to the six motions of its base and some coordinates of its own.
 
     Attributes
@@ -102,7 +102,7 @@ class Strut:
 
     Attributes
     ----------
-    place : as the article's `Body.places` names it
+    place : as the article's `FlexibleBody.places` names it
     to : "ground" or "table"
     stiffness : (3,) [N/m] along x, y, z
     damping : (3,) [N s/m]
@@ -148,7 +148,7 @@ class Rig:
     struts, frictions : what is attached
     """
 
-    article: Body
+    article: FlexibleBody
     cover: Inertia | None = None
     seat: Array = field(default_factory=lambda: np.zeros(3))
     cells: tuple[LoadCell, ...] = ()
@@ -165,7 +165,7 @@ class Rig:
         return not self.frictions and all(cell.preload is None for cell in self.cells)
 
 
-# `Body` from a structure and its modes, from modal data alone, or rigid: what stands on a base that moves in time.
+# `FlexibleBody` from a structure and its modes, from modal data alone, or rigid: what stands on a base that moves in time.
 #
 # A structure's kept modes are joined by up to six static answers to accelerations of the base (`fem.held_base`), so the
 # truncated modes need no term of their own: the body answers as the full structure does up to the fourth power of the frequency.
@@ -201,7 +201,7 @@ EXCESS = 1e-6
 """Share of the mass by which modes of printed digits may take more than there is."""
 
 
-def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = NOWHERE) -> Body:
+def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = NOWHERE) -> FlexibleBody:
     """`structure` on its base, reduced to its `modes`, shapes included, and to what the others answer statically.
 
     A place moves with the base as a rigid body's point does, and beyond that as the nearest of the structure's points.
@@ -210,17 +210,39 @@ def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = 
     ------
     BadInput : modes without shapes or of another structure, a place with no point near it, factors that do not fit in memory.
     """
-    _require_shapes(name, structure, modes)
+    if len(modes.shapes) != structure.mass.shape[0]:
+        raise BadInput(
+            source=f"body {name}",
+            field="modes",
+            problem=f"shapes on all {structure.mass.shape[0]} degrees of freedom of the structure are needed, found "
+            f"{len(modes.shapes)}",
+            remedy="Bring the modes of this structure, or use modal data alone",
+        )
     held = hold(structure)
     X = static_shapes(held.stiffness, held.mass, held.load, modes.shapes[held.free])
     squares, V = np.linalg.eigh(X.T @ (held.stiffness @ X))
     X = X @ V
     reduced = _reduced(modes, np.sqrt(squares), held.load.T @ X, structure.rigid, held.expand(X))
-    rows = {place: _place(name, place, at, structure, reduced) for place, at in places.items()}
-    return Body(name=name, reduced=reduced, kept=modes.frequency, places=rows)
+    rows = {}
+    for place, at in places.items():
+        # (3, 6 + n) what each coordinate does to `place`, (3,) [m] in the article's frame
+        point = np.asarray(at, dtype=np.float64)
+        distance = np.linalg.norm(structure.points - point, axis=1)
+        size = float(np.linalg.norm(np.ptp(structure.points, axis=0))) if len(distance) else 0.0
+        if distance.min(initial=np.inf) > NEAR * size:
+            found = f"the nearest is {1e3 * distance.min():.1f} mm away" if len(distance) else "it has none"
+            raise BadInput(
+                source=f"body {name}",
+                field=f"places.{place}",
+                problem=f"a point whose motion is known must lie within {1e3 * NEAR * size:.1f} mm, and {found}",
+                remedy="Give a place on the structure, in the article's frame in metres",
+            )
+        shapes = reduced.basis[structure.translations[int(np.argmin(distance))], 6:]
+        rows[place] = np.hstack([rigid_transformation(point), shapes])
+    return FlexibleBody(name=name, reduced=reduced, kept=modes.frequency, places=rows)
 
 
-def of_modal_data(name: str, modes: Modes) -> Body:
+def of_modal_data(name: str, modes: Modes) -> FlexibleBody:
     """A body of which only frequencies, damping, participation and the rigid 6x6 are known; R is carried by further modes.
 
     Their frequencies are `FAR` above the kept ones, or as high as the mass beside the kept modes allows.
@@ -231,10 +253,12 @@ def of_modal_data(name: str, modes: Modes) -> Body:
     """
     omega, L = _carriers(name, modes)
     bare = replace(modes, shapes=np.zeros((0, modes.frequency.size)))
-    return Body(name=name, reduced=_reduced(bare, omega, L, np.zeros((0, 6)), np.zeros((0, omega.size))), kept=modes.frequency)
+    return FlexibleBody(
+        name=name, reduced=_reduced(bare, omega, L, np.zeros((0, 6)), np.zeros((0, omega.size))), kept=modes.frequency
+    )
 
 
-def rigid(name: str, inertia: Inertia, places: Places = NOWHERE) -> Body:
+def rigid(name: str, inertia: Inertia, places: Places = NOWHERE) -> FlexibleBody:
     """A rigid body with its base at the article's origin.
 
     Raises
@@ -245,7 +269,7 @@ def rigid(name: str, inertia: Inertia, places: Places = NOWHERE) -> Body:
     nothing = np.zeros((6, 6))
     reduced = Reduced(stiffness=nothing, mass=M, viscous=nothing, structural=nothing, interface=6, basis=np.eye(6))
     rows = {place: rigid_transformation(at) for place, at in places.items()}
-    return Body(name=name, reduced=reduced, kept=np.zeros(0), places=rows)
+    return FlexibleBody(name=name, reduced=reduced, kept=np.zeros(0), places=rows)
 
 
 def viscous(modes: Modes) -> tuple[Array, Array]:
@@ -275,13 +299,10 @@ def _reduced(modes: Modes, omega: Array, L: Array, rigid_motion: Array, shapes: 
     made = of_modes(extended, rigid_motion)
     stiffness = np.array(made.stiffness)
     stiffness[6 : 6 + len(K), 6 : 6 + len(K)] = K
-    return _about_origin(replace(made, stiffness=stiffness), modes.reference_point)
-
-
-def _about_origin(reduced: Reduced, point: Array) -> Reduced:
-    """The base's motions counted at the article's origin instead of at `point`."""
+    # The base's motions counted at the article's origin instead of at `modes.reference_point`
+    reduced = replace(made, stiffness=stiffness)
     T = np.eye(len(reduced.mass))
-    T[:6, :6] = rigid_transformation_6(point)
+    T[:6, :6] = rigid_transformation_6(modes.reference_point)
     return replace(reduced, mass=T.T @ reduced.mass @ T, basis=reduced.basis @ T)
 
 
@@ -318,34 +339,6 @@ def _require_mass(name: str, left: Array, whole: Array) -> None:
             problem=f"its modes must not move more mass than the body has, found {-share:.3g} of it too much in some direction",
             remedy="Check the units of the participation, and that it and the rigid mass have one reference point",
         )
-
-
-def _require_shapes(name: str, structure: Structure, modes: Modes) -> None:
-    if len(modes.shapes) != structure.mass.shape[0]:
-        raise BadInput(
-            source=f"body {name}",
-            field="modes",
-            problem=f"shapes on all {structure.mass.shape[0]} degrees of freedom of the structure are needed, found "
-            f"{len(modes.shapes)}",
-            remedy="Bring the modes of this structure, or use modal data alone",
-        )
-
-
-def _place(name: str, place: str, at: npt.ArrayLike, structure: Structure, reduced: Reduced) -> Array:
-    """(3, 6 + n) what each coordinate does to `place`, (3,) [m] in the article's frame."""
-    point = np.asarray(at, dtype=np.float64)
-    distance = np.linalg.norm(structure.points - point, axis=1)
-    size = float(np.linalg.norm(np.ptp(structure.points, axis=0))) if len(distance) else 0.0
-    if distance.min(initial=np.inf) > NEAR * size:
-        found = f"the nearest is {1e3 * distance.min():.1f} mm away" if len(distance) else "it has none"
-        raise BadInput(
-            source=f"body {name}",
-            field=f"places.{place}",
-            problem=f"a point whose motion is known must lie within {1e3 * NEAR * size:.1f} mm, and {found}",
-            remedy="Give a place on the structure, in the article's frame in metres",
-        )
-    shapes = reduced.basis[structure.translations[int(np.argmin(distance))], 6:]
-    return np.hstack([rigid_transformation(point), shapes])
 
 
 # What a `Rig` must be before anybody makes equations of it.
@@ -387,7 +380,14 @@ def require_usable(rig: Rig) -> Rig:
     )
     carried = _mass(rig) + (0.0 if rig.cover is None else rig.cover.mass)
     for number, cell in enumerate(rig.cells, start=1):
-        _require_cell(cell, f"cells.{number}", carried)
+        name = f"cells.{number}"
+        for axis, k, c in zip(AXES, cell.stiffness, cell.damping, strict=True):
+            _require_positive(f"{name}.stiffness", k, f"N/m along {axis}")
+            _require_not_negative(f"{name}.damping", c, f"N s/m along {axis}")
+            _require_within(f"{name}.stiffness", k, (SOFTEST * carried, STIFFEST * carried), f"N/m along {axis}")
+            _require_within(f"{name}.damping", c, (0.0, MOST_VISCOUS * carried), f"N s/m along {axis}")
+        if cell.preload is not None:
+            _require_positive(f"{name}.preload", cell.preload, "N")
     if rig.cells:
         _require_held(rig.cells)
     if rig.flange is not None:
@@ -409,16 +409,6 @@ def require_usable(rig: Rig) -> Rig:
 
 def _mass(rig: Rig) -> float:
     return float(rig.article.reduced.mass[0, 0])
-
-
-def _require_cell(cell: LoadCell, name: str, carried: float) -> None:
-    for axis, k, c in zip(AXES, cell.stiffness, cell.damping, strict=True):
-        _require_positive(f"{name}.stiffness", k, f"N/m along {axis}")
-        _require_not_negative(f"{name}.damping", c, f"N s/m along {axis}")
-        _require_within(f"{name}.stiffness", k, (SOFTEST * carried, STIFFEST * carried), f"N/m along {axis}")
-        _require_within(f"{name}.damping", c, (0.0, MOST_VISCOUS * carried), f"N s/m along {axis}")
-    if cell.preload is not None:
-        _require_positive(f"{name}.preload", cell.preload, "N")
 
 
 def _require_held(cells: tuple[LoadCell, ...]) -> None:
@@ -514,7 +504,7 @@ class RigStructure:
     ----------
     mass, viscous, stiffness : (6 + n, 6 + n) symmetric; the six motions of the table first
     cover : (6, 6 + n) motion of the cover plate about F; that of the table without cells
-    article : (6 + m, 6 + n) coordinates of the article's `Body.reduced`, in the laboratory
+    article : (6 + m, 6 + n) coordinates of the article's `FlexibleBody.reduced`, in the laboratory
     cells : (c, 3, 6 + n) how the cover plate moves relative to the table at every cell
     cell_stiffness, cell_damping : (c, 3) [N/m], [N s/m]
     places : (3, 6 + n) motion of places in the laboratory
@@ -548,7 +538,18 @@ def matrices(rig: Rig) -> RigStructure:
     BadInput : something of it cannot be built, or it has friction or a cell that can lift off.
     """
     _require_linear(require_usable(rig))
-    size, cover, article = _kinematics(rig)
+    # Number of coordinates, and motion of cover plate (6, size) and of the article's coordinates (6 + m, size)
+    joint, own = _joint(rig), len(rig.article.reduced.mass) - TABLE
+    first = TABLE + (TABLE if rig.cells else 0)
+    size = first + len(joint) + own
+    cover = np.zeros((TABLE, size))
+    cover[:, :TABLE] = np.eye(TABLE)
+    if rig.cells:
+        cover[:, TABLE : 2 * TABLE] = np.eye(TABLE)
+    article = np.zeros((TABLE + own, size))
+    article[:TABLE] = rigid_transformation_6(rig.seat) @ cover
+    article[joint, first + np.arange(len(joint))] += 1.0
+    article[TABLE:, first + len(joint) :] = np.eye(own)
     cells = np.array([_at(cell, cover, size) for cell in rig.cells]).reshape(-1, 3, size)
     reduced = rig.article.reduced
     M = article.T @ reduced.mass @ article
@@ -559,8 +560,8 @@ def matrices(rig: Rig) -> RigStructure:
         C, K = _with(C, K, rows, cell.damping, cell.stiffness)
     for strut in rig.struts:
         C, K = _with(C, K, _strut(strut, rig, article), strut.damping, strut.stiffness)
-    joint, stiffness = _joint(rig), _joint_stiffness(rig)
-    at = (TABLE if rig.cells else 0) + TABLE + np.arange(len(joint))
+    stiffness = np.zeros(0) if rig.flange is None else np.asarray(1 / rig.flange.compliance[joint])
+    at = first + np.arange(len(joint))
     K[at, at] += stiffness
     C[at, at] += stiffness * (rig.flange.damping_time if rig.flange else 0.0)
     return RigStructure(
@@ -599,29 +600,9 @@ def _condensed(s: RigStructure, omega: float) -> ComplexArray:
     return np.asarray(drive[t, t] + Z[t, y] @ answer)
 
 
-def _kinematics(rig: Rig) -> tuple[int, Array, Array]:
-    """Number of coordinates, and motion of cover plate (6, size) and of the article's coordinates (6 + m, size)."""
-    joint, own = _joint(rig), len(rig.article.reduced.mass) - TABLE
-    first = TABLE + (TABLE if rig.cells else 0)
-    size = first + len(joint) + own
-    cover = np.zeros((TABLE, size))
-    cover[:, :TABLE] = np.eye(TABLE)
-    if rig.cells:
-        cover[:, TABLE : 2 * TABLE] = np.eye(TABLE)
-    article = np.zeros((TABLE + own, size))
-    article[:TABLE] = rigid_transformation_6(rig.seat) @ cover
-    article[joint, first + np.arange(len(joint))] += 1.0
-    article[TABLE:, first + len(joint) :] = np.eye(own)
-    return size, cover, article
-
-
 def _joint(rig: Rig) -> list[int]:
     """Directions in which the flange gives."""
     return [] if rig.flange is None else [int(axis) for axis in np.flatnonzero(rig.flange.compliance)]
-
-
-def _joint_stiffness(rig: Rig) -> Array:
-    return np.zeros(0) if rig.flange is None else np.asarray(1 / rig.flange.compliance[_joint(rig)])
 
 
 def _at(cell: LoadCell, cover: Array, size: int) -> Array:

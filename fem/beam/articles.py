@@ -27,8 +27,8 @@ from fem.structure import Structure, rigid_motion
 from geometry.article import Article, Part, Placed, Shape, material, prefixes
 from geometry.article import rectangle as corners
 from geometry.articles import built_in, changes_of, dimension_files
-from geometry.articles import parts as articles_parts
 from geometry.articles.dimensions import Dimensions, load
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, build_clumod
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, Pose, frozen, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
@@ -87,16 +87,16 @@ def require_cells(cells: npt.ArrayLike) -> Array:
     """
     stiffness = np.asarray(cells, dtype=np.float64)
     if stiffness.shape != (4, 3):
-        raise _beam_bodies_refused(f"four cells with three stiffnesses each are needed, found shape {stiffness.shape}")
+        raise _cells_refused(f"four cells with three stiffnesses each are needed, found shape {stiffness.shape}")
     for (cell, axis), value in np.ndenumerate(stiffness):
         if not 0 < value < np.inf:
-            raise _beam_bodies_refused(
+            raise _cells_refused(
                 f"cell {cell + 1} must have a positive, finite stiffness along {AXES[axis]}, found {value:g} N/m"
             )
     return stiffness
 
 
-def _beam_bodies_refused(problem: str) -> BadInput:
+def _cells_refused(problem: str) -> BadInput:
     return BadInput(source="load cells of the FMD", field="cells", problem=problem, remedy="Give (4, 3) values in N/m")
 
 
@@ -140,7 +140,7 @@ ELEMENTS = 6
 
 MAST = "mast"
 X, Y, Z = np.eye(3)
-BEAM_CLUMOD_AXES = {"x": X, "y": Y}
+BLADE_AXES = {"x": X, "y": Y}
 
 RIGID_ROUNDING = 1e-6
 """Share of a joint's stiffness that a rigid motion of all its ports may meet, which is what condensation loses to rounding."""
@@ -199,14 +199,14 @@ def reach(radius: float, thickness: float) -> float:
     return radius - thickness
 
 
-def beam_clumod_plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Plan:
+def clumod_plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Plan:
     """Clumod with the `blades` named; node 0 is the flange, at the article's origin.
 
     Raises
     ------
     BadInput : hubs that overlap, a joint on a port that does not exist, a section that is none.
     """
-    article, pieces = articles_parts.build(tuple(blades), d), _rigid_pieces(blades, d)
+    article, pieces = build_clumod(tuple(blades), d), _rigid_pieces(blades, d)
     asked = [_checked(port, blades, d) for joint in joints for port in joint.ports]
     nodes = _Nodes()
     nodes.put(np.zeros(3), carrier=0)
@@ -264,11 +264,6 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
         ends = [(-h, h)] if blade["name"] in blades else [(-h, -t), (t, h)]
         pieces += [_Rigid(bottom=z + a, middle=z + (a + b) / 2, top=z + b, number=number) for a, b in ends]
     pieces.sort(key=lambda piece: piece.bottom)
-    _require_apart(pieces, d)
-    return pieces
-
-
-def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
     edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top))]
     for lower, upper in pairwise(edges):
         if upper < lower:
@@ -278,6 +273,7 @@ def _require_apart(pieces: list[_Rigid], d: Dimensions) -> None:
                 problem=f"hubs must lie on the mast and apart, found {1e3 * lower:g} mm above {1e3 * upper:g} mm",
                 remedy="Move the blade or make its hub lower",
             )
+    return pieces
 
 
 def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int, nodes: _Nodes) -> Member:
@@ -305,9 +301,14 @@ def _half_blade(
     root, tip = _ends(blade, d)
     own = [side * port.at for port in asked if port.member == blade["name"] and side * port.at > 0]
     distances = _between(sorted({root, tip, *own}), (tip - root) / elements)
-    places = [blade["z"] * Z + side * distance * BEAM_CLUMOD_AXES[blade["axis"]] for distance in distances]
+    places = [blade["z"] * Z + side * distance * BLADE_AXES[blade["axis"]] for distance in distances]
     chain = [nodes.put(places[0], station), *(nodes.put(place) for place in places[1:])]
-    return Member(nodes=tuple(chain), section=_blade_section(blade, d), z_axis=Z, part=blade["name"], bonded=frozenset(chain[:1]))
+    steel, w, t = material(d["blades"]["material"]), blade["width"], blade["thickness"]
+    section: Section | Sandwich = rectangle(w, t, steel)
+    if layer := blade.get("layer"):
+        names = (f"{blade['name']}-bottom", f"{blade['name']}-silicone", f"{blade['name']}-top")
+        section = sandwich(w, t, layer["thickness"], steel, material(layer["material"]), names)
+    return Member(nodes=tuple(chain), section=section, z_axis=Z, part=blade["name"], bonded=frozenset(chain[:1]))
 
 
 def _ends(blade: Dimensions, d: Dimensions) -> tuple[float, float]:
@@ -319,14 +320,6 @@ def _between(fixed: list[float], step: float) -> list[float]:
     """`fixed`, ascending, and what divides the gaps evenly into pieces not much longer than `step`."""
     gaps = [np.linspace(a, b, max(1, round((b - a) / step)), endpoint=False).tolist() for a, b in pairwise(fixed)]
     return [*(value for gap in gaps for value in gap), fixed[-1]]
-
-
-def _blade_section(blade: Dimensions, d: Dimensions) -> Section | Sandwich:
-    steel, w, t = material(d["blades"]["material"]), blade["width"], blade["thickness"]
-    if "layer" not in blade:
-        return rectangle(w, t, steel)
-    bottom, layer, top = (f"{blade['name']}-{body}" for body in ("bottom", "silicone", "top"))
-    return sandwich(w, t, blade["layer"]["thickness"], steel, material(blade["layer"]["material"]), (bottom, layer, top))
 
 
 def _bodies(article: Article, d: Dimensions, pieces: list[_Rigid], members: list[Member], nodes: Array) -> list[Body]:
@@ -383,7 +376,7 @@ def place(port: Port, d: Dimensions) -> Array:
     if port.member == MAST:
         return port.at * Z
     blade = next(blade for blade in d["blade"] if blade["name"] == port.member)
-    return np.asarray(blade["z"] * Z + port.at * BEAM_CLUMOD_AXES[blade["axis"]])
+    return np.asarray(blade["z"] * Z + port.at * BLADE_AXES[blade["axis"]])
 
 
 def _checked(port: Port, blades: Sequence[str], d: Dimensions) -> Port:
@@ -391,16 +384,16 @@ def _checked(port: Port, blades: Sequence[str], d: Dimensions) -> Port:
     ends = {MAST: (d["flange"]["height"], d["mast"]["top"])}
     ends |= {blade["name"]: _ends(blade, d) for blade in d["blade"] if blade["name"] in blades}
     if port.member not in ends:
-        raise _beam_clumod_refused(f"there is no {port.member!r}", f"{nearest(port.member, ends)}Known are {', '.join(ends)}")
+        raise _joints_refused(f"there is no {port.member!r}", f"{nearest(port.member, ends)}Known are {', '.join(ends)}")
     first, last = ends[port.member]
     if not first <= (port.at if port.member == MAST else abs(port.at)) <= last:
-        raise _beam_clumod_refused(
+        raise _joints_refused(
             f"{port.member} is no beam at {1e3 * port.at:g} mm", f"Its beam goes from {1e3 * first:.1f} to {1e3 * last:.1f} mm"
         )
     return port
 
 
-def _beam_clumod_refused(problem: str, remedy: str) -> BadInput:
+def _joints_refused(problem: str, remedy: str) -> BadInput:
     return BadInput(source="joint of Clumod", field="port", problem=problem, remedy=remedy)
 
 
@@ -408,7 +401,7 @@ NO_CHANGES: Mapping[str, float] = MappingProxyType({})
 BASE = 6
 """The first degrees of freedom are those of the base."""
 
-BLADES = {"clumod-1": articles_parts.ONE_BLADE, "clumod-4": articles_parts.FOUR_BLADES}
+BLADES = {"clumod-1": ONE_BLADE, "clumod-4": FOUR_BLADES}
 
 
 def structure(
@@ -432,10 +425,10 @@ def structure(
     ------
     BadInput : an article, a dimension, a port or a material that cannot be used; the message says why.
     """
-    return _structure(assemble(plan(article_name, changes, elements=elements, cells=cells, joints=joints)))
+    return _structure(assemble(article_plan(article_name, changes, elements=elements, cells=cells, joints=joints)))
 
 
-def plan(
+def article_plan(
     article_name: str,
     changes: Mapping[str, float] = NO_CHANGES,
     *,
@@ -451,7 +444,16 @@ def plan(
     """
     built_in(article_name, changes)  # checks names, order and changes of the whole stack
     names = article_name.split("+")
-    _require_usable(article_name, names, elements, cells, joints)
+    if elements < 1:
+        raise _refused(
+            article_name, "elements", f"at least one element is needed, found {elements}", "Give a whole number from 1 on"
+        )
+    if cells is not None and "fmd" not in names:
+        raise _refused(
+            article_name, "cells", "there is no FMD whose load cells could be springs", "Name a stack that begins with fmd"
+        )
+    if joints and not BLADES.keys() & set(names):
+        raise _refused(article_name, "joints", "there is no Clumod whose crossings could have joints", "Leave the joints away")
     plans = [_plan(name, changes, elements, cells, joints) for name in names]
     return reduce(on_top, _in_place(names, plans, changes))
 
@@ -461,9 +463,11 @@ def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:
     return cell_stiffness(load("fmd", changes))
 
 
-def build(blades: tuple[str, ...], dimensions: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS) -> Frame:
+def clumod_frame(
+    blades: tuple[str, ...], dimensions: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS
+) -> Frame:
     """Frame of Clumod with the `blades` named, from `dimensions` as `clumod.toml` has them; its base is the flange."""
-    return assemble(beam_clumod_plan(blades, dimensions, joints=joints, elements=elements))
+    return assemble(clumod_plan(blades, dimensions, joints=joints, elements=elements))
 
 
 def frequencies(frame: Frame, count: int) -> Array:
@@ -482,7 +486,7 @@ def _plan(name: str, changes: Mapping[str, float], elements: int, cells: npt.Arr
     (file,) = dimension_files(name)
     article, dimensions = _article(name, changes), load(file, changes)
     if name in BLADES:
-        return beam_clumod_plan(BLADES[name], dimensions, joints=joints, elements=elements)
+        return clumod_plan(BLADES[name], dimensions, joints=joints, elements=elements)
     if name == "fmd":
         return fmd(article, dimensions, None if cells is None else require_cells(cells))
     return {"cuboid": cuboid, "disc": disc}[name](article, dimensions, elements)
@@ -521,15 +525,6 @@ def _structure(frame: Frame) -> Structure:
     )
 
 
-def _require_usable(whole: str, names: list[str], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> None:
-    if elements < 1:
-        raise _refused(whole, "elements", f"at least one element is needed, found {elements}", "Give a whole number from 1 on")
-    if cells is not None and "fmd" not in names:
-        raise _refused(whole, "cells", "there is no FMD whose load cells could be springs", "Name a stack that begins with fmd")
-    if joints and not BLADES.keys() & set(names):
-        raise _refused(whole, "joints", "there is no Clumod whose crossings could have joints", "Leave the joints away")
-
-
 def _refused(whole: str, field: str, problem: str, remedy: str) -> BadInput:
     return BadInput(source=f"article {whole}", field=field, problem=problem, remedy=remedy)
 
@@ -553,12 +548,12 @@ SLEEVE = 1.0
 SAME = 1e-7
 """Nodes closer to a cut than this [m] lie in it."""
 
-CROSSING_ELEMENTS = 24
+ELEMENTS_AT_CROSSING = 24
 """Of a half-blade in the local beam model, which shall be exact."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Piece:
+class ClumodPiece:
     """A piece of Clumod between two heights of the mast.
 
     Attributes
@@ -578,7 +573,7 @@ class Piece:
 
 
 def joints(blades: Sequence[str], d: Dimensions, *, size: float = 0.02) -> tuple[Joint, ...]:
-    """The joints of Clumod with the `blades` named, for `fem.beam.articles.build`; `size` [m] is that of the local solids' cells.
+    """The joints of Clumod with the `blades` named, for `clumod_frame`; `size` [m]: cells of the local solids.
 
     Raises
     ------
@@ -587,7 +582,7 @@ def joints(blades: Sequence[str], d: Dimensions, *, size: float = 0.02) -> tuple
     return tuple(joint(piece, d, size) for piece in pieces(blades, d))
 
 
-def joint(piece: Piece, d: Dimensions, size: float) -> Joint:
+def joint(piece: ClumodPiece, d: Dimensions, size: float) -> Joint:
     """What the solid `piece` adds to the stiffness of its beams, between its lower end and its ports."""
     added = np.linalg.inv(_kept_flexibility(piece, size)) - np.linalg.inv(beam_flexibility(piece))
     T = np.hstack([-np.vstack([rigid_transformation_6(place(port, d) - piece.base) for port in piece.ports]), np.eye(len(added))])
@@ -595,20 +590,29 @@ def joint(piece: Piece, d: Dimensions, size: float) -> Joint:
     return Joint(ports=(held, *piece.ports), stiffness=T.T @ ((added + added.T) / 2) @ T)
 
 
-def pieces(blades: Sequence[str], d: Dimensions) -> Iterator[Piece]:
+def pieces(blades: Sequence[str], d: Dimensions) -> Iterator[ClumodPiece]:
     """The foot of the mast, then its hubs from bottom to top, neighbours in one piece when they stand close together."""
     sleeve = SLEEVE * d["mast"]["outer_diameter"]
     yield _foot(d, sleeve)
     for group in _neighbours(d, sleeve):
-        low, high = _crossing_collars(group[0])[0] - sleeve, _crossing_collars(group[-1])[1] + sleeve
-        piece = _crossing(d, group, tuple(b["name"] for b in group if b["name"] in blades), low, min(high, d["mast"]["top"]))
+        low, high = _collar_span(group[0])[0] - sleeve, _collar_span(group[-1])[1] + sleeve
+        crossed = tuple(b["name"] for b in group if b["name"] in blades)
+        upper = min(high, d["mast"]["top"])
+        own = copy.deepcopy(d)
+        own["flange"] |= {"height": low}
+        own["mast"] |= {"top": upper}
+        own["blade"] = [{**blade, "length": 2 * _end(blade, d)} for blade in group]
+        ports = [Port(member=b["name"], at=side * _end(b, d)) for b in group if b["name"] in crossed for side in (1, -1)]
+        if upper < d["mast"]["top"]:
+            ports.append(Port(member=MAST, at=upper))
+        piece = ClumodPiece(dimensions=own, blades=crossed, ports=tuple(ports), base=np.array([0.0, 0.0, low]))
         if piece.ports:  # bare collars at the end of the mast carry nothing
             yield piece
 
 
-def beam_flexibility(piece: Piece) -> Array:
+def beam_flexibility(piece: ClumodPiece) -> Array:
     """Displacements and rotations of the ports (6 k, 6 k) for unit forces and moments there, by the beam model."""
-    frame = assemble(beam_clumod_plan(piece.blades, piece.dimensions, elements=CROSSING_ELEMENTS))
+    frame = assemble(clumod_plan(piece.blades, piece.dimensions, elements=ELEMENTS_AT_CROSSING))
     stiffness = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
     moving = frame.plan.nodes[list(frame.moving)]
     nodes = [nearest_node(place(port, piece.dimensions), moving) for port in piece.ports]
@@ -619,7 +623,7 @@ def beam_flexibility(piece: Piece) -> Array:
     return np.asarray(np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])[dofs - 6])
 
 
-def solid_flexibility(piece: Piece, size: float) -> Array:
+def solid_flexibility(piece: ClumodPiece, size: float) -> Array:
     """The same by hexahedra."""
     solid = _solid(piece, size)
     held = hold(solid)
@@ -628,14 +632,14 @@ def solid_flexibility(piece: Piece, size: float) -> Array:
     return np.asarray(B.T @ factorise(held.stiffness, definite=True).solve(B))
 
 
-def _kept_flexibility(piece: Piece, size: float) -> Array:
+def _kept_flexibility(piece: ClumodPiece, size: float) -> Array:
     """`solid_flexibility`, remembered on disk by the drawing of the piece and its materials."""
     from fem.solid import model
     from fem.solid.tetrahedra import bodies
 
     drawn = [
         [body.name, body.fingerprint, body.material.youngs_modulus, body.material.poisson_ratio]
-        for body in bodies(articles_parts.build(piece.blades, piece.dimensions))
+        for body in bodies(build_clumod(piece.blades, piece.dimensions))
     ]
     ports = [[port.member, port.at] for port in piece.ports]
     name = model.key("flexibility of ports", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
@@ -646,11 +650,11 @@ def _kept_flexibility(piece: Piece, size: float) -> Array:
     return kept["flexibility"]
 
 
-def _solid(piece: Piece, size: float) -> Structure:
+def _solid(piece: ClumodPiece, size: float) -> Structure:
     from fem.solid.hexahedra import hexahedra
     from fem.solid.model import of_mesh
 
-    article = articles_parts.build(piece.blades, piece.dimensions)
+    article = build_clumod(piece.blades, piece.dimensions)
     parts = [part for part in article.parts if piece.foot or part.name != "flange"]
     sizes, cuts = ([2 * size, size], [piece.dimensions["flange"]["height"]]) if piece.foot else ([size], [])
     mesh = hexahedra(parts, sizes=sizes, cuts=cuts)
@@ -662,7 +666,7 @@ def _shares(solid: Structure) -> Array:
     return np.asarray((solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1))
 
 
-def _mean(solid: Structure, shares: Array, piece: Piece, port: Port) -> Array:
+def _mean(solid: Structure, shares: Array, piece: ClumodPiece, port: Port) -> Array:
     """Weights (N, 6) whose products with the displacements are the mean motion of the port's section.
 
     The motion is that of the rigid section nearest to the displacements, every node weighted with its share of the cells' mass
@@ -674,21 +678,19 @@ def _mean(solid: Structure, shares: Array, piece: Piece, port: Port) -> Array:
     nodes = np.flatnonzero(np.abs(solid.points[:, axis] - middle[axis]) < SAME)
     if port.member == MAST:
         return _of_section(solid, shares, nodes, middle)
-    faces = _faces(next(blade for blade in piece.dimensions["blade"] if blade["name"] == port.member))
+    # Heights [m] between which the plates of a blade lie, from its middle: one plate, or two faces
+    blade = next(blade for blade in piece.dimensions["blade"] if blade["name"] == port.member)
+    outer = blade["thickness"] / 2
+    if "layer" not in blade:
+        faces: list[tuple[float, float]] = [(-outer, outer)]
+    else:
+        inner = blade["layer"]["thickness"] / 2
+        faces = [(-outer, -inner), (inner, outer)]
     heights = solid.points[nodes, 2] - middle[2]
     sections = [(nodes[(low - SAME < heights) & (heights < high + SAME)], (low + high) / 2) for low, high in faces]
     return np.asarray(
         sum(_of_section(solid, shares, own, middle + np.array([0.0, 0.0, height])) for own, height in sections) / len(sections)
     )
-
-
-def _faces(blade: Dimensions) -> list[tuple[float, float]]:
-    """Heights [m] between which the plates of a blade lie, from its middle: one plate, or two faces."""
-    outer = blade["thickness"] / 2
-    if "layer" not in blade:
-        return [(-outer, outer)]
-    inner = blade["layer"]["thickness"] / 2
-    return [(-outer, -inner), (inner, outer)]
 
 
 def _of_section(solid: Structure, shares: Array, nodes: Integers, middle: Array) -> Array:
@@ -701,37 +703,26 @@ def _of_section(solid: Structure, shares: Array, nodes: Integers, middle: Array)
     return result
 
 
-def _foot(d: Dimensions, sleeve: float) -> Piece:
+def _foot(d: Dimensions, sleeve: float) -> ClumodPiece:
     top = d["flange"]["height"] + sleeve
     own = {**copy.deepcopy(d), "blade": [], "mast": {**d["mast"], "top": top}}
-    return Piece(
+    return ClumodPiece(
         dimensions=own, blades=(), ports=(Port(member=MAST, at=top),), base=np.array([0.0, 0.0, d["flange"]["height"]]), foot=True
     )
-
-
-def _crossing(d: Dimensions, group: list[Dimensions], blades: tuple[str, ...], low: float, high: float) -> Piece:
-    own = copy.deepcopy(d)
-    own["flange"] |= {"height": low}
-    own["mast"] |= {"top": high}
-    own["blade"] = [{**blade, "length": 2 * _end(blade, d)} for blade in group]
-    ports = [Port(member=b["name"], at=side * _end(b, d)) for b in group if b["name"] in blades for side in (1, -1)]
-    if high < d["mast"]["top"]:
-        ports.append(Port(member=MAST, at=high))
-    return Piece(dimensions=own, blades=blades, ports=tuple(ports), base=np.array([0.0, 0.0, low]))
 
 
 def _neighbours(d: Dimensions, sleeve: float) -> list[list[Dimensions]]:
     """Hubs from bottom to top, in groups whose sleeves would run into one another."""
     groups: list[list[Dimensions]] = []
     for blade in sorted(d["blade"], key=lambda blade: float(blade["z"])):
-        if groups and _crossing_collars(blade)[0] - _crossing_collars(groups[-1][-1])[1] < 2 * sleeve:
+        if groups and _collar_span(blade)[0] - _collar_span(groups[-1][-1])[1] < 2 * sleeve:
             groups[-1].append(blade)
         else:
             groups.append([blade])
     return groups
 
 
-def _crossing_collars(blade: Dimensions) -> tuple[float, float]:
+def _collar_span(blade: Dimensions) -> tuple[float, float]:
     """Heights [m] between which the hub of a blade reaches."""
     half = (blade["thickness"] + blade["hub_height"]) / 2
     return blade["z"] - half, blade["z"] + half

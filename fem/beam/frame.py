@@ -179,7 +179,12 @@ def _pieces(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, lis
     """Every element, body and port matrix, with degrees of freedom (m,) of the frame and what it makes of them, (n, m)."""
     following = 6 * len(first)
     for member in plan.members:
-        made = {length: _element(member, length) for length in {_length(plan, a, b) for a, b in pairwise(member.nodes)}}
+        made = {}
+        for length in {_length(plan, a, b) for a, b in pairwise(member.nodes)}:
+            if isinstance(member.section, Sandwich):
+                made[length] = sandwich_element(member.section, length)
+            else:
+                made[length] = timoshenko(member.section, length, member.part)
         slips: dict[int, int] = {}
         for a, b in pairwise(member.nodes):
             element = made[_length(plan, a, b)]
@@ -200,12 +205,6 @@ def _pieces(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, lis
     for body in plan.bodies:
         element = Element(stiffness={}, mass=body.inertia.about(plan.nodes[body.node]).mass_matrix)
         yield element, *_riding(plan, first, (body.node,), np.eye(6))
-
-
-def _element(member: Member, length: float) -> Element:
-    if isinstance(member.section, Sandwich):
-        return sandwich_element(member.section, length)
-    return timoshenko(member.section, length, member.part)
 
 
 def _riding(plan: Plan, first: Mapping[int, int], nodes: Sequence[int], turned: Array) -> tuple[list[int], Array]:

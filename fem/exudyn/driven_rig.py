@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import LATERAL, Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import LATERAL, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.exudyn.run import to_exudyn
 from geometry.frames import Array
 from geometry.inertia import Inertia
@@ -116,7 +116,7 @@ class Rigid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reduced:
+class ReducedArticle:
     """The article: exudyn's number of its object, of the node of its base, and of the node of its other coordinates, if any."""
 
     body: Number
@@ -145,18 +145,23 @@ def rigid(scene: Scene, inertia: Inertia, name: str) -> Rigid:
     return _rigid(scene, name, mass=six.Mass(), centerOfMass=list(six.COM()), inertia=list(six.GetInertia6D()))
 
 
-def reduced(scene: Scene, article: Body, seat: Array) -> Reduced:
+def reduced(scene: Scene, article: FlexibleBody, seat: Array) -> ReducedArticle:
     """The article's matrices as they are, its origin at `seat` (3,) [m]."""
     matrices, size = article.reduced, article.reduced.mass.shape[0]
     base = _base(scene, seat, "base of the article")
-    modes = _generic(scene, size - BASE) if size > BASE else None
+    if size > BASE:
+        flexible = size - BASE
+        rest = {name: [0.0] * flexible for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
+        modes = node(scene, "article", scene.items.NodeGenericODE2(numberOfODE2Coordinates=flexible, **rest))
+    else:
+        modes = None
     item = scene.items.ObjectGenericODE2(
         nodeNumbers=[base] if modes is None else [base, modes],
         massMatrix=np.array(matrices.mass),
         stiffnessMatrix=np.array(matrices.stiffness),
         dampingMatrix=np.array(matrices.viscous),
     )
-    return Reduced(body=int(scene.system.AddObject(item)), node=base, modes=modes)
+    return ReducedArticle(body=int(scene.system.AddObject(item)), node=base, modes=modes)
 
 
 def _rigid(scene: Scene, name: str, **inertia: Any) -> Rigid:
@@ -170,11 +175,6 @@ def _base(scene: Scene, position: Array, name: str) -> Number:
     return node(scene, name, scene.items.NodeRigidBodyRxyz(referenceCoordinates=places))
 
 
-def _generic(scene: Scene, size: int) -> Number:
-    rest = {name: [0.0] * size for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
-    return node(scene, "article", scene.items.NodeGenericODE2(numberOfODE2Coordinates=size, **rest))
-
-
 # A load cell that lifts off its preload P: its faces press on each other and cannot pull.
 #
 #     f_z = max(k_z u_z + d_z v_z, -P)
@@ -185,17 +185,7 @@ def _generic(scene: Scene, size: int) -> Number:
 # vanish with the pressure, its springs would have to know where it lands.
 
 
-def let_lift(scene: Scene, connector: Any, preload: float) -> None:
-    """Let the Cartesian spring-damper `connector` lift off along z at `preload` [N]."""
-    from exudyn import advancedUtilities
-
-    formula: Any = advancedUtilities.CreateSymbolicUserFunction
-    force = formula(scene.system, _law(scene.exudyn.symbolic, preload), "springForceUserFunction", connector)
-    scene.system.SetObjectParameter(connector, "springForceUserFunction", force)
-    scene.alive.append(force)
-
-
-def _law(symbolic: Any, preload: float) -> Callable[..., Any]:
+def _gap_law(symbolic: Any, preload: float) -> Callable[..., Any]:
     """Exudyn reads a formula out of it and evaluates that without Python."""
 
     def force(_system: Any, _time: Any, _number: Any, u: Any, v: Any, k: Any, d: Any, _offset: Any) -> Any:
@@ -215,7 +205,13 @@ def cell(scene: Scene, table: Rigid, cover: Rigid, one: LoadCell) -> Number:
     spring = connector(markerNumbers=ends, stiffness=one.stiffness.tolist(), damping=one.damping.tolist())
     number = scene.system.AddObject(spring)  # an index of exudyn's own type, which a law of force needs
     if one.preload is not None:
-        let_lift(scene, number, one.preload)
+        from exudyn import advancedUtilities
+
+        # Let the Cartesian spring-damper `number` lift off along z at `one.preload` [N]
+        formula: Any = advancedUtilities.CreateSymbolicUserFunction
+        force = formula(scene.system, _gap_law(scene.exudyn.symbolic, one.preload), "springForceUserFunction", number)
+        scene.system.SetObjectParameter(number, "springForceUserFunction", force)
+        scene.alive.append(force)
     return watch_object(scene, number, "Force")
 
 
@@ -319,7 +315,7 @@ def hold(scene: Scene, carrier: Rigid, upper: Rigid) -> None:
     scene.system.AddObject(joint(markerNumbers=list(_frames(scene, carrier, np.zeros(3), upper.node))))
 
 
-def join(scene: Scene, carrier: Rigid, seat: Array, article: Reduced, flange: Flange | None) -> None:
+def join(scene: Scene, carrier: Rigid, seat: Array, article: ReducedArticle, flange: Flange | None) -> None:
     """Put `article` on `carrier` at `seat` (3,) [m] of it."""
     ends = _frames(scene, carrier, seat, article.node)
     compliance = np.zeros(BASE) if flange is None else flange.compliance
@@ -366,7 +362,7 @@ AT_LIMIT = 1 - 1e-9
 """Share of the slip force from which a part counts as slipping."""
 
 
-def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> Bristles:
+def lay(scene: Scene, friction: Friction, article: ReducedArticle, seat: Array) -> Bristles:
     """Put the loose part of `friction` on the base of `article`, which stands at `seat` (3,) [m]."""
     items, system = scene.items, scene.system
     part = node(scene, "loose part", items.NodePoint(referenceCoordinates=seat.tolist()))
@@ -377,7 +373,13 @@ def lay(scene: Scene, friction: Friction, article: Reduced, seat: Array) -> Bris
     k, d = friction.mass * STIFFNESS, 2 * STICKING_RATIO * friction.mass * np.sqrt(STIFFNESS)
     spring = items.ObjectConnectorCoordinateSpringDamper
     connector = system.AddObject(spring(markerNumbers=_ends(scene, article, part, loose), stiffness=k, damping=d))
-    _slipping(scene, connector, friction.slip_force)
+    from exudyn import advancedUtilities
+
+    # Let the spring-damper `connector` pull no harder than `friction.slip_force` [N]
+    formula: Any = advancedUtilities.CreateSymbolicUserFunction
+    force = formula(scene.system, _friction_law(scene.exudyn.symbolic, friction.slip_force), "springForceUserFunction", connector)
+    scene.system.SetObjectParameter(connector, "springForceUserFunction", force)
+    scene.alive.append(force)
     laid = Bristles(scene, connector, k, d, friction.slip_force)
     scene.before_step.append(laid)
     return laid
@@ -405,16 +407,6 @@ class Bristles:
         return self.slipped / max(self.steps, 1)
 
 
-def _slipping(scene: Scene, connector: Any, slip_force: float) -> None:
-    """Let the spring-damper `connector` pull no harder than `slip_force` [N]."""
-    from exudyn import advancedUtilities
-
-    formula: Any = advancedUtilities.CreateSymbolicUserFunction
-    force = formula(scene.system, _friction_law(scene.exudyn.symbolic, slip_force), "springForceUserFunction", connector)
-    scene.system.SetObjectParameter(connector, "springForceUserFunction", force)
-    scene.alive.append(force)
-
-
 def _friction_law(symbolic: Any, slip_force: float) -> Callable[..., Any]:
     def force(_system: Any, _time: Any, _number: Any, q: Any, speed: Any, k: Any, d: Any, stood: Any) -> Any:
         return symbolic.min(symbolic.max(k * (q - stood) + d * speed, -slip_force), slip_force)
@@ -422,20 +414,32 @@ def _friction_law(symbolic: Any, slip_force: float) -> Callable[..., Any]:
     return force
 
 
-def _ends(scene: Scene, article: Reduced, part: Number, axis: int) -> list[Number]:
+def _ends(scene: Scene, article: ReducedArticle, part: Number, axis: int) -> list[Number]:
     return [coordinate(scene, article.node, axis), coordinate(scene, part, axis)]
 
 
 # Cables to the ground and local dampers: a spring and a damper from a place of the article to the ground or to the table.
 
 
-def attach(scene: Scene, strut: Strut, article: Body, stands: Reduced, seat: Array, table: Rigid) -> None:
+def attach(scene: Scene, strut: Strut, article: FlexibleBody, stands: ReducedArticle, seat: Array, table: Rigid) -> None:
     """Put `strut` between its place of `article`, which `stands` at `seat` (3,) [m], and the ground or the table beneath."""
     shape = article.places[strut.place]
     position = seat + position_of(shape)
     other = place(scene, scene.ground if strut.to == "ground" else table.body, position)
     connector = scene.items.ObjectConnectorCartesianSpringDamper
-    ends = [_follower(scene, strut.place, stands, shape, seat, position), other]
+    # A marker on a point without mass that one linear constraint ties to all coordinates of the article
+    items, system = scene.items, scene.system
+    point = node(scene, f"place {strut.place}", items.NodePoint(referenceCoordinates=position.tolist()))
+    system.AddObject(items.ObjectMassPoint(mass=0.0, nodeNumber=point))
+    markers = [
+        system.AddMarker(items.MarkerNodeCoordinates(nodeNumber=point)),
+        system.AddMarker(items.MarkerObjectODE2Coordinates(objectNumber=stands.body)),
+    ]
+    apart = shape[:, :3] @ seat - position  # these markers count the places at rest in
+    tie = items.ObjectConnectorCoordinateVector
+    system.AddObject(tie(markerNumbers=markers, scalingMarker0=np.eye(3), scalingMarker1=np.array(shape), offset=apart))
+    follower = int(system.AddMarker(items.MarkerNodePosition(nodeNumber=point)))
+    ends = [follower, other]
     scene.system.AddObject(connector(markerNumbers=ends, stiffness=strut.stiffness.tolist(), damping=strut.damping.tolist()))
 
 
@@ -443,21 +447,6 @@ def position_of(shape: Array) -> Array:
     """(3,) [m] of a place from the article's origin: what its coordinates say of a turn of the base, -skew(p), read backwards."""
     turn = shape[:, 3:BASE]
     return np.array([turn[1, 2] - turn[2, 1], turn[2, 0] - turn[0, 2], turn[0, 1] - turn[1, 0]]) / 2
-
-
-def _follower(scene: Scene, name: str, stands: Reduced, shape: Array, seat: Array, position: Array) -> Number:
-    """A marker on a point without mass that one linear constraint ties to all coordinates of the article."""
-    items, system = scene.items, scene.system
-    point = node(scene, f"place {name}", items.NodePoint(referenceCoordinates=position.tolist()))
-    system.AddObject(items.ObjectMassPoint(mass=0.0, nodeNumber=point))
-    ends = [
-        system.AddMarker(items.MarkerNodeCoordinates(nodeNumber=point)),
-        system.AddMarker(items.MarkerObjectODE2Coordinates(objectNumber=stands.body)),
-    ]
-    apart = shape[:, :3] @ seat - position  # these markers count the places at rest in
-    tie = items.ObjectConnectorCoordinateVector
-    system.AddObject(tie(markerNumbers=ends, scalingMarker0=np.eye(3), scalingMarker1=np.array(shape), offset=apart))
-    return int(system.AddMarker(items.MarkerNodePosition(nodeNumber=point)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

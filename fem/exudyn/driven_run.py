@@ -15,7 +15,7 @@ from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response, require_fine
 from fem.base_excitation.rig import LATERAL, TABLE, Rig, matrices, require_usable
 from fem.exudyn import driven_rig
-from fem.exudyn.driven_rig import Assembled, Drive, Number, Progress, Scene, assembled, position_of, recorded, targets
+from fem.exudyn.driven_rig import Drive, Number, Progress, Scene, assembled, position_of, recorded, targets
 from fem.exudyn.run import exudyn_version, failed, finite, integrated, running
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
@@ -37,33 +37,26 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
     except Exception as error:
         done, said = False, str(error)
     if not done and drive.stopped is None:
-        raise _astray(scene, drive, said)
+        data = scene.system.systemData
+        q, rates = (np.asarray(values, dtype=np.float64) for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()))
+        worst = int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf)))
+        # Name of one of exudyn's coordinates of second order
+        starts = {scene.system.GetNodeODE2Index(node): node for node in range(scene.system.systemData.NumberOfNodes())}
+        first = max(start for start in starts if 0 <= start <= worst)
+        node = starts[first]
+        coordinate = f"coordinate {worst - first + 1} of the {scene.names.get(node) or scene.system.GetNode(node)['name']}"
+        time, name = drive.step / drive.rate, coordinate
+        raise CheckFailed(
+            f"exudyn {exudyn_version()} lost the rig at {time:.6g} s, in step {drive.step} of {drive.steps}: {said}. "
+            f"The largest of its last state is {name}, at {q[worst]:.4g} and changing by {rates[worst]:.4g} a second. "
+            "Take more steps a sample, and look for a damping or stiffness that feeds energy in.",
+            time=time,
+            step=drive.step,
+            coordinate=name,
+            value=float(q[worst]),
+            rate=float(rates[worst]),
+        )
     return drive.stopped
-
-
-def _astray(scene: Scene, drive: Drive, said: str) -> CheckFailed:
-    data = scene.system.systemData
-    q, rates = (np.asarray(values, dtype=np.float64) for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()))
-    worst = int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf)))
-    time, name = drive.step / drive.rate, _coordinate(scene, worst)
-    return CheckFailed(
-        f"exudyn {exudyn_version()} lost the rig at {time:.6g} s, in step {drive.step} of {drive.steps}: {said}. "
-        f"The largest of its last state is {name}, at {q[worst]:.4g} and changing by {rates[worst]:.4g} a second. "
-        "Take more steps a sample, and look for a damping or stiffness that feeds energy in.",
-        time=time,
-        step=drive.step,
-        coordinate=name,
-        value=float(q[worst]),
-        rate=float(rates[worst]),
-    )
-
-
-def _coordinate(scene: Scene, number: int) -> str:
-    """Name of one of exudyn's coordinates of second order."""
-    starts = {scene.system.GetNodeODE2Index(node): node for node in range(scene.system.systemData.NumberOfNodes())}
-    first = max(start for start in starts if 0 <= start <= number)
-    node = starts[first]
-    return f"coordinate {number - first + 1} of the {scene.names.get(node) or scene.system.GetNode(node)['name']}"
 
 
 # `Solver`: how exudyn integrates, and what it says about it afterwards.
@@ -203,7 +196,9 @@ def subdivision(rig: Rig, rate: float, solver: Solver) -> int:
     ------
     BadInput : too coarse for a kept mode, or for the solver's method to be stable; the message names what is needed.
     """
-    least = _stable(highest(rig), rate, solver)
+    frequency = highest(rig)
+    limit = STABLE.get(solver.method)
+    least = 1 if limit is None else max(1, ceil(2 * pi * frequency / (MARGIN * limit * rate)))
     steps = least if solver.subdivision is None else solver.subdivision
     if steps < least or least > MOST:
         found = f"found {steps}" if steps < least else f"more than {MOST} of them"
@@ -238,13 +233,16 @@ def residual(rig: Rig, motion: BaseMotion, step: float, solver: Solver) -> float
     """
     peak, travel = (float(np.abs(values).max(initial=0.0)) for values in (motion.acceleration, motion.displacement))
     mass = float(np.abs(rig.article.reduced.mass[:TABLE, :TABLE]).max()) + (0.0 if rig.cover is None else rig.cover.mass)
-    rounding = EPS * (ROUNDINGS * _stiffest(rig, travel) + RESONANT * mass * peak)
+    # [N] the largest stiffness between two places, times how far they lie from F, or how far they travel [m] together
+    springs = [cell.stiffness.max() * np.linalg.norm(cell.position) for cell in rig.cells]
+    for strut in rig.struts:
+        at = rig.seat + position_of(rig.article.places[strut.place])
+        springs.append(strut.stiffness.max() * np.linalg.norm(at))
+    if rig.flange is not None and rig.flange.compliance.any():
+        springs.append(np.linalg.norm(rig.seat) / rig.flange.compliance[rig.flange.compliance > 0].min())
+    springs += [friction.mass * driven_rig.STIFFNESS * travel for friction in rig.frictions]
+    rounding = EPS * (ROUNDINGS * float(max(springs, default=0.0)) + RESONANT * mass * peak)
     return max(solver.tolerance * peak * step ** (1 if solver.prescribes_velocity else 2), rounding, sys.float_info.min)
-
-
-def _stable(frequency: float, rate: float, solver: Solver) -> int:
-    limit = STABLE.get(solver.method)
-    return 1 if limit is None else max(1, ceil(2 * pi * frequency / (MARGIN * limit * rate)))
 
 
 def _with_part(M: Array, K: Array, base: Array, mass: float, axis: int) -> tuple[Array, Array]:
@@ -256,18 +254,6 @@ def _with_part(M: Array, K: Array, base: Array, mass: float, axis: int) -> tuple
     larger = [np.pad(matrix, (0, 1)) for matrix in (M, K)]
     larger[1][size, size] = mass * driven_rig.STIFFNESS
     return larger[0] + mass * rows.T @ rows, larger[1]
-
-
-def _stiffest(rig: Rig, travel: float) -> float:
-    """[N] the largest stiffness between two places, times how far they lie from F, or how far they travel [m] together."""
-    springs = [cell.stiffness.max() * np.linalg.norm(cell.position) for cell in rig.cells]
-    for strut in rig.struts:
-        at = rig.seat + position_of(rig.article.places[strut.place])
-        springs.append(strut.stiffness.max() * np.linalg.norm(at))
-    if rig.flange is not None and rig.flange.compliance.any():
-        springs.append(np.linalg.norm(rig.seat) / rig.flange.compliance[rig.flange.compliance > 0].min())
-    springs += [friction.mass * driven_rig.STIFFNESS * travel for friction in rig.frictions]
-    return float(max(springs, default=0.0))
 
 
 TASK = "integrate the rig on its driven base"
@@ -309,27 +295,24 @@ def respond(
         settings = simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
         stopped = integrate(built.scene, settings, steering)
         if stopped is None:
-            return _response(built, rig, motion, described(solver, rate, steps))
+            words = described(solver, rate, steps)
+            n, warning = len(motion.acceleration), response.warning(rig, motion)
+            read = partial(_read, built.scene, n)
+            acceleration = read(built.article)
+            return Response(
+                sampling_rate=motion.sampling_rate,
+                table=read(built.table),
+                cover=read(built.cover),
+                load=-read(built.loads),
+                cells=read(built.cells).reshape(n, -1, 3),
+                places={name: acceleration @ shape.T for name, shape in rig.article.places.items()},
+                coordinates=read(built.coordinates),
+                slipping=tuple(bristles.share_slipping for bristles in built.bristles),
+                reference_point=motion.reference_point,
+                settings=words,
+                warnings=(warning,) if warning else (),
+            )
     raise stopped
-
-
-def _response(built: Assembled, rig: Rig, motion: BaseMotion, settings: dict[str, object]) -> Response:
-    n, warning = len(motion.acceleration), response.warning(rig, motion)
-    read = partial(_read, built.scene, n)
-    acceleration = read(built.article)
-    return Response(
-        sampling_rate=motion.sampling_rate,
-        table=read(built.table),
-        cover=read(built.cover),
-        load=-read(built.loads),
-        cells=read(built.cells).reshape(n, -1, 3),
-        places={name: acceleration @ shape.T for name, shape in rig.article.places.items()},
-        coordinates=read(built.coordinates),
-        slipping=tuple(bristles.share_slipping for bristles in built.bristles),
-        reference_point=motion.reference_point,
-        settings=settings,
-        warnings=(warning,) if warning else (),
-    )
 
 
 def _read(scene: Scene, samples: int, sensors: tuple[Number, ...]) -> Array:

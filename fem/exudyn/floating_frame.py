@@ -73,7 +73,13 @@ def floating_frame(structure: Structure, count: int, *, flight: Flight | None = 
 
         tools: Any = FEM
 
-        solid = _matrices(tools, structure)
+        # Exudyn's `FEMinterface` with the structure's points and matrices, ordered point by point, from the reference point
+        order = structure.translations.ravel()
+        solid = tools.FEMinterface()
+        solid.nodes = {"Position": structure.points - structure.reference_point}
+        solid.massMatrix, solid.stiffnessMatrix = (
+            matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness)
+        )
         solid.ComputeHurtyCraigBamptonModes([held.tolist()], nEigenModes=count, computationMode=tools.HCBstaticModeSelection.RBE2)
         ascending = np.argsort(solid.eigenValues)
         modes = finite(solid.modeBasis["matrix"][:, ascending], "find the modes of the solid")
@@ -83,7 +89,10 @@ def floating_frame(structure: Structure, count: int, *, flight: Flight | None = 
         system = container.AddSystem()
         nodes = exudyn.NodeType
         kind = nodes.RotationRxyz if flight is None else nodes.RotationEulerParameters
-        velocities = {} if flight is None else _setting_off(flight)
+        if flight is None:
+            velocities = {}
+        else:
+            velocities = {"initialVelocity": flight.velocity.tolist(), "initialAngularVelocity": flight.angular_velocity.tolist()}
         body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=kind)
         made = body.AddObjectFFRFreducedOrder(system, **velocities)
         system.Assemble()
@@ -95,21 +104,6 @@ def floating_frame(structure: Structure, count: int, *, flight: Flight | None = 
         modes=modes,
         eigenvalues=solid.eigenValues[ascending],
     )
-
-
-def _setting_off(flight: Flight) -> dict[str, list[float]]:
-    return {"initialVelocity": flight.velocity.tolist(), "initialAngularVelocity": flight.angular_velocity.tolist()}
-
-
-def _matrices(fem: Any, structure: Structure) -> Any:
-    """Exudyn's `FEMinterface` with the structure's points and matrices, ordered point by point, from the reference point."""
-    order = structure.translations.ravel()
-    solid = fem.FEMinterface()
-    solid.nodes = {"Position": structure.points - structure.reference_point}
-    solid.massMatrix, solid.stiffnessMatrix = (
-        matrix.tocsr()[order][:, order] for matrix in (structure.mass, structure.stiffness)
-    )
-    return solid
 
 
 def _with_static(structure: Structure, solid: Any, modes: Array) -> Array:

@@ -36,7 +36,7 @@ def plan_of(article_name: str, changes: Mapping[str, float] = articles.NO_CHANGE
 
     Parameters
     ----------
-    article_name, changes, elements : as `fem.beam.articles.plan` takes them
+    article_name, changes, elements : as `fem.beam.articles.article_plan` takes them
 
     Raises
     ------
@@ -44,7 +44,7 @@ def plan_of(article_name: str, changes: Mapping[str, float] = articles.NO_CHANGE
     """
     if elements is None:
         return rigid(drawn_inertia(built_in(article_name, changes)))
-    return able_to_turn(articles.plan(article_name, changes, elements=elements))
+    return able_to_turn(articles.article_plan(article_name, changes, elements=elements))
 
 
 def rigid(body: Inertia) -> Plan:
@@ -68,7 +68,19 @@ def able_to_turn(plan: Plan) -> Plan:
     hollow = {node for node, body in _carried(plan).items() if not judge(body).physical}
     if not hollow:
         return plan
-    filled = _lumped(plan, hollow)
+    # `plan` with the mass of every element that meets a `hollow` node given to its two nodes as rigid halves
+    members: list[Member] = []
+    bodies = list(plan.bodies)
+    for member in plan.members:
+        near = [bool({plan.carriers[n] for n in pair} & hollow) for pair in _elements(member)]
+        if not any(near) or isinstance(member.section, Sandwich):
+            members.append(member)
+            continue
+        weightless = replace(member.section, mass=0.0, rotary_y=0.0, rotary_z=0.0)
+        for (a, b), given in zip(_elements(member), near, strict=True):
+            members.append(replace(member, nodes=(a, b), section=weightless if given else member.section))
+            bodies += _halves(plan, member, a, b) if given else []
+    filled = replace(plan, members=tuple(members), bodies=tuple(bodies))
     for node, body in _carried(filled).items():
         if not judge(body).physical:
             problem = f"more material is taken away at node {node} than there is, {judge(body).text}"
@@ -85,22 +97,6 @@ def _carried(plan: Plan) -> dict[int, Inertia]:
         node = plan.carriers[body.node]
         found[node] = body.inertia.about(plan.nodes[node]) + found.get(node, Inertia(parameters=np.zeros(10)))
     return {node: body for node, body in found.items() if body.parameters.any()}
-
-
-def _lumped(plan: Plan, hollow: set[int]) -> Plan:
-    """`plan` with the mass of every element that meets a `hollow` node given to its two nodes as rigid halves."""
-    members: list[Member] = []
-    bodies = list(plan.bodies)
-    for member in plan.members:
-        near = [bool({plan.carriers[n] for n in pair} & hollow) for pair in _elements(member)]
-        if not any(near) or isinstance(member.section, Sandwich):
-            members.append(member)
-            continue
-        weightless = replace(member.section, mass=0.0, rotary_y=0.0, rotary_z=0.0)
-        for (a, b), given in zip(_elements(member), near, strict=True):
-            members.append(replace(member, nodes=(a, b), section=weightless if given else member.section))
-            bodies += _halves(plan, member, a, b) if given else []
-    return replace(plan, members=tuple(members), bodies=tuple(bodies))
 
 
 def _elements(member: Member) -> list[tuple[int, int]]:
@@ -215,15 +211,6 @@ HEAVY = ("RigidBody", "BeamGeometricallyExact3D")
 LOAD_STEPS = 4
 
 
-def pull(scene: Scene, gravity: float) -> None:
-    """Let `gravity` [m/s²] act on everything in `scene` that has mass."""
-    for number in range(scene.system.systemData.NumberOfObjects()):
-        kind = scene.system.GetObject(number)["objectType"]
-        if kind in HEAVY:
-            marker = scene.system.AddMarker(scene.items.MarkerBodyMass(bodyNumber=number))
-            scene.system.AddLoad(scene.items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, 0.0, -gravity]))
-
-
 def settle(scene: Scene) -> None:
     """Bring the assembled `scene` to rest under its loads; time integration starts from there.
 
@@ -276,31 +263,6 @@ class Table:
     accelerations: tuple[Number, ...]
     loads: tuple[Number, ...]
     places: Mapping[str, Number]
-
-
-def scene_of(exudyn: Any, native: Native) -> Scene:
-    """The system of `native`, open for more items."""
-    from exudyn import itemInterface
-
-    items: Any = itemInterface
-    ground = native.system.AddObject(items.ObjectGround())
-    origin = native.system.AddNode(items.NodePointGround())
-    return Scene(exudyn=exudyn, items=items, container=native.container, system=native.system, ground=ground, origin=origin)
-
-
-def under(scene: Scene, native: Native, places: Mapping[str, Array], *, velocity: bool) -> Table:
-    """A table in the origin, joined to the foot of `native` there; places (3,) [m] ride on the node that is nearest to them."""
-    table = driven_rig.massless(scene)
-    axes = driven_rig.driven(scene, table, velocity=velocity)
-    foot = native.nodes[0][0]
-    ends = [_marker(scene, table.body, np.zeros(3)), _marker(scene, _massless(scene, foot), -native.points[foot])]
-    joint = int(scene.system.AddObject(scene.items.ObjectJointGeneric(markerNumbers=ends)))
-    return Table(
-        axes=axes,
-        accelerations=tuple(watch_node(scene, table.node, output) for output in LEVEL),
-        loads=tuple(watch_object(scene, joint, output) for output in ("ForceLocal", "TorqueLocal")),
-        places={name: _watch_place(scene, native, place) for name, place in places.items()},
-    )
 
 
 def accelerations(scene: Scene, table: Table) -> Array:
@@ -370,11 +332,11 @@ class Turning:
 
     def seen_from_table(self, vectors: npt.ArrayLike) -> Array:
         """R^T v: vectors (n, 3) of the laboratory's axes in the table's."""
-        return _turning_each("nji,nj->ni", self.rotation, vectors)
+        return _product_each("nji,nj->ni", self.rotation, vectors)
 
     def seen_from_laboratory(self, vectors: npt.ArrayLike) -> Array:
         """R v: vectors (n, 3) of the table's axes in the laboratory's."""
-        return _turning_each("nij,nj->ni", self.rotation, vectors)
+        return _product_each("nij,nj->ni", self.rotation, vectors)
 
 
 def rotation(angles: npt.ArrayLike) -> Array:
@@ -409,7 +371,7 @@ def accelerometer(motion: BaseMotion, place: npt.ArrayLike, gravity: float = 0.0
     return np.asarray(straight + np.cross(spin_rate, r) + np.cross(spin, np.cross(spin, r)))
 
 
-def _turning_each(product: str, matrices: Array, vectors: npt.ArrayLike) -> Array:
+def _product_each(product: str, matrices: Array, vectors: npt.ArrayLike) -> Array:
     return np.asarray(np.einsum(product, matrices, np.asarray(vectors, dtype=np.float64)))
 
 
@@ -454,7 +416,7 @@ def respond(
     Parameters
     ----------
     changes : as `geometry.articles.built_in` takes them
-    elements : in a half-blade of Clumod, as `fem.beam.articles.plan` takes them; None for one rigid body, as it is drawn
+    elements : in a half-blade of Clumod, as `fem.beam.articles.article_plan` takes them; None for one rigid body, as it is drawn
     gravity, loss_frequency, axes, places : as `Conditions` has them
 
     Raises
@@ -500,7 +462,23 @@ def respond_of_plan(
         stopped = integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
         if stopped is None:
             told = {**described(solver, motion.sampling_rate, steps), **settings, **_said(conditions), "route": ROUTE}
-            return _response(scene, table, motion, conditions, told)
+            turned = turning(motion)
+            load = finite(loads(scene, table), TASK)
+            at_rest = load[0] if conditions.gravity else np.zeros(6)
+            acceleration = finite(accelerations(scene, table), TASK)
+            places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in table.places.items()}
+            in_table = conditions.axes == "table"
+            acceleration = _turned_each(turned.seen_from_table, acceleration) if in_table else acceleration
+            return Response(
+                sampling_rate=motion.sampling_rate,
+                table=acceleration,
+                cover=acceleration,
+                load=load - at_rest if in_table else _turned_each(turned.seen_from_laboratory, load) - at_rest,
+                cells=np.zeros((len(load), 0, 3)),
+                places={name: turned.seen_from_table(a) if in_table else a for name, a in places.items()},
+                reference_point=motion.reference_point,
+                settings={**told, "load_at_rest": at_rest.tolist()},
+            )
     raise stopped
 
 
@@ -508,11 +486,34 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
     """`plan`, whose origin is the reference point, on its table, with sensors."""
     damping = None if conditions.loss_frequency is None else viscous(plan, conditions.loss_frequency)
     article = frame.build(exudyn, plan, held=False, damping=damping)
-    scene = scene_of(exudyn, article)
+    from exudyn import itemInterface
+
+    # The system of `article`, open for more items
+    items: Any = itemInterface
+    ground = article.system.AddObject(items.ObjectGround())
+    origin = article.system.AddNode(items.NodePointGround())
+    scene = Scene(exudyn=exudyn, items=items, container=article.container, system=article.system, ground=ground, origin=origin)
     if conditions.gravity:
-        pull(scene, conditions.gravity)
+        # Let `gravity` [m/s²] act on everything in `scene` that has mass
+        gravity = conditions.gravity
+        for number in range(scene.system.systemData.NumberOfObjects()):
+            kind = scene.system.GetObject(number)["objectType"]
+            if kind in HEAVY:
+                marker = scene.system.AddMarker(scene.items.MarkerBodyMass(bodyNumber=number))
+                scene.system.AddLoad(scene.items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, 0.0, -gravity]))
     places = {name: place - motion.reference_point for name, place in conditions.places.items()}
-    table = under(scene, article, places, velocity=False)
+    # A table in the origin, joined to the foot of `article` there; places (3,) [m] ride on the node that is nearest to them
+    moving = driven_rig.massless(scene)
+    axes = driven_rig.driven(scene, moving, velocity=False)
+    foot = article.nodes[0][0]
+    ends = [_marker(scene, moving.body, np.zeros(3)), _marker(scene, _massless(scene, foot), -article.points[foot])]
+    joint = int(scene.system.AddObject(scene.items.ObjectJointGeneric(markerNumbers=ends)))
+    table = Table(
+        axes=axes,
+        accelerations=tuple(watch_node(scene, moving.node, output) for output in LEVEL),
+        loads=tuple(watch_object(scene, joint, output) for output in ("ForceLocal", "TorqueLocal")),
+        places={name: _watch_place(scene, article, place) for name, place in places.items()},
+    )
     scene.system.Assemble()
     return scene, table
 
@@ -535,27 +536,7 @@ def _simulation(exudyn: Any, motion: BaseMotion, solver: Solver, steps: int) -> 
     return settings
 
 
-def _response(scene: Scene, table: Table, motion: BaseMotion, conditions: Conditions, settings: Mapping[str, object]) -> Response:
-    turned = turning(motion)
-    load = finite(loads(scene, table), TASK)
-    at_rest = load[0] if conditions.gravity else np.zeros(6)
-    acceleration = finite(accelerations(scene, table), TASK)
-    places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in table.places.items()}
-    in_table = conditions.axes == "table"
-    acceleration = _each(turned.seen_from_table, acceleration) if in_table else acceleration
-    return Response(
-        sampling_rate=motion.sampling_rate,
-        table=acceleration,
-        cover=acceleration,
-        load=load - at_rest if in_table else _each(turned.seen_from_laboratory, load) - at_rest,
-        cells=np.zeros((len(load), 0, 3)),
-        places={name: turned.seen_from_table(a) if in_table else a for name, a in places.items()},
-        reference_point=motion.reference_point,
-        settings={**settings, "load_at_rest": at_rest.tolist()},
-    )
-
-
-def _each(turned: Callable[[Array], Array], six: Array) -> Array:
+def _turned_each(turned: Callable[[Array], Array], six: Array) -> Array:
     """Forces and moments, or both kinds of acceleration (n, 6), each in other axes."""
     return np.hstack([turned(six[:, :3]), turned(six[:, 3:])])
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem import dynamic_mass as fem_dynamic_mass
 from fem.beam import articles
 from fem.beam.articles import Joint
 from fem.beam.frame import Plan
 from fem.damping import DEFAULT_RATIO
+from fem.dynamic_mass import LINES, modal_dynamic_mass
 from fem.exudyn import floating_frame, frame
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.run import failed, finite, running
@@ -118,7 +118,10 @@ def linearise(plan: Plan, count: int) -> Linearised:
         frequency=frequency,
         shapes=shapes,
     )
-    _require_free(result, task)
+    for matrix, what in ((result.stiffness, "meets stiffness"), (result.constraints.T, "breaks a joint")):
+        answer = np.abs(matrix @ result.rigid).max(initial=0.0) / np.abs(matrix).max(initial=1.0)
+        if answer > SINGULAR:
+            raise failed(task, f"a rigid motion of the base {what}, {answer:.1e} of the largest entry")
     return result
 
 
@@ -177,13 +180,6 @@ def _frequencies(squares: npt.ArrayLike, task: str) -> Array:
     if found.size and found.min() <= 0:
         raise failed(task, f"the lowest squared frequency is {found.min():g} (rad/s)²; a part is not held or is unstable")
     return np.sqrt(found) / (2 * np.pi)
-
-
-def _require_free(system: Linearised, task: str) -> None:
-    for matrix, what in ((system.stiffness, "meets stiffness"), (system.constraints.T, "breaks a joint")):
-        answer = np.abs(matrix @ system.rigid).max(initial=0.0) / np.abs(matrix).max(initial=1.0)
-        if answer > SINGULAR:
-            raise failed(task, f"a rigid motion of the base {what}, {answer:.1e} of the largest entry")
 
 
 # `Modes` from exudyn's linearised systems: of one mesh, and of two that say where they go.
@@ -306,20 +302,17 @@ def _turn(coarse: Linearised, fine: Linearised, count: int) -> tuple[Integers, A
     """
     if not count:
         return np.zeros(0, dtype=np.intp), np.zeros((coarse.frequency.size, 0))
-    here, there = _common(coarse, fine).T
+    # (n, 2) coordinates in `coarse` and in `fine` of every place that both have
+    places = zip(coarse.nodes, fine.nodes, strict=False)
+    pairs = np.array([pair for a, b in places for pair in zip(a, b, strict=True)])
+    common = np.asarray((6 * pairs[:, None, :] + np.arange(6)[None, :, None]).reshape(-1, 2))
+    here, there = common.T
     M, a, b = coarse.mass[np.ix_(here, here)], coarse.shapes[here], fine.shapes[there, :count]
     cross = a.T @ M @ b / np.sqrt(np.outer(_norms(a, M), _norms(b, M)))
     cross[np.abs(coarse.frequency[:, None] / fine.frequency[:count] - 1) > WINDOW] = 0.0
     known = np.flatnonzero(np.sum(cross**2, axis=0) >= ALIKE)
     U, _, Vt = np.linalg.svd(cross[:, known], full_matrices=False)
     return known, np.asarray(U @ Vt)
-
-
-def _common(coarse: Linearised, fine: Linearised) -> Array:
-    """(n, 2) coordinates in `coarse` and in `fine` of every place that both have."""
-    places = zip(coarse.nodes, fine.nodes, strict=False)
-    pairs = np.array([pair for a, b in places for pair in zip(a, b, strict=True)])
-    return np.asarray((6 * pairs[:, None, :] + np.arange(6)[None, :, None]).reshape(-1, 2))
 
 
 def _norms(shapes: Array, M: Array) -> Array:
@@ -372,12 +365,12 @@ def modes(
     BadInput : an article or a dimension that cannot be used, no mode asked for.
     CheckFailed : exudyn failed.
     """
-    return modes_of_plan(articles.plan(article_name, changes, elements=elements, cells=cells, joints=joints), count)
+    return modes_of_plan(articles.article_plan(article_name, changes, elements=elements, cells=cells, joints=joints), count)
 
 
 def dynamic_mass(
     article_name: str,
-    frequency: npt.ArrayLike = fem_dynamic_mass.LINES,
+    frequency: npt.ArrayLike = LINES,
     changes: Mapping[str, float] = articles.NO_CHANGES,
     *,
     count: int = 30,
@@ -394,7 +387,7 @@ def dynamic_mass(
     BadInput, CheckFailed : as `modes`.
     """
     found = modes(article_name, count, changes, elements=elements, cells=cells, joints=joints)
-    return fem_dynamic_mass.modal(found, frequency)
+    return modal_dynamic_mass(found, frequency)
 
 
 def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
@@ -423,21 +416,19 @@ def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
     _require_some(count)
     body = floating_frame.floating_frame(structure, count)
     system = linearise_body(body.system, count, "linearise the flexible body")
-    return single(system, _lossy_solid(structure, body, system), structure.reference_point, count)
+    if not (structure.loss_factors and structure.part_stiffness):
+        lossy_solid = np.asarray(2 * DEFAULT_RATIO * system.stiffness)
+    else:
+        order, S = structure.translations.ravel(), np.zeros_like(system.stiffness)
+        for part, eta in structure.loss_factors.items():
+            S[6:, 6:] += eta * (body.modes.T @ (structure.part_stiffness[part].tocsr()[order][:, order] @ body.modes))
+        lossy_solid = S
+    return single(system, lossy_solid, structure.reference_point, count)
 
 
 def _lossy(plan: Plan, system: Linearised) -> Array:
     """Sum of eta_p K_p by exudyn; a structure without loss factors has one ratio for every mode."""
     return stiffness_of(lossy(plan)) if plan.loss_factors else 2 * DEFAULT_RATIO * system.stiffness
-
-
-def _lossy_solid(structure: Structure, body: floating_frame.FloatingFrame, system: Linearised) -> Array:
-    if not (structure.loss_factors and structure.part_stiffness):
-        return np.asarray(2 * DEFAULT_RATIO * system.stiffness)
-    order, S = structure.translations.ravel(), np.zeros_like(system.stiffness)
-    for part, eta in structure.loss_factors.items():
-        S[6:, 6:] += eta * (body.modes.T @ (structure.part_stiffness[part].tocsr()[order][:, order] @ body.modes))
-    return S
 
 
 def _require_some(count: int) -> None:

@@ -377,13 +377,33 @@ def swing(
     work = ropework(inertia, suspension, gravity)
     rest = at_rest(work)
     small = swings(work, rest)
-    h, every = _steps(small, step, rate, stretching=bool(work.compliance.any()))
+    # The step [s] and how many of them there are from sample to sample
+    needed = coarsest_step(small, stretching=bool(work.compliance.any()))
+    wanted = min(small.period / STEPS, needed) if step is None else step
+    require_positive("step", wanted, "s")
+    if wanted > needed * (1 + 1e-9):
+        fastest = 2 * np.pi / float(small.omega[-1])
+        problem = (
+            f"{wanted:.4g} s is too coarse for a twist of {small.period:.4g} s on ropes whose fastest sway takes {fastest:.3g} s"
+        )
+        raise refused("step", problem, f"Use {needed:.3g} s or less")
+    if rate is None:
+        h, every = wanted, 1
+    else:
+        require_positive("rate", rate, "Hz")
+        every = int(np.ceil(1 / (rate * wanted) - 1e-9))
+        h = 1 / (rate * every)
     bearable = coarsest_step(small, stretching=bool(work.compliance.any()))
     _require_little(
         work, duration, h, bearable, "step" if step is not None else "rate" if every == 1 and rate is not None else ""
     )
     steps = every * int(np.ceil(duration / (h * every) - 1e-9))
-    start, velocity = _start(work, rest, small, suspension)
+    held = at_rest(work, suspension.amplitude)
+    if suspension.start == "twist":
+        start, velocity = held, np.zeros(work.size)
+    else:
+        rise = energy(work, held) - energy(work, rest)
+        start, velocity = rest, small.shape * np.sqrt(2 * rise / small.inertia)
     with running(TASK) as exudyn:
         model = build(exudyn, work, start, velocity, _torsional(small, suspension), _stretching(work, suspension))
         Watch(steps=steps, step=h, progress=progress).run(model.system, _solver(exudyn, work, h, steps, every), TASK)
@@ -407,24 +427,6 @@ def coarsest_step(small: Swings, *, stretching: bool) -> float:
     return slow if stretching else min(slow, RESOLVED / float(small.omega[-1]))
 
 
-def _steps(small: Swings, step: float | None, rate: float | None, *, stretching: bool) -> tuple[float, int]:
-    """The step [s] and how many of them there are from sample to sample."""
-    needed = coarsest_step(small, stretching=stretching)
-    wanted = min(small.period / STEPS, needed) if step is None else step
-    require_positive("step", wanted, "s")
-    if wanted > needed * (1 + 1e-9):
-        fastest = 2 * np.pi / float(small.omega[-1])
-        problem = (
-            f"{wanted:.4g} s is too coarse for a twist of {small.period:.4g} s on ropes whose fastest sway takes {fastest:.3g} s"
-        )
-        raise refused("step", problem, f"Use {needed:.3g} s or less")
-    if rate is None:
-        return wanted, 1
-    require_positive("rate", rate, "Hz")
-    every = int(np.ceil(1 / (rate * wanted) - 1e-9))
-    return 1 / (rate * every), every
-
-
 def _require_little(work: Ropework, duration: float, h: float, bearable: float, asked: str) -> None:
     """Refuse a run of more than `MOST` steps times coordinates, blaming what `asked` for steps so short, or links, or time."""
     much = duration / h * work.size / MOST
@@ -438,14 +440,6 @@ def _require_little(work: Ropework, duration: float, h: float, bearable: float, 
     if work.links > 1:
         shorter = "Use fewer, 1 for a straight rope, or swing for less time"
     raise refused(name, problem, remedy.get(name, shorter))
-
-
-def _start(work: Ropework, rest: Pose, small: Swings, suspension: Suspension) -> tuple[Pose, Array]:
-    held = at_rest(work, suspension.amplitude)
-    if suspension.start == "twist":
-        return held, np.zeros(work.size)
-    rise = energy(work, held) - energy(work, rest)
-    return rest, small.shape * np.sqrt(2 * rise / small.inertia)
 
 
 def _torsional(small: Swings, suspension: Suspension) -> float:
@@ -492,7 +486,12 @@ def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, objec
     tension = np.column_stack(
         [_along(read(sensor)[:, 1:], chain) for sensor, chain in zip(model.lowest, chains.swapaxes(0, 1), strict=True)]
     )
-    _require_taut(time, tension)
+    # Ropes cannot push, exudyn's links can
+    slack = np.argwhere(tension <= 0)
+    if len(slack):
+        (k, i) = slack[0]
+        said = f"rope {i + 1} slacks at {time[k]:.4g} s of the swing: it would have to push with {-tension[k, i]:.4g} N"
+        raise CheckFailed(f"{said}. Start with less, or hang the body more evenly", time=float(time[k]), rope=int(i + 1))
     return Swing(
         time=time,
         yaw=np.unwrap(np.arctan2(rotation[:, 1, 0] - rotation[:, 0, 1], rotation[:, 0, 0] + rotation[:, 1, 1])),
@@ -511,15 +510,6 @@ def _along(force: Array, chain: Array) -> Array:
         return force[:, 0]
     link = chain[:, -1] - chain[:, -2]
     return np.asarray(np.sum(force * link, axis=1) / np.linalg.norm(link, axis=1))
-
-
-def _require_taut(time: Array, tension: Array) -> None:
-    """Ropes cannot push, exudyn's links can."""
-    slack = np.argwhere(tension <= 0)
-    if len(slack):
-        (k, i) = slack[0]
-        said = f"rope {i + 1} slacks at {time[k]:.4g} s of the swing: it would have to push with {-tension[k, i]:.4g} N"
-        raise CheckFailed(f"{said}. Start with less, or hang the body more evenly", time=float(time[k]), rope=int(i + 1))
 
 
 def _settings(s: Suspension, small: Swings, h: float, every: int, gravity: float) -> dict[str, object]:

@@ -168,21 +168,17 @@ def _moved(feet: npt.NDArray[np.float64], off_centre: Sequence[float], more: dic
     return Suspension(feet=feet - shift, **more)
 
 
-def _require_equal(s: Suspension) -> None:
-    """Refuse a rope longer or shorter than the others by as much as their feet are apart: the body would stand on end."""
+def _require_sizes(s: Suspension) -> None:
+    require_positive("length", s.length, "m")
+    if s.length > LONGEST:
+        raise refused("length", f"ropes of {s.length:.6g} m are longer than {LONGEST:g} m", f"Give {LONGEST:g} m or less")
+    # Refuse a rope longer or shorter than the others by as much as their feet are apart: the body would stand on end
     across = np.linalg.norm(s.feet[:, None] - s.feet[None], axis=2)
     apart = min(s.length, float(across[across > 0].min(initial=np.inf)))
     worst = float(np.ptp(s.extra))
     if not (worst < apart and s.lengths.min() > 0):
         problem = f"ropes of {s.length:.4g} m whose feet are {apart:.3g} m apart cannot be {worst:.4g} m unequal"
         raise refused("extra", problem, f"The body would stand on end: give well below {apart / 2:.2g} m")
-
-
-def _require_sizes(s: Suspension) -> None:
-    require_positive("length", s.length, "m")
-    if s.length > LONGEST:
-        raise refused("length", f"ropes of {s.length:.6g} m are longer than {LONGEST:g} m", f"Give {LONGEST:g} m or less")
-    _require_equal(s)
     require_positive("amplitude", s.amplitude, "rad")
     if s.stiffness is not None:
         require_positive("stiffness", s.stiffness, "N")
@@ -393,12 +389,29 @@ def at_rest(work: Ropework, twist: float | None = None) -> Pose:
     ------
     CheckFailed : no equilibrium was found: with ropes that slack, or at a twist where they would cross or lie flat.
     """
-    pose = _relaxed(work, _level(work), held=False)
+    # The level body under straight ropes as long as their load makes them, with the tension that statics gives them
+    share = shares(work.feet) * work.body.mass
+    below = np.arange(work.links)[::-1]  # joints below each link
+    tension = work.gravity * (share[:, None] + work.point_mass * below)
+    reach = np.cumsum(work.link_lengths[:, None] + work.compliance[:, None] * tension, axis=1)
+    joints = np.repeat(work.anchors[:, None, :], work.joints, axis=1)
+    joints[..., 2] -= reach[:, :-1]
+    place = np.array([*(work.anchors - work.feet)[0, :2], np.mean(work.anchors[:, 2] - reach[:, -1] - work.feet[:, 2])])
+    level = Pose(place=place, rotation=np.eye(3), joints=joints, tension=tension)
+    pose = _relaxed(work, level, held=False)
     if twist is None:
         return pose
     steps = int(np.ceil(abs(twist) / TWIST_STEP))
     for _ in range(steps):
-        pose = _relaxed(work, _turned_on(work, pose, twist / steps), held=True)
+        # `pose` turned on about the vertical by `angle`, every joint taken along in proportion to its depth
+        angle = twist / steps
+        c, s = np.cos(angle), np.sin(angle)
+        R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        turned = replace(pose, rotation=R @ pose.rotation)
+        way = feet_of(work, turned) - feet_of(work, pose)
+        depth = np.arange(1, work.links) / work.links
+        turned_on = replace(turned, joints=pose.joints + depth[None, :, None] * way[:, None, :])
+        pose = _relaxed(work, turned_on, held=True)
     return pose
 
 
@@ -454,40 +467,27 @@ def mass(work: Ropework, pose: Pose) -> Array:
     return M
 
 
-def _level(work: Ropework) -> Pose:
-    """The level body under straight ropes as long as their load makes them, with the tension that statics gives them."""
-    share = shares(work.feet) * work.body.mass
-    below = np.arange(work.links)[::-1]  # joints below each link
-    tension = work.gravity * (share[:, None] + work.point_mass * below)
-    reach = np.cumsum(work.link_lengths[:, None] + work.compliance[:, None] * tension, axis=1)
-    joints = np.repeat(work.anchors[:, None, :], work.joints, axis=1)
-    joints[..., 2] -= reach[:, :-1]
-    place = np.array([*(work.anchors - work.feet)[0, :2], np.mean(work.anchors[:, 2] - reach[:, -1] - work.feet[:, 2])])
-    return Pose(place=place, rotation=np.eye(3), joints=joints, tension=tension)
-
-
-def _turned_on(work: Ropework, pose: Pose, angle: float) -> Pose:
-    """`pose` turned on about the vertical by `angle`, every joint taken along in proportion to its depth."""
-    c, s = np.cos(angle), np.sin(angle)
-    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    turned = replace(pose, rotation=R @ pose.rotation)
-    way = feet_of(work, turned) - feet_of(work, pose)
-    depth = np.arange(1, work.links) / work.links
-    return replace(turned, joints=pose.joints + depth[None, :, None] * way[:, None, :])
-
-
 def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
     """Newton's method from `pose`, with the rotation about the vertical held or not."""
     free = np.array([k for k in range(work.size) if not (held and k == VERTICAL)])
-    weight = _weight(work)
+    # Gradient (k,) of the energy of weight
+    weight = np.zeros(work.size)
+    weight[2], weight[8::3] = work.body.mass * work.gravity, work.point_mass * work.gravity
     for _ in range(ITERATIONS):
         H, G = stiffness(work, pose)
         H, G = H[np.ix_(free, free)], G[:, free]
         T = pose.tension.ravel()
-        left_over = np.concatenate([G.T @ T + weight[free], _stretched_too_far(work, pose)])
+        lengths = np.array([np.linalg.norm(d) for _, _, d in _links(work, pose)])
+        law = work.link_lengths[:, None] + work.compliance[:, None] * pose.tension
+        left_over = np.concatenate([G.T @ T + weight[free], lengths - law.ravel()])
         size = np.concatenate([np.full(len(free), work.body.mass * work.gravity), np.repeat(work.link_lengths, work.links)])
         if np.abs(left_over / size).max() < SMALL:
-            return _require_taut(work, pose)
+            if pose.tension.min() <= 0:
+                i = int(pose.tension.min(axis=1).argmin())
+                problem = f"rope {i + 1} would have to push with {-pose.tension[i].min():.4g} N at rest"
+                name = "extra" if np.ptp(work.link_lengths) else "off_centre"
+                raise refused(name, problem, "Make the ropes more equal, softer, or set them further from each other")
+            return pose
         try:
             step = np.linalg.solve(np.block([[H, G.T], [G, -np.diag(np.repeat(work.compliance, work.links))]]), -left_over)
         except np.linalg.LinAlgError:
@@ -497,28 +497,6 @@ def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
         full[free] = step[: len(free)]
         pose = replace(moved(work, pose, full), tension=pose.tension + step[len(free) :].reshape(pose.tension.shape))
     raise CheckFailed("the rope pendulum has no equilibrium there: statics did not converge", place=pose.place.tolist())
-
-
-def _require_taut(work: Ropework, pose: Pose) -> Pose:
-    if pose.tension.min() <= 0:
-        i = int(pose.tension.min(axis=1).argmin())
-        problem = f"rope {i + 1} would have to push with {-pose.tension[i].min():.4g} N at rest"
-        name = "extra" if np.ptp(work.link_lengths) else "off_centre"
-        raise refused(name, problem, "Make the ropes more equal, softer, or set them further from each other")
-    return pose
-
-
-def _weight(work: Ropework) -> Array:
-    """Gradient (k,) of the energy of weight."""
-    g = np.zeros(work.size)
-    g[2], g[8::3] = work.body.mass * work.gravity, work.point_mass * work.gravity
-    return g
-
-
-def _stretched_too_far(work: Ropework, pose: Pose) -> Array:
-    lengths = np.array([np.linalg.norm(d) for _, _, d in _links(work, pose)])
-    law = work.link_lengths[:, None] + work.compliance[:, None] * pose.tension
-    return lengths - law.ravel()
 
 
 def _links(work: Ropework, pose: Pose) -> list[tuple[int, int, Array]]:

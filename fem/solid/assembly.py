@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
@@ -90,17 +89,12 @@ def volumes(mesh: SolidMesh) -> Array:
     return np.asarray(jacobians(mesh) @ W)
 
 
-def _element(nodes: int) -> Any:
-    from skfem import ElementHex2, ElementTetP2
-
-    return {10: ElementTetP2, 27: ElementHex2}[nodes]()
-
-
 def _reference(nodes: int) -> tuple[Array, Array, Array]:
     """Weights (q,), values (k, q) and gradients (3, k, q) of the functions in the reference cell."""
+    from skfem import ElementHex2, ElementTetP2
     from skfem.quadrature import get_quadrature
 
-    element = _element(nodes)
+    element = {10: ElementTetP2, 27: ElementHex2}[nodes]()
     X, W = get_quadrature(element.refdom, QUADRATURE[nodes])
     pairs = [element.lbasis(X, k) for k in range(nodes)]
     values = np.array([np.broadcast_to(value, W.shape) for value, _ in pairs])
@@ -251,7 +245,17 @@ def require_connected(mesh: SolidMesh) -> None:
     ------
     BadInput : which parts float, where, and how far from the rest.
     """
-    label = _joined(mesh)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    # Number of the body of cells joined by faces that each cell belongs to; (c,)
+    faces = np.sort(np.vstack([mesh.cells[:, list(face)] for face in _faces(mesh)]), axis=1)
+    cell = np.tile(np.arange(len(mesh.cells)), len(_faces(mesh)))
+    order = np.lexsort(faces.T)
+    same = np.all(faces[order][1:] == faces[order][:-1], axis=1)
+    a, b = cell[order][:-1][same], cell[order][1:][same]
+    graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(len(mesh.cells),) * 2)
+    label = np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
     loose = np.setdiff1d(label, label[_held_cells(mesh, _on_the_plane(mesh))])
     if not len(loose):
         return
@@ -325,20 +329,6 @@ def _held_cells(mesh: SolidMesh, on: np.ndarray) -> np.ndarray:
 
 def _faces(mesh: SolidMesh) -> Sequence[tuple[int, ...]]:
     return _FACES[mesh.cells.shape[1]]
-
-
-def _joined(mesh: SolidMesh) -> Integers:
-    """Number of the body of cells joined by faces that each cell belongs to; (c,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    faces = np.sort(np.vstack([mesh.cells[:, list(face)] for face in _faces(mesh)]), axis=1)
-    cell = np.tile(np.arange(len(mesh.cells)), len(_faces(mesh)))
-    order = np.lexsort(faces.T)
-    same = np.all(faces[order][1:] == faces[order][:-1], axis=1)
-    a, b = cell[order][:-1][same], cell[order][1:][same]
-    graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(len(mesh.cells),) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
 
 
 def _floating(mesh: SolidMesh, cells: np.ndarray) -> str:

@@ -15,7 +15,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fem.modes import Modes
 from fem.solid.model import fixed_base
 from fem.structure import Structure
 from geometry.errors import BadInput
@@ -109,7 +108,13 @@ def study(
         modes = fixed_base(structure, count, factoriser=factoriser)
         frequency.append(modes.frequency)
         unknowns.append(len(structure.free))
-    parts = straining(structure, modes)
+    # The part that each mode strains most; empty names for a structure without parts
+    if not structure.part_stiffness:
+        parts = tuple("" for _ in modes.frequency)
+    else:
+        names = tuple(structure.part_stiffness)
+        energy = [np.einsum("ij,ij->j", modes.shapes, K @ modes.shapes) for K in structure.part_stiffness.values()]
+        parts = tuple(names[int(k)] for k in np.argmax(np.array(energy), axis=0))
     return assessed(h, tuple(unknowns), np.array(frequency), parts, bars)
 
 
@@ -145,12 +150,3 @@ def extrapolation(size: Array, value: Array) -> tuple[float, float, float]:
     p = brentq(ratio, *RATES) if fine and ratio(RATES[0]) * ratio(RATES[1]) < 0 else np.nan
     error = abs(fine) / (h2 ** (1.0 if np.isnan(p) else p) - 1)
     return float(p), float(value[2] - np.copysign(error, fine)), float(error)
-
-
-def straining(structure: Structure, modes: Modes) -> tuple[str, ...]:
-    """The part that each mode strains most; empty names for a structure without parts."""
-    if not structure.part_stiffness:
-        return tuple("" for _ in modes.frequency)
-    names = tuple(structure.part_stiffness)
-    energy = [np.einsum("ij,ij->j", modes.shapes, K @ modes.shapes) for K in structure.part_stiffness.values()]
-    return tuple(names[int(k)] for k in np.argmax(np.array(energy), axis=0))

@@ -69,7 +69,7 @@ class Outline:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Plan:
+class PlanMesh:
     """Quadrilaterals of nine nodes.
 
     Attributes
@@ -87,7 +87,7 @@ class Plan:
         return np.asarray(self.points[self.quads[:, 8]])
 
 
-def covered(outlines: Iterable[Outline], size: float, around: int) -> Plan:
+def covered(outlines: Iterable[Outline], size: float, around: int) -> PlanMesh:
     """The mesh of everything that `outlines` enclose, edges about `size` [m] long, circles of at least `around` edges."""
     distinct = list({outline.key: outline for outline in outlines}.values())
     walls = {circle.key for ring in _thin_rings(distinct, size) for circle in ring}
@@ -102,10 +102,18 @@ def covered(outlines: Iterable[Outline], size: float, around: int) -> Plan:
         _set_sizes(gmsh, size, around, np.array([circle.size[0] / 2 for ring in _thin_rings(distinct, size) for circle in ring]))
         _divide_rings(gmsh.model)
         gmsh.model.mesh.generate(2)
-        return _read(gmsh)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        points = np.reshape(coordinates, (-1, 3))[:, :2]
+        kinds, _, nodes = gmsh.model.mesh.getElements(2)
+        if list(kinds) != [QUAD9]:
+            raise RuntimeError(f"gmsh made cells of kinds {list(kinds)} where only quadrilaterals belong")
+        place = np.zeros(int(tags.max()) + 1, dtype=np.intp)
+        place[tags.astype(np.intp)] = np.arange(len(tags))
+        quads = place[np.reshape(nodes[0], (-1, 9)).astype(np.intp)]
+        return PlanMesh(points=points, quads=_counter_clockwise(points, quads))
 
 
-def with_whole_walls(plan: Plan, inner: float, outer: float) -> Plan:
+def with_whole_walls(plan: PlanMesh, inner: float, outer: float) -> PlanMesh:
     """`plan` with one quadrilateral, not two, through the wall between circles of radius `inner` and `outer` [m] about the axis.
 
     Two that meet on the middle circle share an edge there, whose nodes become the middle nodes of the one.
@@ -121,7 +129,7 @@ def with_whole_walls(plan: Plan, inner: float, outer: float) -> Plan:
         edges.setdefault(tuple(sorted((turned[0], turned[1]))), []).append(turned)
     # a = (s, t, ...) with the shared edge s-t first, b the same edge from its other side: (t, s, ...)
     whole = [[a[2], a[3], b[2], b[3], a[6], a[0], b[6], a[1], a[4]] for a, b in edges.values()]
-    return Plan(points=plan.points, quads=np.vstack([np.delete(plan.quads, halves, axis=0), np.array(whole, dtype=np.intp)]))
+    return PlanMesh(points=plan.points, quads=np.vstack([np.delete(plan.quads, halves, axis=0), np.array(whole, dtype=np.intp)]))
 
 
 def _face(occ: Any, outline: Outline) -> tuple[int, int]:
@@ -218,18 +226,6 @@ def _divisions(model: Any, curve: int, size: float, around: int, walls: Array) -
     return max(1, round(whole * (high - low) / (4 * np.pi)))
 
 
-def _read(gmsh: Any) -> Plan:
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    points = np.reshape(coordinates, (-1, 3))[:, :2]
-    kinds, _, nodes = gmsh.model.mesh.getElements(2)
-    if list(kinds) != [QUAD9]:
-        raise RuntimeError(f"gmsh made cells of kinds {list(kinds)} where only quadrilaterals belong")
-    place = np.zeros(int(tags.max()) + 1, dtype=np.intp)
-    place[tags.astype(np.intp)] = np.arange(len(tags))
-    quads = place[np.reshape(nodes[0], (-1, 9)).astype(np.intp)]
-    return Plan(points=points, quads=_counter_clockwise(points, quads))
-
-
 def _counter_clockwise(points: Array, quads: Integers) -> Integers:
     a, b, c = (points[quads[:, corner]] for corner in (0, 1, 3))
     (x1, y1), (x2, y2) = (b - a).T, (c - a).T
@@ -306,8 +302,26 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
         for size, (low, high) in zip(sizes, pairwise(limits), strict=True)
         if (group := [u for u in uprights if low - SAME <= u.bottom and u.top <= high + SAME])
     ]
-    _require_all(uprights, [part for _, _, part in pieces])
-    made = _joined(pieces, tuple(u.name for u in uprights))
+    there = {int(number) for numbers in [part for _, _, part in pieces] for number in np.unique(numbers)}
+    for number, u in enumerate(uprights):
+        if number not in there:
+            raise BadInput(
+                source=f"part {u.name}",
+                problem=f"reaches from {1e3 * u.bottom:g} to {1e3 * u.top:g} mm, through a height at which the mesh is cut",
+                remedy="Cut where one part stands on another",
+            )
+    # One mesh, nodes of equal place made one, nodes of no cell left out
+    offsets = np.cumsum([0, *(len(points) for points, _, _ in pieces)])
+    points = np.concatenate([points for points, _, _ in pieces])
+    cells = np.concatenate([cells + offset for (_, cells, _), offset in zip(pieces, offsets, strict=False)])
+    used, cells = np.unique(cells, return_inverse=True)
+    _, first, same = np.unique(np.round(points[used] / SAME).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    made = SolidMesh(
+        points=points[used][first],
+        cells=same.reshape(-1)[cells].reshape(-1, 27),
+        part=np.concatenate([part for _, _, part in pieces]),
+        parts=tuple(u.name for u in uprights),
+    )
     assembly.require_upright(made)
     assembly.require_filled(made, [u.volume for u in uprights])
     return made
@@ -377,7 +391,11 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
     plan = covered([prism.outline for prism in (*prisms, *feet)], size, around)
     for inner, outer in _walls(all_parts):
         plan = with_whole_walls(plan, inner, outer)
-    heights = _heights(group, size)
+    # Heights of the layers [m]: where anything begins or ends, and between those layers that grow towards the middle
+    ends = np.sort([h for u in group for prism in (*u.solids, *u.voids) for h in (prism.bottom, prism.top)])
+    breaks = ends[np.concatenate([[True], np.diff(ends) > SAME])]
+    between = [_graded(low, high, size)[:-1] for low, high in pairwise(breaks)]
+    heights = np.concatenate([*between, breaks[-1:]])
     numbers = {u.name: number for number, u in enumerate(all_parts)}
     chosen = [
         (layer, quads, numbers[u.name])
@@ -406,14 +424,6 @@ def _touches(prism: Prism, group: Sequence[Upright]) -> bool:
     return abs(prism.bottom - high) < SAME or abs(prism.top - low) < SAME
 
 
-def _heights(group: Sequence[Upright], size: float) -> Array:
-    """Heights of the layers [m]: where anything begins or ends, and between those layers that grow towards the middle."""
-    ends = np.sort([h for u in group for prism in (*u.solids, *u.voids) for h in (prism.bottom, prism.top)])
-    breaks = ends[np.concatenate([[True], np.diff(ends) > SAME])]
-    between = [_graded(low, high, size)[:-1] for low, high in pairwise(breaks)]
-    return np.concatenate([*between, breaks[-1:]])
-
-
 def _graded(low: float, high: float, size: float) -> Array:
     """Heights from `low` to `high` [m], layers growing from both ends to `size`."""
     half: list[float] = []
@@ -431,53 +441,22 @@ def _within(u: Upright, points: Array, height: float) -> Mask:
     for prisms, value in ((u.solids, True), (u.voids, False)):
         for prism in prisms:
             if prism.bottom < height < prism.top:
-                inside[_enclosed(prism.outline, points)] = value
+                outline = prism.outline
+                c, s = np.cos(outline.angle), np.sin(outline.angle)
+                own = (points - outline.centre) @ np.array([[c, -s], [s, c]]) / (outline.size / 2)
+                enclosed = np.asarray(np.hypot(*own.T) < 1 if outline.round else np.abs(own).max(axis=1) < 1)
+                inside[enclosed] = value
     return inside
 
 
-def _enclosed(outline: Outline, points: Array) -> Mask:
-    c, s = np.cos(outline.angle), np.sin(outline.angle)
-    own = (points - outline.centre) @ np.array([[c, -s], [s, c]]) / (outline.size / 2)
-    return np.asarray(np.hypot(*own.T) < 1 if outline.round else np.abs(own).max(axis=1) < 1)
-
-
-def _stacked(plan: Plan, levels: Array, chosen: Sequence[tuple[int, Integers, int]]) -> Piece:
+def _stacked(plan: PlanMesh, levels: Array, chosen: Sequence[tuple[int, Integers, int]]) -> Piece:
     """Cells of the `chosen` quadrilaterals of each layer; node n of level l is l times the nodes of the plan plus n."""
     count = len(plan.points)
-    corner, level = _quad_place(), (2 * LOCAL_HEX27[:, 2]).astype(np.intp)
+    # For every node of a hexahedron the node of the nine-node quadrilateral below it
+    nine = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
+    quad_place = np.array([int(np.flatnonzero((nine == node[:2]).all(axis=1))[0]) for node in LOCAL_HEX27])
+    corner, level = quad_place, (2 * LOCAL_HEX27[:, 2]).astype(np.intp)
     cells = [plan.quads[quads][:, corner] + count * (2 * layer + level) for layer, quads, _ in chosen]
     part = [np.full(len(quads), number, dtype=np.intp) for _, quads, number in chosen]
     points = np.column_stack([np.tile(plan.points, (len(levels), 1)), np.repeat(levels, count)])
     return points, np.concatenate(cells), np.concatenate(part)
-
-
-def _quad_place() -> Integers:
-    """For every node of a hexahedron the node of the nine-node quadrilateral below it."""
-    nine = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
-    return np.array([int(np.flatnonzero((nine == node[:2]).all(axis=1))[0]) for node in LOCAL_HEX27])
-
-
-def _require_all(uprights: Sequence[Upright], found: Sequence[Integers]) -> None:
-    there = {int(number) for numbers in found for number in np.unique(numbers)}
-    for number, u in enumerate(uprights):
-        if number not in there:
-            raise BadInput(
-                source=f"part {u.name}",
-                problem=f"reaches from {1e3 * u.bottom:g} to {1e3 * u.top:g} mm, through a height at which the mesh is cut",
-                remedy="Cut where one part stands on another",
-            )
-
-
-def _joined(pieces: Sequence[Piece], parts: tuple[str, ...]) -> SolidMesh:
-    """One mesh, nodes of equal place made one, nodes of no cell left out."""
-    offsets = np.cumsum([0, *(len(points) for points, _, _ in pieces)])
-    points = np.concatenate([points for points, _, _ in pieces])
-    cells = np.concatenate([cells + offset for (_, cells, _), offset in zip(pieces, offsets, strict=False)])
-    used, cells = np.unique(cells, return_inverse=True)
-    _, first, same = np.unique(np.round(points[used] / SAME).astype(np.int64), axis=0, return_index=True, return_inverse=True)
-    return SolidMesh(
-        points=points[used][first],
-        cells=same.reshape(-1)[cells].reshape(-1, 27),
-        part=np.concatenate([part for _, _, part in pieces]),
-        parts=parts,
-    )

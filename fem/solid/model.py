@@ -18,11 +18,10 @@ from fem import modes
 from fem.damping import Damping
 from fem.modes import Modes, Progress
 from fem.solid import assembly
-from fem.solid.assembly import Matrices, assemble
+from fem.solid.assembly import assemble
 from fem.solid.hexahedra import foot_height, hexahedra
 from fem.solid.mesh import SolidMesh
-from fem.solid.tetrahedra import FINER, AnyArticle, Body, Sizing, bodies, tetrahedra
-from fem.solid.tetrahedra import LARGEST as SIZING_LARGEST
+from fem.solid.tetrahedra import FINER, LARGEST_MESH, AnyArticle, Sizing, SolidBody, bodies, tetrahedra
 from fem.structure import Sparse, Structure
 from geometry import atomic
 from geometry.article import Article, Material
@@ -156,7 +155,7 @@ def structure(
     size: float | None = None,
     fineness: float = 1.0,
     refinement: float = 1.0,
-    largest: int = SIZING_LARGEST,
+    largest: int = LARGEST_MESH,
     cached: bool = True,
 ) -> Structure:
     """`article` as a solid on its mounting face, the plane z = min of its counted parts, about its origin.
@@ -197,22 +196,18 @@ def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
         except CheckFailed as failure:
             failures.append(str(failure))
             continue
-        _require_affordable(article, made, size, sizing.largest)
+        unknowns = 3 * len(made.points)
+        if unknowns > sizing.largest:
+            raise BadInput(
+                source=f"article {article.name}",
+                problem=f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {sizing.largest} are allowed",
+                remedy="Use larger elements, or allow more",
+            )
         return made
     raise CheckFailed(f"no valid mesh of hexahedra after {len(FINER)} attempts: {failures[-1]}", failures=tuple(failures))
 
 
-def _require_affordable(article: Article, made: SolidMesh, size: float, largest: int) -> None:
-    unknowns = 3 * len(made.points)
-    if unknowns > largest:
-        raise BadInput(
-            source=f"article {article.name}",
-            problem=f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {largest} are allowed",
-            remedy="Use larger elements, or allow more",
-        )
-
-
-def mesh(found: tuple[Body, ...], sizing: Sizing, *, cached: bool = True) -> SolidMesh:
+def mesh(found: tuple[SolidBody, ...], sizing: Sizing, *, cached: bool = True) -> SolidMesh:
     """Tetrahedra of the bodies `found`, from disk when they are there.
 
     Raises
@@ -239,7 +234,17 @@ def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool 
     held = assembly.base(mesh)
     assembly.require_connected(mesh)
     assembly.require_upright(mesh)
-    matrices = _matrices(mesh, materials, cached)
+    # From disk or assembled, exactly symmetric either way
+    if not cached:
+        matrices = assembly.unpack_matrices(assembly.pack_matrices(assemble(mesh, materials)), mesh.parts)
+    else:
+        moduli = [[materials[name].youngs_modulus, materials[name].poisson_ratio, materials[name].density] for name in mesh.parts]
+        name = key("matrices", {"mesh": digest(assembly.pack_mesh(mesh)), "materials": moduli})
+        kept = load(name)
+        if kept is None:
+            kept = assembly.pack_matrices(assemble(mesh, materials))
+            store(name, kept)
+        matrices = assembly.unpack_matrices(kept, mesh.parts)
     return Structure(
         stiffness=matrices.stiffness,
         mass=matrices.mass,
@@ -250,19 +255,6 @@ def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool 
         part_stiffness=matrices.part_stiffness,
         loss_factors={name: made.loss_factor for name, made in materials.items() if made.loss_factor is not None},
     )
-
-
-def _matrices(mesh: SolidMesh, materials: Mapping[str, Material], cached: bool) -> Matrices:
-    """From disk or assembled, exactly symmetric either way."""
-    if not cached:
-        return assembly.unpack_matrices(assembly.pack_matrices(assemble(mesh, materials)), mesh.parts)
-    moduli = [[materials[name].youngs_modulus, materials[name].poisson_ratio, materials[name].density] for name in mesh.parts]
-    name = key("matrices", {"mesh": digest(assembly.pack_mesh(mesh)), "materials": moduli})
-    kept = load(name)
-    if kept is None:
-        kept = assembly.pack_matrices(assemble(mesh, materials))
-        store(name, kept)
-    return assembly.unpack_matrices(kept, mesh.parts)
 
 
 def _dofs(nodes: Integers) -> Integers:
@@ -292,7 +284,15 @@ def fixed_base(
     ------
     BadInput, CheckFailed : as `fem.modes.fixed_base`.
     """
-    name = key("modes", {"structure": digest(_content(structure)), "count": count})
+    # All that the undamped modes depend on
+    content = {
+        **{f"stiffness-{name}": array for name, array in _arrays(structure.stiffness).items()},
+        **{f"mass-{name}": array for name, array in _arrays(structure.mass).items()},
+        "rigid": structure.rigid,
+        "held": structure.held,
+        "reference_point": structure.reference_point,
+    }
+    name = key("modes", {"structure": digest(content), "count": count})
     kept = load(name)
     if kept is None:
         solved = modes.fixed_base(structure, count, damping=Damping(ratio=0.0), factoriser=factoriser, progress=progress)
@@ -300,17 +300,6 @@ def fixed_base(
     else:
         solved = Modes(**dict[str, Any](kept))
     return modes.with_damping(solved, structure, damping, factoriser=factoriser)
-
-
-def _content(structure: Structure) -> dict[str, np.ndarray]:
-    """All that the undamped modes depend on."""
-    return {
-        **{f"stiffness-{name}": array for name, array in _arrays(structure.stiffness).items()},
-        **{f"mass-{name}": array for name, array in _arrays(structure.mass).items()},
-        "rigid": structure.rigid,
-        "held": structure.held,
-        "reference_point": structure.reference_point,
-    }
 
 
 def _arrays(matrix: Sparse) -> dict[str, np.ndarray]:

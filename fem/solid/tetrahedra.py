@@ -41,7 +41,7 @@ AnyArticle = Article | UserArticle
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Body:
+class SolidBody:
     """One part of an article on its way to a mesh.
 
     Attributes
@@ -58,7 +58,7 @@ class Body:
     fingerprint: str
 
 
-def bodies(article: AnyArticle) -> tuple[Body, ...]:
+def bodies(article: AnyArticle) -> tuple[SolidBody, ...]:
     """The counted parts of `article`.
 
     Raises
@@ -77,7 +77,7 @@ def bodies(article: AnyArticle) -> tuple[Body, ...]:
     return found
 
 
-def _drawn(part: Part) -> Body:
+def _drawn(part: Part) -> SolidBody:
     def write(path: Path) -> None:
         from geometry.cad import solid, write_brep
 
@@ -85,10 +85,10 @@ def _drawn(part: Part) -> Body:
 
     described = {"pose": _numbers(part.pose), "solids": _placed(part.shape.solids), "voids": _placed(part.shape.voids)}
     digest = hashlib.sha256(json.dumps(described).encode()).hexdigest()
-    return Body(name=part.name, material=part.material, write=write, fingerprint=digest)
+    return SolidBody(name=part.name, material=part.material, write=write, fingerprint=digest)
 
 
-def _imported(part: UserPart) -> Body:
+def _imported(part: UserPart) -> SolidBody:
     if part.solid is None:
         raise BadInput(
             source=part.source,
@@ -103,7 +103,7 @@ def _imported(part: UserPart) -> Body:
 
     from geometry.cad import brep_digest
 
-    return Body(name=part.name, material=part.material, write=write, fingerprint=brep_digest(part.solid))
+    return SolidBody(name=part.name, material=part.material, write=write, fingerprint=brep_digest(part.solid))
 
 
 def _placed(placed: tuple[Placed, ...]) -> list[Any]:
@@ -134,19 +134,6 @@ FULL_TURN = np.deg2rad(359.0)
 """Edges inside the material have it."""
 
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))
-
-
-def re_entrant_curves(gmsh: Any) -> list[int]:
-    """Tags of the curves of the current model, meshed with first-order tetrahedra, that are re-entrant."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    place = np.argsort(tags)
-    points = np.reshape(coordinates, (-1, 3))[place]
-    number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
-    number[np.sort(tags)] = np.arange(len(tags))
-    cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
-    edges, angles = edge_angles(points, cells)
-    sharp = {tuple(edge) for edge in edges[(angles > HALF_A_TURN) & (angles < FULL_TURN)].tolist()}
-    return [curve for _, curve in gmsh.model.getEntities(1) if _is_sharp(gmsh, curve, number, sharp)]
 
 
 def edge_angles(points: Array, cells: Any) -> tuple[Any, Array]:
@@ -201,7 +188,7 @@ SOLID = 0.5
 """... but never less than this share of its thickness."""
 
 
-LARGEST = 500_000
+LARGEST_MESH = 500_000
 """Degrees of freedom; what a factoriser needs for them is estimated where the modes are computed."""
 
 
@@ -220,7 +207,7 @@ class Sizing:
     size: float | None = None
     fineness: float = 1.0
     refinement: float = 1.0
-    largest: int = LARGEST
+    largest: int = LARGEST_MESH
 
     @property
     def described(self) -> list[float | None]:
@@ -277,7 +264,13 @@ def apply(gmsh: Any, volumes: Sequence[Volume], sizing: Sizing, re_entrant: Sequ
         curves[curve] = sizing.refinement * min(curves.get(curve, np.inf), *(sizes[tag] for tag in _volumes_at(gmsh, curve)))
     fields = [_constant(gmsh, "VolumesList", tag, size) for tag, size in sizes.items()]
     fields += [_constant(gmsh, "SurfacesList", tag, size) for tag, size in faces.items()]
-    _background(gmsh, fields + _growing(gmsh, curves, max(sizes.values())))
+    # The smallest of the fields, and nothing else, rules
+    fields += _growing(gmsh, curves, max(sizes.values()))
+    least = gmsh.model.mesh.field.add("Min")
+    gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
+    gmsh.model.mesh.field.setAsBackgroundMesh(least)
+    for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
+        gmsh.option.setNumber(f"Mesh.{option}", 0)
 
 
 def _curved_faces(gmsh: Any, volumes: Sequence[Volume], sizes: Mapping[int, float], sizing: Sizing) -> dict[int, float]:
@@ -285,30 +278,25 @@ def _curved_faces(gmsh: Any, volumes: Sequence[Volume], sizes: Mapping[int, floa
     found: dict[int, float] = {}
     for volume in volumes:
         for face in _faces(gmsh, volume.tag):
-            size = _curved_size(_radius(gmsh, face), volume.thickness, sizing)
+            # Edge [mm] on a face of `radius` on a wall of `volume.thickness` [mm]
+            # Smallest radius of curvature [mm] found on `face`; infinite on a plane
+            if gmsh.model.getType(2, face) == "Plane":
+                radius = float(np.inf)
+            else:
+                lower, upper = gmsh.model.getParametrizationBounds(2, face)
+                grid = np.array(list(product(*(np.linspace(a, b, 5)[1:-1] for a, b in zip(lower, upper, strict=True)))))
+                largest, smallest, *_ = gmsh.model.getPrincipalCurvatures(face, grid.ravel())
+                curvature = np.abs([largest, smallest]).max()
+                radius = float(1 / curvature) if curvature > 0 else float(np.inf)
+            if not np.isfinite(radius):
+                size = np.inf
+            else:
+                around = 2 * np.pi * radius / max(AROUND, AROUND * sizing.fineness)
+                chord = np.sqrt(8 * radius * CUT * volume.thickness) / max(1.0, sizing.fineness)
+                size = float(min(around, chord))
             if size < sizes[volume.tag]:
                 found[face] = min(size, found.get(face, np.inf))
     return found
-
-
-def _curved_size(radius: float, thickness: float, sizing: Sizing) -> float:
-    """Edge [mm] on a face of `radius` on a wall of `thickness` [mm]."""
-    if not np.isfinite(radius):
-        return np.inf
-    around = 2 * np.pi * radius / max(AROUND, AROUND * sizing.fineness)
-    chord = np.sqrt(8 * radius * CUT * thickness) / max(1.0, sizing.fineness)
-    return float(min(around, chord))
-
-
-def _radius(gmsh: Any, face: int) -> float:
-    """Smallest radius of curvature [mm] found on `face`; infinite on a plane."""
-    if gmsh.model.getType(2, face) == "Plane":
-        return float(np.inf)
-    lower, upper = gmsh.model.getParametrizationBounds(2, face)
-    grid = np.array(list(product(*(np.linspace(a, b, 5)[1:-1] for a, b in zip(lower, upper, strict=True)))))
-    largest, smallest, *_ = gmsh.model.getPrincipalCurvatures(face, grid.ravel())
-    curvature = np.abs([largest, smallest]).max()
-    return float(1 / curvature) if curvature > 0 else float(np.inf)
 
 
 def _faces(gmsh: Any, volume: int) -> list[int]:
@@ -347,15 +335,6 @@ def _growing(gmsh: Any, small: Mapping[int, float], largest: float) -> list[int]
             gmsh.model.mesh.field.setNumber(threshold, key, value)
         fields.append(threshold)
     return fields
-
-
-def _background(gmsh: Any, fields: Sequence[int]) -> None:
-    """The smallest of `fields`, and nothing else, rules."""
-    least = gmsh.model.mesh.field.add("Min")
-    gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
-    gmsh.model.mesh.field.setAsBackgroundMesh(least)
-    for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
-        gmsh.option.setNumber(f"Mesh.{option}", 0)
 
 
 # gmsh at work, in a process of its own: ``python -m fem.solid.tetrahedra FOLDER``.
@@ -398,7 +377,7 @@ def work(folder: Path) -> None:
     """Do the job in `folder`."""
     job = json.loads((folder / JOB).read_text(encoding="utf-8"))
     try:
-        mesh = mesher_tetrahedra(folder, job["bodies"], Sizing(**job["sizing"]))
+        mesh = mesh_bodies(folder, job["bodies"], Sizing(**job["sizing"]))
         np.savez(folder / MESH, allow_pickle=False, **assembly.pack_mesh(mesh))
     except Unmeshable as fault:
         _report(folder, {"unmeshable": str(fault)})
@@ -406,7 +385,7 @@ def work(folder: Path) -> None:
         _report(folder, {key: getattr(fault, key) for key in ("source", "field", "problem", "remedy")})
 
 
-def mesher_tetrahedra(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
+def mesh_bodies(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
     """Curved tetrahedra of the bodies called `names`, whose BREP files are in `folder`.
 
     Raises
@@ -415,8 +394,28 @@ def mesher_tetrahedra(folder: Path, names: Sequence[str], sizes: Sizing) -> Soli
     Unmeshable : gmsh fails, elements stay inverted, or they do not fill the drawing.
     """
     with session() as gmsh:
-        model = _model(gmsh, names, folder)
-        _require_affordable(model, sizes)
+        imported = [_import_brep(gmsh, name, folder / f"{index}.brep") for index, name in enumerate(names)]
+        # All volumes cut at each other's faces; the body that each piece belongs to by tag
+        entities = [(entity, index) for index, group in enumerate(imported) for entity in group]
+        if len(entities) > 1:
+            first, *others = [entity for entity, _ in entities]
+            _, pieces = gmsh.model.occ.fragment([first], others)
+        else:
+            pieces = [[entity] for entity, _ in entities]
+        gmsh.model.occ.synchronize()
+        owner: dict[int, int] = {}
+        for (_, index), group in zip(entities, pieces, strict=True):
+            for _, tag in group:
+                if tag in owner:
+                    raise _overlap(names[owner[tag]], names[index], gmsh.model.occ.getMass(3, tag))
+                owner[tag] = index
+        volumes = tuple(measured(gmsh, tag) for tag in sorted(owner))
+        model = _Model(gmsh=gmsh, names=names, volumes=volumes, owner=owner)
+        # Refuse before the work what a surface mesh of this size alone would need
+        edges = [(volume, body_size(volume, sizes)) for volume in model.volumes]
+        triangles = sum(volume.area / (0.6 * edge**2) for volume, edge in edges)
+        tetrahedra = sum(volume.volume / (0.2 * edge**3) for volume, edge in edges)
+        _refuse_above(sizes, int(max(6 * triangles, 4 * tetrahedra)), "at least ")
         return _mesh(model, sizes)
 
 
@@ -427,36 +426,11 @@ def _report(folder: Path, fault: Mapping[str, str]) -> None:
 # --- geometry -------------------------------------------------------------------------------------------------------------
 
 
-def _model(gmsh: Any, names: Sequence[str], folder: Path) -> _Model:
-    imported = [_mesher_imported(gmsh, name, folder / f"{index}.brep") for index, name in enumerate(names)]
-    owner = _fragmented(gmsh, names, imported)
-    volumes = tuple(measured(gmsh, tag) for tag in sorted(owner))
-    return _Model(gmsh=gmsh, names=names, volumes=volumes, owner=owner)
-
-
-def _mesher_imported(gmsh: Any, name: str, path: Path) -> list[tuple[int, int]]:
+def _import_brep(gmsh: Any, name: str, path: Path) -> list[tuple[int, int]]:
     volumes = [entity for entity in gmsh.model.occ.importShapes(str(path)) if entity[0] == 3]
     if not volumes:
         raise BadInput(source=f"part {name}", problem="gmsh finds no solid in it", remedy="Make it a closed solid in the CAD")
     return volumes
-
-
-def _fragmented(gmsh: Any, names: Sequence[str], imported: Sequence[list[tuple[int, int]]]) -> dict[int, int]:
-    """All volumes cut at each other's faces; the body that each piece belongs to by tag."""
-    entities = [(entity, index) for index, group in enumerate(imported) for entity in group]
-    if len(entities) > 1:
-        first, *others = [entity for entity, _ in entities]
-        _, pieces = gmsh.model.occ.fragment([first], others)
-    else:
-        pieces = [[entity] for entity, _ in entities]
-    gmsh.model.occ.synchronize()
-    owner: dict[int, int] = {}
-    for (_, index), group in zip(entities, pieces, strict=True):
-        for _, tag in group:
-            if tag in owner:
-                raise _overlap(names[owner[tag]], names[index], gmsh.model.occ.getMass(3, tag))
-            owner[tag] = index
-    return owner
 
 
 def _overlap(first: str, second: str, shared: float) -> BadInput:
@@ -474,9 +448,30 @@ def _mesh(model: _Model, sizes: Sizing) -> SolidMesh:
     curves: Sequence[int] = ()
     if sizes.refinement < 1:
         _generate(model, replace(sizes, refinement=1.0), ())
-        curves = re_entrant_curves(model.gmsh)
+        # Tags of the curves of the current model, meshed with first-order tetrahedra, that are re-entrant
+        gmsh = model.gmsh
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        place = np.argsort(tags)
+        points = np.reshape(coordinates, (-1, 3))[place]
+        number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
+        number[np.sort(tags)] = np.arange(len(tags))
+        cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
+        edges, angles = edge_angles(points, cells)
+        sharp = {tuple(edge) for edge in edges[(angles > HALF_A_TURN) & (angles < FULL_TURN)].tolist()}
+        curves = [curve for _, curve in gmsh.model.getEntities(1) if _is_sharp(gmsh, curve, number, sharp)]
     _generate(model, sizes, curves)
-    _bend(model)
+    # Second order on the true surfaces; elements that turn inside out by it are untangled, if that can be done
+    mesh = model.gmsh.model.mesh
+    mesh.setOrder(2)
+    for method in ("HighOrder", "HighOrderElastic"):
+        if not 0 < len(_inverted(model)) <= MANY * _count(mesh, 3):
+            break
+        mesh.optimize(method)
+    inverted = _inverted(model)
+    if len(inverted):
+        worst = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]]
+        places = [f"{model.name(volume)} at {_centre(model, nodes)} mm" for _, nodes, _, volume in worst]
+        raise Unmeshable(f"{len(inverted)} elements are inverted, the worst in {'; '.join(places)}")
     made = _read(model)
     _require_filled(model, made)
     return made
@@ -519,14 +514,6 @@ def _volumes(model: _Model, dimension: int, tag: int) -> list[int]:
     return [volume for entity in above for volume in _volumes(model, dimension + 1, int(entity))]
 
 
-def _require_affordable(model: _Model, sizes: Sizing) -> None:
-    """Refuse before the work what a surface mesh of this size alone would need."""
-    edges = [(volume, body_size(volume, sizes)) for volume in model.volumes]
-    triangles = sum(volume.area / (0.6 * edge**2) for volume, edge in edges)
-    tetrahedra = sum(volume.volume / (0.2 * edge**3) for volume, edge in edges)
-    _refuse_above(sizes, int(max(6 * triangles, 4 * tetrahedra)), "at least ")
-
-
 def _require_size(model: _Model, dimension: int, sizes: Sizing) -> None:
     """Refuse once the count is known: two mid-side and corner nodes a triangle of the skin, then corners and edges of all."""
     if dimension == 1:
@@ -557,17 +544,6 @@ def _refuse_above(sizes: Sizing, found: int, words: str) -> None:
 # --- second order ---------------------------------------------------------------------------------------------------------
 
 
-def _bend(model: _Model) -> None:
-    """Second order on the true surfaces; elements that turn inside out by it are untangled, if that can be done."""
-    mesh = model.gmsh.model.mesh
-    mesh.setOrder(2)
-    for method in ("HighOrder", "HighOrderElastic"):
-        if not 0 < len(_inverted(model)) <= MANY * _count(mesh, 3):
-            break
-        mesh.optimize(method)
-    _require_upright(model)
-
-
 def _inverted(model: _Model) -> Integers:
     """Tags of the elements whose Jacobian is not positive everywhere, worst first."""
     mesh = model.gmsh.model.mesh
@@ -575,14 +551,6 @@ def _inverted(model: _Model) -> Integers:
     least = np.asarray(mesh.getElementQualities(tags, "minDetJac"))
     order = np.argsort(least, kind="stable")
     return np.asarray(tags[order][least[order] <= 0], dtype=np.intp)
-
-
-def _require_upright(model: _Model) -> None:
-    inverted = _inverted(model)
-    if len(inverted):
-        worst = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]]
-        places = [f"{model.name(volume)} at {_centre(model, nodes)} mm" for _, nodes, _, volume in worst]
-        raise Unmeshable(f"{len(inverted)} elements are inverted, the worst in {'; '.join(places)}")
 
 
 def _centre(model: _Model, nodes: Sequence[int]) -> str:
@@ -616,7 +584,7 @@ TIME_LIMIT = 1800.0
 """Seconds after which gmsh is taken to hang."""
 
 
-def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh:
+def tetrahedra(bodies: Sequence[SolidBody], sizes: Sizing | None = None) -> SolidMesh:
     """Curved tetrahedra of `bodies`, conforming where they touch; the same input gives the same mesh.
 
     Raises
@@ -646,7 +614,7 @@ def tetrahedra(bodies: Sequence[Body], sizes: Sizing | None = None) -> SolidMesh
     )
 
 
-def _attempt(folder: Path, bodies: Sequence[Body], sizes: Sizing) -> SolidMesh:
+def _attempt(folder: Path, bodies: Sequence[SolidBody], sizes: Sizing) -> SolidMesh:
     """One run of `fem.solid.tetrahedra`; its answer, or its fault raised here."""
     job = {"bodies": [body.name for body in bodies], "sizing": asdict(sizes)}
     (folder / JOB).write_text(json.dumps(job), encoding="utf-8")
@@ -654,7 +622,8 @@ def _attempt(folder: Path, bodies: Sequence[Body], sizes: Sizing) -> SolidMesh:
         (folder / left).unlink(missing_ok=True)
     words = _run(folder)
     if (folder / FAULT).is_file():
-        raise _fault(json.loads((folder / FAULT).read_text(encoding="utf-8")))
+        said = json.loads((folder / FAULT).read_text(encoding="utf-8"))
+        raise Unmeshable(said["unmeshable"]) if "unmeshable" in said else BadInput(**said)
     if words:
         raise Unmeshable(words)
     with np.load(folder / MESH, allow_pickle=False) as arrays:
@@ -673,10 +642,6 @@ def _run(folder: Path) -> str:
         return f"gmsh has not finished after {TIME_LIMIT / 60:g} minutes"
     last = [line for line in run.stderr.splitlines() if line.strip()][-1:]
     return f"gmsh broke down ({''.join(last).strip() or run.returncode})" if run.returncode else ""
-
-
-def _fault(said: dict[str, str]) -> Exception:
-    return Unmeshable(said["unmeshable"]) if "unmeshable" in said else BadInput(**said)
 
 
 if __name__ == "__main__":

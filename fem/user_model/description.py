@@ -84,7 +84,13 @@ def unit_system(text: object, source: str, field: str = "fe_model.units") -> Uni
         problem = f"must be length-mass-force-time, found {text!r}"
         raise BadInput(source=source, field=field, problem=problem, remedy=f"Write one like {', '.join(KNOWN)}")
     dimensions = ("length", "mass", "force", "time") if len(words) == 4 else ("length", "force", "time")
-    value = {name: _value(word, name, source, field) for name, word in zip(dimensions, words, strict=True)}
+    value = {}
+    for name, word in zip(dimensions, words, strict=True):
+        size = float(quantity(f"1 {word}", name, source=source, field=field).nominal_value)
+        if size <= 0:
+            problem = f"one {word!r} is nothing beside the {name} of any structure"
+            raise BadInput(source=source, field=field, problem=problem, remedy=f"Write a system like {', '.join(KNOWN)}")
+        value[name] = size
     by_newton = value["force"] * value["time"] ** 2 / value["length"]
     mass = value.get("mass", by_newton)
     if abs(by_newton / mass - 1) > CONSISTENT:
@@ -92,14 +98,6 @@ def unit_system(text: object, source: str, field: str = "fe_model.units") -> Uni
         remedy = f"Name the units that the matrices were made with: {', '.join(KNOWN)} are consistent"
         raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
     return UnitSystem(name=str(text), length=value["length"], mass=mass, time=value["time"])
-
-
-def _value(word: str, dimension: str, source: str, field: str) -> float:
-    value = float(quantity(f"1 {word}", dimension, source=source, field=field).nominal_value)
-    if value <= 0:
-        problem = f"one {word!r} is nothing beside the {dimension} of any structure"
-        raise BadInput(source=source, field=field, problem=problem, remedy=f"Write a system like {', '.join(KNOWN)}")
-    return value
 
 
 TABLE = "fe_model"
@@ -160,7 +158,7 @@ class Description:
     stated: Stated = field(default_factory=Stated)
 
 
-def read(path: Path) -> Description:
+def read_description(path: Path) -> Description:
     """The description in the file `path`."""
     return parse(toml_file.read(path), str(path), path)
 
@@ -184,6 +182,14 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     model = toml_file.require_table(table[TABLE], source=source, where=TABLE)
     toml_file.require_known(model, _KEYS, source=source, where=TABLE)
     toml_file.require_present(model, ("kind", "units", "reference_point"), source=source, where=TABLE)
+    value = model.get("interface", [])
+    where = f"{TABLE}.interface"
+    if not isinstance(value, list) or not all(isinstance(node, int) and not isinstance(node, bool) for node in value):
+        raise _wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
+    twice = next((node for node in value if value.count(node) > 1), None)
+    if twice is not None:
+        problem = f"names node {twice} {value.count(twice)} times"
+        raise BadInput(source=source, field=where, problem=problem, remedy="Name every interface node once")
     return Description(
         source=source,
         name=_text(model, "name", source) or path.stem,
@@ -192,7 +198,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         reference_point=_point(model["reference_point"], source, f"{TABLE}.reference_point"),
         file=_file(model, "file", source, path),
         grids=_file(model, "grids", source, path),
-        interface=_interface(model.get("interface", []), source),
+        interface=tuple(value),
         matrices=_names(model.get("matrices", {}), source),
         loss_factor=_loss_factor(model.get("loss_factor"), source),
         sha256=(_text(model, "sha256", source) or "").strip().lower(),
@@ -226,17 +232,6 @@ def _file(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path |
     if not there.is_file():
         raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=f"Looked for {there}")
     return there
-
-
-def _interface(value: Any, source: str) -> tuple[int, ...]:
-    where = f"{TABLE}.interface"
-    if not isinstance(value, list) or not all(isinstance(node, int) and not isinstance(node, bool) for node in value):
-        raise _wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
-    twice = next((node for node in value if value.count(node) > 1), None)
-    if twice is not None:
-        problem = f"names node {twice} {value.count(twice)} times"
-        raise BadInput(source=source, field=where, problem=problem, remedy="Name every interface node once")
-    return tuple(value)
 
 
 def _names(value: Any, source: str) -> dict[str, str]:
@@ -449,7 +444,10 @@ def require_rigid_body(matrix: Array, source: str, field: str, remedy: str) -> I
     if np.any(scale == 0):
         axis = MOTIONS[int(np.argmin(scale))]
         raise BadInput(source=source, field=field, problem=f"has no inertia along {axis}", remedy=remedy)
-    inertia = _nearest(matrix)
+    # Ten parameters of a symmetric matrix that is nearly a rigid body's
+    S = (matrix[3:, :3] - matrix[3:, :3].T) / 2
+    mass = float(np.trace(matrix[:3, :3]) / 3)
+    inertia = Inertia(parameters=np.array([mass, S[2, 1], S[0, 2], S[1, 0], *six_from_tensor(matrix[3:, 3:])]))
     misfit = np.abs(matrix - inertia.mass_matrix) / np.outer(scale, scale)
     if misfit.max() > RIGID:
         row, column = (int(i) for i in np.unravel_index(np.argmax(misfit), misfit.shape))
@@ -483,13 +481,6 @@ def require_as_stated(inertia: Inertia, description: Description) -> None:
         problem = f"the matrices have their CoG at ({_listed(cog)}) m where ({_listed(stated.cog)}) m is stated"
         remedy = f"Check the coordinates, their unit ({description.units.name}), and the frame that the CoG is stated in"
         raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy=remedy)
-
-
-def _nearest(matrix: Array) -> Inertia:
-    """Ten parameters of a symmetric matrix that is nearly a rigid body's."""
-    S = (matrix[3:, :3] - matrix[3:, :3].T) / 2
-    mass = float(np.trace(matrix[:3, :3]) / 3)
-    return Inertia(parameters=np.array([mass, S[2, 1], S[0, 2], S[1, 0], *six_from_tensor(matrix[3:, 3:])]))
 
 
 def _slip(ratio: float, description: Description) -> str:

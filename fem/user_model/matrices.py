@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from fem.structure import Sparse, Structure, rigid_motion
-from fem.user_model import description as user_model_description
-from fem.user_model.description import SI, Contents, Description, UnitSystem
+from fem.user_model.description import SI, Contents, Description, require_as_stated, require_rigid_body
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, rigid_transformation_6, skew
@@ -75,13 +74,6 @@ def asymmetry(A: Sparse, masses: Array) -> tuple[float, int, int]:
     share = np.abs(D.data) / np.maximum(rows[i] * rows[j], np.finfo(np.float64).tiny)  # entries may be as small as that
     worst = int(np.argmax(share))
     return float(share[worst]), int(i[worst]), int(j[worst])
-
-
-def symmetrised(A: Sparse) -> Sparse:
-    """A, its two triangles averaged."""
-    from scipy.sparse import csr_array
-
-    return csr_array((A + A.T) / 2)
 
 
 def factored(A: Sparse) -> Factored:
@@ -147,65 +139,74 @@ def dof_map(contents: Contents, description: Description, n: int) -> DofMap:
     BadInput : wrong sizes, unknown or doubled degrees of freedom, nodes without coordinates, an interface that is not there
         or does not hold six motions.
     """
-    found = _by_nodes(contents, description, n) if "dof" in contents else _by_matrix(contents, description, n)
+    if "dof" in contents:
+        found = _by_nodes(contents, description, n)
+    else:
+        # From `rigid` and `held` themselves, in SI: how `write` leaves a structure that knows no nodes
+        for name in ("rigid", "held"):
+            if name not in contents:
+                problem = (
+                    "there is neither a map of the degrees of freedom (`dof`, `nodes`, `coordinates`) nor `rigid` and `held`"
+                )
+                raise contents.refused(
+                    "dof", problem, "Add dof (n x 2: node, component 1 to 6, or 0), nodes (p) and coordinates (p x 3)"
+                )
+        units = description.units
+        if (units.length, units.mass, units.time) != (SI.length, SI.mass, SI.time):
+            problem = f"`rigid` without `dof` says not what is a length, and the units are {units.name}"
+            raise contents.refused("rigid", problem, 'Add dof, nodes and coordinates, or write all in SI with units = "m-kg-N-s"')
+        points = contents.numbers("points", (-1, 3)) if "points" in contents else np.zeros((0, 3))
+        translations = contents.whole("translations", (len(points), 3)) if len(points) else np.zeros((0, 3), dtype=np.intp)
+        held = contents.whole("held", (-1,))
+        _require_within(contents, "held", held, n)
+        _require_within(contents, "translations", translations, n)
+        if len(np.unique(held)) < len(held):
+            raise contents.refused("held", "names a degree of freedom twice", "Name every held degree of freedom once")
+        found = DofMap(
+            labels=np.zeros((0, 2), dtype=np.intp),
+            scale=np.ones(n),
+            rigid=contents.numbers("rigid", (n, 6)),
+            held=held,
+            points=points,
+            translations=translations,
+        )
     _require_hold(found, contents, description)
     return found
 
 
-def _by_matrix(contents: Contents, description: Description, n: int) -> DofMap:
-    """From `rigid` and `held` themselves, in SI: how `write` leaves a structure that knows no nodes."""
-    for name in ("rigid", "held"):
-        if name not in contents:
-            problem = "there is neither a map of the degrees of freedom (`dof`, `nodes`, `coordinates`) nor `rigid` and `held`"
-            raise contents.refused(
-                "dof", problem, "Add dof (n x 2: node, component 1 to 6, or 0), nodes (p) and coordinates (p x 3)"
-            )
-    units = description.units
-    if (units.length, units.mass, units.time) != (SI.length, SI.mass, SI.time):
-        problem = f"`rigid` without `dof` says not what is a length, and the units are {units.name}"
-        raise contents.refused("rigid", problem, 'Add dof, nodes and coordinates, or write all in SI with units = "m-kg-N-s"')
-    points = contents.numbers("points", (-1, 3)) if "points" in contents else np.zeros((0, 3))
-    translations = contents.whole("translations", (len(points), 3)) if len(points) else np.zeros((0, 3), dtype=np.intp)
-    held = contents.whole("held", (-1,))
-    _require_within(contents, "held", held, n)
-    _require_within(contents, "translations", translations, n)
-    if len(np.unique(held)) < len(held):
-        raise contents.refused("held", "names a degree of freedom twice", "Name every held degree of freedom once")
-    return DofMap(
-        labels=np.zeros((0, 2), dtype=np.intp),
-        scale=np.ones(n),
-        rigid=contents.numbers("rigid", (n, 6)),
-        held=held,
-        points=points,
-        translations=translations,
-    )
-
-
 def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
     labels = _labels(contents, n)
-    nodes, coordinates = _nodes(contents)
+    nodes = contents.whole("nodes", (-1,))
+    coordinates = contents.numbers("coordinates", (-1, 3))
+    if len(nodes) != len(coordinates):
+        problem = f"holds {len(coordinates)} points for {len(nodes)} nodes"
+        raise contents.refused("coordinates", problem, "Write one row x, y, z for every entry of nodes")
+    unique, count = np.unique(nodes, return_counts=True)
+    if np.any(count > 1):
+        problem = f"names node {unique[np.argmax(count > 1)]} {count.max()} times"
+        raise contents.refused("nodes", problem, "Name every node once")
     row = _row_of_nodes(contents, labels, nodes)
     if "rigid" in contents:  # Nastran, whose displacements may have directions of their own
         rigid, basic = contents.numbers("rigid", (n, 6)), contents.whole("basic", (len(nodes),)).astype(bool)
     else:
-        rigid, basic = _rigid(labels, row, coordinates), np.ones(len(nodes), dtype=bool)
+        # What every degree of freedom does in the six motions of the origin (n, 6), in the user's unit of length
+        rigid, physical = np.zeros((len(labels), 6)), labels[:, 1] > 0
+        every = rigid_motion(coordinates).reshape(-1, 6, 6) if len(coordinates) else np.zeros((0, 6, 6))
+        rigid[physical] = every[row[physical], labels[physical, 1] - 1]
+        basic = np.ones(len(nodes), dtype=bool)
     units = description.units
     scale = units.coordinates(labels[:, 1])
     moved = rigid_transformation_6(-description.reference_point / units.length)
     points, translations = _points(labels, nodes[basic], coordinates[basic])
+    # SI value (6,) of the user's unit of the six rigid motions
     return DofMap(
         labels=labels,
         scale=scale,
-        rigid=scale[:, None] * (rigid @ moved) / _motions(units),
+        rigid=scale[:, None] * (rigid @ moved) / np.array([*3 * [units.length], *3 * [1.0]]),
         held=_held(contents, description, labels),
         points=points * units.length,
         translations=translations,
     )
-
-
-def _motions(units: UnitSystem) -> Array:
-    """SI value (6,) of the user's unit of the six rigid motions."""
-    return np.array([*3 * [units.length], *3 * [1.0]])
 
 
 def _labels(contents: Contents, n: int) -> Integers:
@@ -226,19 +227,6 @@ def _labels(contents: Contents, n: int) -> Integers:
     return labels
 
 
-def _nodes(contents: Contents) -> tuple[Integers, Array]:
-    nodes = contents.whole("nodes", (-1,))
-    coordinates = contents.numbers("coordinates", (-1, 3))
-    if len(nodes) != len(coordinates):
-        problem = f"holds {len(coordinates)} points for {len(nodes)} nodes"
-        raise contents.refused("coordinates", problem, "Write one row x, y, z for every entry of nodes")
-    unique, count = np.unique(nodes, return_counts=True)
-    if np.any(count > 1):
-        problem = f"names node {unique[np.argmax(count > 1)]} {count.max()} times"
-        raise contents.refused("nodes", problem, "Name every node once")
-    return nodes, coordinates
-
-
 def _row_of_nodes(contents: Contents, labels: Integers, nodes: Integers) -> Integers:
     """Row in `nodes` of every degree of freedom (n,); meaningless where it is a generalised coordinate."""
     order = np.argsort(nodes)
@@ -249,14 +237,6 @@ def _row_of_nodes(contents: Contents, labels: Integers, nodes: Integers) -> Inte
         problem = f"node {labels[lost[0], 0]} has no coordinates, as {len(np.unique(labels[lost, 0]))} node(s) in all"
         raise contents.refused("dof", problem, "Add the missing nodes to nodes and coordinates")
     return np.asarray(row)
-
-
-def _rigid(labels: Integers, row: Integers, coordinates: Array) -> Array:
-    """What every degree of freedom does in the six motions of the origin (n, 6), in the user's unit of length."""
-    rigid, physical = np.zeros((len(labels), 6)), labels[:, 1] > 0
-    every = rigid_motion(coordinates).reshape(-1, 6, 6) if len(coordinates) else np.zeros((0, 6, 6))
-    rigid[physical] = every[row[physical], labels[physical, 1] - 1]
-    return rigid
 
 
 def _points(labels: Integers, nodes: Integers, coordinates: Array) -> tuple[Array, Integers]:
@@ -276,13 +256,11 @@ def _held(contents: Contents, description: Description, labels: Integers) -> Int
     for node in interface:
         if not np.any(physical & (labels[:, 0] == node)):
             problem = f"names node {node}, which has no degree of freedom in the matrices"
-            remedy = f"The nodes there are {_some(np.unique(labels[physical, 0]))}"
+            values = np.unique(labels[physical, 0])
+            some = ", ".join(map(str, values[:6])) + (f", ... ({len(values)} in all)" if len(values) > 6 else "")
+            remedy = f"The nodes there are {some}"
             raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
     return np.flatnonzero(physical & np.isin(labels[:, 0], interface))
-
-
-def _some(values: Integers) -> str:
-    return ", ".join(map(str, values[:6])) + (f", ... ({len(values)} in all)" if len(values) > 6 else "")
 
 
 def _require_within(contents: Contents, name: str, values: Integers, n: int) -> None:
@@ -365,16 +343,14 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
         loss_factors=loss_factors,
     )
     _require_mechanics(found, contents, description, dofs)
-    return found, _viscous(contents, M, dofs, u)
-
-
-def _viscous(contents: Contents, M: Sparse, dofs: DofMap, units: UnitSystem) -> Sparse | None:
     if "viscous" not in contents:
-        return None
-    C = _sized(contents, "viscous", M.shape[0])
-    C = _symmetric(contents, "viscous", _converted(C, dofs.scale, units.energy * units.time), dofs, M.diagonal())
-    _require_internal(contents, "viscous", C, dofs)
-    return C
+        viscous: Sparse | None = None
+    else:
+        C = _sized(contents, "viscous", M.shape[0])
+        C = _symmetric(contents, "viscous", _converted(C, dofs.scale, u.energy * u.time), dofs, M.diagonal())
+        _require_internal(contents, "viscous", C, dofs)
+        viscous = C
+    return found, viscous
 
 
 def _require_internal(contents: Contents, name: str, A: Sparse, dofs: DofMap) -> None:
@@ -414,7 +390,10 @@ def _symmetric(contents: Contents, name: str, A: Sparse, dofs: DofMap, masses: A
         )
         remedy = "Write both triangles; gyroscopic or follower terms are not part of a dynamic mass"
         raise contents.refused(name, problem, remedy)
-    return symmetrised(A)
+    from scipy.sparse import csr_array
+
+    # A, its two triangles averaged
+    return csr_array((A + A.T) / 2)
 
 
 def _losses(
@@ -448,19 +427,7 @@ def _losses(
 def _require_mechanics(found: Structure, contents: Contents, description: Description, dofs: DofMap) -> None:
     free = found.free
     K, M = (A[free][:, free] for A in (found.stiffness, found.mass))
-    heavy = _heavy(contents, M, free, dofs)
-    mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
-    _require_mass_of_base(found, free[heavy], mass, contents)
-    stiffness = _factored(contents, "stiffness", K, free, dofs)
-    _require_not_grounded(found, free, K, M, stiffness, contents)
-    remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
-    user_model_description.require_as_stated(
-        user_model_description.require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description
-    )
-
-
-def _heavy(contents: Contents, M: Sparse, free: Integers, dofs: DofMap) -> Integers:
-    """Those of the free degrees of freedom that have mass; lumped masses leave rotations without, in rows that are empty."""
+    # Those of the free degrees of freedom that have mass; lumped masses leave rotations without, in rows that are empty
     without = M.diagonal() == 0
     coupled = np.flatnonzero(without & (abs(M).sum(axis=1) > 0))
     if coupled.size:
@@ -468,7 +435,13 @@ def _heavy(contents: Contents, M: Sparse, free: Integers, dofs: DofMap) -> Integ
         raise contents.refused("mass", problem, "Write the whole consistent mass matrix, or a lumped one without couplings")
     if np.all(without):
         raise contents.refused("mass", "gives no free degree of freedom any mass", "Check that this is M, and the interface")
-    return np.flatnonzero(~without)
+    heavy = np.flatnonzero(~without)
+    mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
+    _require_mass_of_base(found, free[heavy], mass, contents)
+    stiffness = _factored(contents, "stiffness", K, free, dofs)
+    _require_not_grounded(found, free, K, M, stiffness, contents)
+    remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
+    require_as_stated(require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description)
 
 
 def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap) -> Factored:

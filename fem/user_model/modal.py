@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem.modes import Modes
-from fem.user_model import description as user_model_description
-from fem.user_model.description import Contents, Description
+from fem.user_model.description import Contents, Description, require_as_stated, require_rigid_body
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
@@ -41,8 +40,8 @@ def modes(contents: Contents, description: Description) -> Modes:
     rigid = contents.numbers("rigid_mass", (6, 6)) * np.outer(u.six, u.six) * u.mass
     participation = contents.numbers("participation", (6, n)) * u.six[:, None] * np.sqrt(u.mass)
     remedy = "Write the 6 x 6 mass matrix about the reference point: products are matrix entries, Ixy = -∫xy dm"
-    inertia = user_model_description.require_rigid_body(rigid, contents.source, "rigid_mass", remedy)
-    user_model_description.require_as_stated(inertia, description)
+    inertia = require_rigid_body(rigid, contents.source, "rigid_mass", remedy)
+    require_as_stated(inertia, description)
     _require_within_rigid_mass(contents, rigid, participation)
     viscous, structural = (_damping(contents, name, n) for name in ("viscous", "structural"))
     ratio = _damping_ratio(contents, n)

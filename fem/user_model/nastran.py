@@ -122,7 +122,25 @@ def _punched(path: Path) -> dict[str, tuple[Array, Integers, Integers, bool]]:
     cards = bulk.rdcards(_text(path), "dmig", return_var="list", blank=0, no_data_return=[])
     found: dict[str, tuple[Array, Integers, Integers, bool]] = {}
     for name, group in _by_name(cards, path).items():
-        found[name] = _entries(name, group, path)
+        header, columns = group
+        form, kind = header[2], header[3]
+        if form not in (1, 6):
+            problem = f"has the form {form!r} (IFO), where a square (1) or symmetric (6) matrix is needed"
+            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch K and M as square or symmetric DMIG")
+        if kind not in (1, 2):
+            problem = "is complex" if kind in (3, 4) else f"has the type {kind!r} (TIN)"
+            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch it real: type 1 or 2")
+        entries = [(card[1], card[2], *card[k : k + 3]) for card in columns for k in range(4, len(card), 4)]
+        whole = all(
+            len(entry) == 5 and all(isinstance(v, int) for v in entry[:4]) and isinstance(entry[4], int | float)
+            for entry in entries
+        )
+        if not whole or not entries:
+            problem = "holds no columns" if not entries else "a column holds something else than node, component, value"
+            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch it again; it may be cut short or damaged")
+        values = np.array([entry[4] for entry in entries], dtype=np.float64)
+        labels = np.array([entry[:4] for entry in entries], dtype=np.intp)
+        found[name] = values, labels[:, 2:], labels[:, :2], form == 6
     return found
 
 
@@ -141,27 +159,6 @@ def _by_name(cards: Iterable[list[Any]], path: Path) -> dict[str, tuple[list[Any
         else:
             found[name][1].append(card)
     return found
-
-
-def _entries(name: str, group: tuple[list[Any], list[list[Any]]], path: Path) -> tuple[Array, Integers, Integers, bool]:
-    header, columns = group
-    form, kind = header[2], header[3]
-    if form not in (1, 6):
-        problem = f"has the form {form!r} (IFO), where a square (1) or symmetric (6) matrix is needed"
-        raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch K and M as square or symmetric DMIG")
-    if kind not in (1, 2):
-        problem = "is complex" if kind in (3, 4) else f"has the type {kind!r} (TIN)"
-        raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch it real: type 1 or 2")
-    entries = [(card[1], card[2], *card[k : k + 3]) for card in columns for k in range(4, len(card), 4)]
-    whole = all(
-        len(entry) == 5 and all(isinstance(v, int) for v in entry[:4]) and isinstance(entry[4], int | float) for entry in entries
-    )
-    if not whole or not entries:
-        problem = "holds no columns" if not entries else "a column holds something else than node, component, value"
-        raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch it again; it may be cut short or damaged")
-    values = np.array([entry[4] for entry in entries], dtype=np.float64)
-    labels = np.array([entry[:4] for entry in entries], dtype=np.intp)
-    return values, labels[:, 2:], labels[:, :2], form == 6
 
 
 def _on_common_rows(found: dict[str, tuple[Array, Integers, Integers, bool]], path: Path) -> tuple[dict[str, Sparse], Integers]:
@@ -214,7 +211,12 @@ def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
     rigid = np.asarray(nastran.rbgeom_uset(uset, np.zeros(3)), dtype=np.float64)
     first = np.flatnonzero(labels[:, 1] == 1)  # of the six rows of a grid point: place, system, its origin and its three axes
     axes = np.stack([table[first + row, 1:4] for row in (3, 4, 5)], axis=1)
-    rows = _rows_of(labels, dof) if dof is not None else np.flatnonzero(kept)
+    if dof is not None:
+        # Row in `labels` of every degree of freedom in `dof`, -1 where it is none of a grid point
+        index = {(int(node), int(component)): row for row, (node, component) in enumerate(labels)}
+        rows = np.array([index.get((int(node), int(component)), -1) for node, component in dof], dtype=np.intp)
+    else:
+        rows = np.flatnonzero(kept)
     found = {
         "dof": labels[kept] if dof is None else dof,
         "nodes": labels[first, 0],
@@ -225,12 +227,6 @@ def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
     if len(boundary):
         found["interface"] = np.unique(labels[np.asarray(boundary, dtype=bool) & (labels[:, 1] > 0), 0])
     return found
-
-
-def _rows_of(labels: Integers, dof: Integers) -> Integers:
-    """Row in `labels` of every degree of freedom in `dof`, -1 where it is none of a grid point."""
-    index = {(int(node), int(component)): row for row, (node, component) in enumerate(labels)}
-    return np.array([index.get((int(node), int(component)), -1) for node, component in dof], dtype=np.intp)
 
 
 def _text(path: Path) -> io.StringIO:

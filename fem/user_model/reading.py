@@ -15,23 +15,21 @@ import numpy as np
 from fem.damping import Damping
 from fem.modes import Modes
 from fem.structure import Structure
-from fem.user_model import description as user_model_description
 from fem.user_model import matrices, modal, nastran
-from fem.user_model.description import LARGEST_BYTES, TOO_LARGE, Contents, Description
+from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, embedded, read_description
 from geometry import atomic
 from geometry.errors import BadInput
-from geometry.frames import Array
 
 # Arrays from HDF5. Only what lies in the file itself: no links to other files, and nothing that is declared but not there.
 
 
-ENDINGS = (".h5", ".hdf5", ".hdf")
+HDF5_ENDINGS = (".h5", ".hdf5", ".hdf")
 
 _WRITE_AGAIN = "Write it again; it may be cut short or damaged"
 _OWN_DATA = "Copy what it points to into this file"
 
 
-def hdf5_read(path: Path) -> Contents:
+def read_hdf5(path: Path) -> Contents:
     """The datasets in `path`, those of groups as ``group/name``.
 
     Raises
@@ -70,27 +68,23 @@ def _datasets(group: Any, prefix: str, source: str) -> dict[str, Any]:
             raise BadInput(source=source, field=name, problem=f"is a link to {target!r}, which is not followed", remedy=_OWN_DATA)
         entry = group[key]
         if isinstance(entry, h5py.Dataset):
-            found[name] = _own(entry, name, source)
+            # `entry`, when all of it lies in the file
+            if entry.external or entry.is_virtual:
+                raise BadInput(source=source, field=name, problem="has its numbers in another file", remedy=_OWN_DATA)
+            if entry.dtype.kind not in "fiuc":
+                problem = f"must hold numbers, found the type {entry.dtype}"
+                raise BadInput(source=source, field=name, problem=problem, remedy="Write it as 64-bit floating point")
+            if entry.size and entry.id.get_storage_size() == 0:
+                shape = " x ".join(map(str, entry.shape)) or "1"
+                problem = f"declares {shape} values, but none was ever written"
+                raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_AGAIN)
+            found[name] = entry
         elif prefix:
             problem = "is a group within a group, which no model of ours has"
             raise BadInput(source=source, field=name, problem=problem, remedy="Put the datasets at the root of the file")
         elif isinstance(entry, h5py.Group):
             found |= _datasets(entry, f"{name}/", source)
     return found
-
-
-def _own(dataset: Any, name: str, source: str) -> Any:
-    """`dataset`, when all of it lies in the file."""
-    if dataset.external or dataset.is_virtual:
-        raise BadInput(source=source, field=name, problem="has its numbers in another file", remedy=_OWN_DATA)
-    if dataset.dtype.kind not in "fiuc":
-        problem = f"must hold numbers, found the type {dataset.dtype}"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Write it as 64-bit floating point")
-    if dataset.size and dataset.id.get_storage_size() == 0:
-        shape = " x ".join(map(str, dataset.shape)) or "1"
-        problem = f"declares {shape} values, but none was ever written"
-        raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_AGAIN)
-    return dataset
 
 
 def _require_reasonable(found: dict[str, Any], source: str) -> None:
@@ -103,10 +97,10 @@ def _require_reasonable(found: dict[str, Any], source: str) -> None:
 # Arrays from a NumPy ``.npz``: never unpickled, and no larger in memory than the archive's own list says.
 
 
-_NPZ_WRITE_AGAIN = "Write it again with numpy.savez_compressed"
+_WRITE_NPZ_AGAIN = "Write it again with numpy.savez_compressed"
 
 
-def npz_read(path: Path) -> Contents:
+def read_npz(path: Path) -> Contents:
     """The arrays in `path`.
 
     Raises
@@ -117,23 +111,23 @@ def npz_read(path: Path) -> Contents:
     source = str(path)
     try:
         with zipfile.ZipFile(path) as archive:
-            _npz_require_reasonable(archive, source)
+            _require_reasonable_npz(archive, source)
             arrays = {entry.filename.removesuffix(".npy"): _array(archive, entry, source) for entry in archive.infolist()}
     except BadInput:
         raise
     except Exception as error:  # zipfile, zlib and NumPy raise a dozen kinds of their own on damaged bytes
         problem = f"it cannot be read as .npz: {type(error).__name__}, {error}"
-        raise BadInput(source=source, problem=problem, remedy=f"{_NPZ_WRITE_AGAIN}; it may be cut short or damaged") from None
+        raise BadInput(source=source, problem=problem, remedy=f"{_WRITE_NPZ_AGAIN}; it may be cut short or damaged") from None
     text = arrays.pop("description", None)
     return Contents(source=source, arrays=arrays, description=None if text is None else str(text))
 
 
-def _npz_require_reasonable(archive: zipfile.ZipFile, source: str) -> None:
+def _require_reasonable_npz(archive: zipfile.ZipFile, source: str) -> None:
     names = [entry.filename for entry in archive.infolist()]
     if not names:
-        raise BadInput(source=source, problem="it holds no arrays", remedy=_NPZ_WRITE_AGAIN)
+        raise BadInput(source=source, problem="it holds no arrays", remedy=_WRITE_NPZ_AGAIN)
     if len(set(names)) < len(names):
-        raise BadInput(source=source, problem="it holds two arrays of one name", remedy=_NPZ_WRITE_AGAIN)
+        raise BadInput(source=source, problem="it holds two arrays of one name", remedy=_WRITE_NPZ_AGAIN)
     total = sum(entry.file_size for entry in archive.infolist())
     if total > LARGEST_BYTES:
         problem = f"its arrays would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
@@ -153,12 +147,12 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, source: str) -> Any
         declared = int(np.prod([int(side) for side in shape], dtype=object)) * dtype.itemsize
         if declared != entry.file_size - file.tell():
             problem = f"declares {declared} bytes where {entry.file_size - file.tell()} follow"
-            raise BadInput(source=source, field=name, problem=problem, remedy=_NPZ_WRITE_AGAIN)
+            raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_NPZ_AGAIN)
     with archive.open(entry) as file:
         return np.lib.format.read_array(file, allow_pickle=False)
 
 
-DATA_ENDINGS = (*ENDINGS, ".npz", *nastran.ENDINGS)
+DATA_ENDINGS = (*HDF5_ENDINGS, ".npz", *nastran.ENDINGS)
 
 
 def is_model(path: str | Path) -> bool:
@@ -169,7 +163,7 @@ def is_model(path: str | Path) -> bool:
     if path.suffix.lower() != ".toml" or not path.is_file():
         return False
     try:
-        return user_model_description.TABLE in tomllib.loads(path.read_text(encoding="utf-8"))
+        return TABLE in tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return False
 
@@ -215,7 +209,7 @@ def load(path: str | Path) -> UsersModel:
 
 def _opened(path: Path) -> tuple[Contents, Description]:
     if path.suffix.lower() == ".toml":
-        description = user_model_description.read(path)
+        description = read_description(path)
         if description.file is None:
             problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
             raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
@@ -229,7 +223,7 @@ def _opened(path: Path) -> tuple[Contents, Description]:
         description = _beside(path)
         _require_digest(path, description)
     else:
-        description = user_model_description.embedded(contents.description, path)
+        description = embedded(contents.description, path)
     _require_not_nastrans(path, description)
     return contents, description
 
@@ -241,7 +235,7 @@ def _beside(path: Path) -> Description:
         problem = "says nothing of its units, reference point and interface"
         remedy = f"Write them into {sidecar.name} beside it; docs/own-model.md shows how"
         raise BadInput(source=str(path), problem=problem, remedy=remedy)
-    description = user_model_description.read(sidecar)
+    description = read_description(sidecar)
     if description.file is not None and description.file.resolve() != path.resolve():
         problem = f"is {description.file.name}, not {path.name}"
         raise BadInput(source=str(sidecar), field="fe_model.file", problem=problem, remedy=f"Read {sidecar.name} or correct it")
@@ -277,7 +271,7 @@ def _require_digest(path: Path, description: Description) -> None:
 
 
 def _data(path: Path) -> Contents:
-    return npz_read(path) if path.suffix.lower() == ".npz" else hdf5_read(path)
+    return read_npz(path) if path.suffix.lower() == ".npz" else read_hdf5(path)
 
 
 def _require_file(path: Path) -> None:
@@ -297,7 +291,7 @@ def _require_file(path: Path) -> None:
 # A `Structure` or `Modes` into a file of its own, which `read` takes back to the last digit.
 
 
-USERS_MODEL_ENDINGS = (*ENDINGS, ".npz")
+WRITTEN_ENDINGS = (*HDF5_ENDINGS, ".npz")
 
 
 def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
@@ -310,18 +304,20 @@ def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
     BadInput : another ending.
     """
     path = Path(path)
-    if path.suffix.lower() not in USERS_MODEL_ENDINGS:
-        problem = f"its ending {path.suffix!r} is none of {', '.join(USERS_MODEL_ENDINGS)}"
+    if path.suffix.lower() not in WRITTEN_ENDINGS:
+        problem = f"its ending {path.suffix!r} is none of {', '.join(WRITTEN_ENDINGS)}"
         raise BadInput(source=str(path), problem=problem, remedy="Choose one of them")
-    arrays = _of_modes(model) if isinstance(model, Modes) else _of_structure(model)
-    text = _description(name or path.stem, "modal" if isinstance(model, Modes) else "matrices", model.reference_point)
+    if isinstance(model, Modes):
+        names = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
+        arrays = {name: getattr(model, name) for name in names}
+    else:
+        arrays = _of_structure(model)
+    kind = "modal" if isinstance(model, Modes) else "matrices"
+    metres = ", ".join(f'"{value!r} m"' for value in model.reference_point.tolist())
+    title = "".join(letter for letter in name or path.stem if letter.isprintable() and letter not in '"\\')
+    text = f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
     save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
     atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
-
-
-def _of_modes(modes: Modes) -> dict[str, Any]:
-    names = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
-    return {name: getattr(modes, name) for name in names}
 
 
 def _of_structure(structure: Structure) -> dict[str, Any]:
@@ -342,12 +338,6 @@ def _compressed(name: str, matrix: Any) -> dict[str, Any]:
     A.sum_duplicates()
     parts = {"data": A.data, "indices": A.indices, "indptr": A.indptr, "shape": np.array(A.shape)}
     return {f"{name}/{part}": array for part, array in parts.items()}
-
-
-def _description(name: str, kind: str, point: Array) -> str:
-    metres = ", ".join(f'"{value!r} m"' for value in point.tolist())
-    title = "".join(letter for letter in name if letter.isprintable() and letter not in '"\\')
-    return f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
 
 
 def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:

@@ -13,9 +13,9 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 
 _BUILDERS: dict[str, tuple[str, Callable[[Dimensions], Article]]] = {
-    "cuboid": ("cuboid", parts.cuboid_build),
-    "disc": ("disc", parts.disc_build),
-    "fmd": ("fmd", parts.fmd_build),
+    "cuboid": ("cuboid", parts.build_cuboid),
+    "disc": ("disc", parts.build_disc),
+    "fmd": ("fmd", parts.build_fmd),
     "clumod-1": ("clumod", parts.one_blade),
     "clumod-4": ("clumod", parts.four_blades),
 }
@@ -40,7 +40,14 @@ def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> 
     """
     parts = name.split("+")
     _require_known(parts, name)
-    _require_used(changes, parts, name)
+    used = {_BUILDERS[part][0] for part in parts}
+    for file in sorted(changed_files(changes) - used):
+        raise BadInput(
+            source=f"article {name}",
+            field=file,
+            problem=f"a dimension of {file!r} was given, but {name} is made of {', '.join(sorted(used))}",
+            remedy="Name a dimension of a part of the article",
+        )
     articles = [_built(part, changes) for part in parts]
     for lower, upper in pairwise(articles):
         if lower.seat is None:
@@ -98,14 +105,3 @@ def _require_known(parts: list[str], whole: str) -> None:
                 problem=f"no built-in article is called {part!r}",
                 remedy=f"{nearest(part, NAMES)}Known are {', '.join(NAMES)}, joined by +, and files",
             )
-
-
-def _require_used(changes: Mapping[str, float], parts: list[str], whole: str) -> None:
-    used = {_BUILDERS[part][0] for part in parts}
-    for file in sorted(changed_files(changes) - used):
-        raise BadInput(
-            source=f"article {whole}",
-            field=file,
-            problem=f"a dimension of {file!r} was given, but {whole} is made of {', '.join(sorted(used))}",
-            remedy="Name a dimension of a part of the article",
-        )

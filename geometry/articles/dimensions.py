@@ -28,7 +28,23 @@ def apply(table: dict[str, Any], file: str, changes: Mapping[str, float]) -> dic
     for key, value in changes.items():
         head, *steps = key.split(".")
         if head == file:
-            _put(table, steps, value, key)
+            found: Any = table
+            inner: Any = table
+            for step in steps:
+                # The entry `step` of a table, or of a list of tables that have names
+                entries = _entries(found)
+                if step in entries:
+                    named = entries[step]
+                else:
+                    remedy = f"{nearest(step, entries)}Known are {', '.join(entries) or 'no further entries'}"
+                    raise _refused(key, f"there is no {step!r} here", remedy)
+                inner, found = found, named
+            if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
+                names = ", ".join(f"{key}.{name}" for name, entry in _entries(found).items() if not isinstance(entry, str))
+                raise _refused(key, "this is a table of dimensions", f"Name one of {names}")
+            if isinstance(found, bool) or not isinstance(found, (int, float)):
+                raise _refused(key, f"only a number can be changed, found {found!r}", "Name a number")
+            inner[steps[-1]] = type(found)(value) if isinstance(found, float) or float(value).is_integer() else _whole(key, value)
     return table
 
 
@@ -37,30 +53,8 @@ def changed_files(changes: Mapping[str, float]) -> set[str]:
     return {key.split(".")[0] for key in changes}
 
 
-def _put(table: dict[str, Any], steps: list[str], value: float, key: str) -> None:
-    found: Any = table
-    inner: Any = table
-    for step in steps:
-        inner, found = found, _named(found, step, key)
-    if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
-        names = ", ".join(f"{key}.{name}" for name, entry in _entries(found).items() if not isinstance(entry, str))
-        raise _refused(key, "this is a table of dimensions", f"Name one of {names}")
-    if isinstance(found, bool) or not isinstance(found, (int, float)):
-        raise _refused(key, f"only a number can be changed, found {found!r}", "Name a number")
-    inner[steps[-1]] = type(found)(value) if isinstance(found, float) or float(value).is_integer() else _whole(key, value)
-
-
 def _whole(key: str, value: float) -> int:
     raise _refused(key, f"this is a count, found {value:g}", "Give a whole number")
-
-
-def _named(table: Any, name: str, key: str) -> Any:
-    """The entry `name` of a table, or of a list of tables that have names."""
-    entries = _entries(table)
-    if name in entries:
-        return entries[name]
-    remedy = f"{nearest(name, entries)}Known are {', '.join(entries) or 'no further entries'}"
-    raise _refused(key, f"there is no {name!r} here", remedy)
 
 
 def _entries(table: Any) -> dict[str, Any]:

@@ -32,7 +32,7 @@ ONE_BLADE = ("lower-1",)
 FOUR_BLADES = ("lower-1", "lower-2", "upper-long", "upper-short")
 
 
-def build(blades: tuple[str, ...], dimensions: Dimensions | None = None) -> Article:
+def build_clumod(blades: tuple[str, ...], dimensions: Dimensions | None = None) -> Article:
     """Clumod with the `blades` named; origin on the mast axis at the flange's underside, z up [m]."""
     d = dimensions or load("clumod")
     parts = [_flange(d["flange"]), _mast(d)]
@@ -112,18 +112,18 @@ def _holes(d: Dimensions, *, bottom: float, depth: float) -> tuple[Placed, ...]:
 
 def one_blade(dimensions: Dimensions | None = None) -> Article:
     """Clumod as the paper's section 5 identifies it: the two upper blades and one lower blade removed."""
-    return replace(build(ONE_BLADE, dimensions), name="clumod-1")
+    return replace(build_clumod(ONE_BLADE, dimensions), name="clumod-1")
 
 
 def four_blades(dimensions: Dimensions | None = None) -> Article:
     """Clumod with all four blades."""
-    return replace(build(FOUR_BLADES, dimensions), name="clumod-4")
+    return replace(build_clumod(FOUR_BLADES, dimensions), name="clumod-4")
 
 
 # The Cuboid: a homogeneous aluminium block with four threaded holes in its underside.
 
 
-def cuboid_build(dimensions: Dimensions | None = None) -> Article:
+def build_cuboid(dimensions: Dimensions | None = None) -> Article:
     """The Cuboid from `dimensions` (`cuboid.toml` by default); origin in the middle of the underside, z up [m]."""
     d = dimensions or load("cuboid")
     t = d["threads"]
@@ -139,7 +139,7 @@ def cuboid_build(dimensions: Dimensions | None = None) -> Article:
 # The disc between FMD and Cuboid, with the bolt holes that carry both.
 
 
-def disc_build(dimensions: Dimensions | None = None) -> Article:
+def build_disc(dimensions: Dimensions | None = None) -> Article:
     """The disc from `dimensions` (`disc.toml` by default); origin in the middle of the underside, z up [m]."""
     d = dimensions or load("disc")
     height, above, below = d["height"], d["cuboid_bolts"], d["fmd_bolts"]
@@ -159,13 +159,16 @@ def disc_build(dimensions: Dimensions | None = None) -> Article:
 # by the cells; what lies below, and the mounting plate, belongs to the table and is drawn but not counted (paper, section 3.1).
 
 
-def fmd_build(dimensions: Dimensions | None = None) -> Article:
+def build_fmd(dimensions: Dimensions | None = None) -> Article:
     """The FMD from `dimensions` (`fmd.toml` by default); origin F, the centre of the force-measuring plane, z up [m]."""
     d = dimensions or load("fmd")
     underside = d["load_cell"]["height"] / 2
+    size = d["mounting_plate"]["size"]
+    shape = Shape(solids=(upright(Box(size=size), bottom=-underside - size[2]),))
+    mounting_plate = Part(name="mounting-plate", material=material(d["mounting_plate"]["material"]), shape=shape, counted=False)
     return Article(
         name="fmd",
-        parts=(_cover_plate(d["cover_plate"], underside), *_load_cells(d["load_cell"]), _mounting_plate(d, underside)),
+        parts=(_cover_plate(d["cover_plate"], underside), *_load_cells(d["load_cell"]), mounting_plate),
         seat=seat_at(underside + d["cover_plate"]["size"][2]),
         note=d["note"],
     )
@@ -198,9 +201,3 @@ def _load_cells(d: Dimensions) -> tuple[Part, ...]:
         for half, bottom, top, counted in halves
         if top > bottom
     )
-
-
-def _mounting_plate(d: Dimensions, underside: float) -> Part:
-    size = d["mounting_plate"]["size"]
-    shape = Shape(solids=(upright(Box(size=size), bottom=-underside - size[2]),))
-    return Part(name="mounting-plate", material=material(d["mounting_plate"]["material"]), shape=shape, counted=False)

@@ -18,7 +18,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Integers, frozen
 from geometry.inertia import Inertia
 from identification.elastic import model
-from identification.elastic.model import SCALE, UPPER, ElasticTerms, Layout
+from identification.elastic.model import SCALE, UPPER, ElasticLayout, ElasticTerms
 
 # `Lines`: a measured dynamic mass as weighted data: symmetric, with standard deviations, thinned where nothing happens.
 #
@@ -27,7 +27,7 @@ from identification.elastic.model import SCALE, UPPER, ElasticTerms, Layout
 # away from resonances, which repeat the same error, count once in a quarter of a hertz.
 
 
-APART = 0.25
+LINES_APART = 0.25
 """Distance [Hz] of lines that are kept where the dynamic mass is smooth."""
 
 CHANGE = 0.03
@@ -88,7 +88,16 @@ def lines_of(measured: DynamicMass, noise: npt.ArrayLike | None, floor: float, b
         sd = np.hypot(sd, given[inside])
     if not np.all(sd > 0):
         raise _refused("floor", "without noise a floor above zero is needed to weigh entries", "Leave the default, 0.002")
-    return _halves(measured.frequency[inside], H, sd)
+    frequency = measured.frequency[inside]
+    i, j = UPPER
+    off = i != j
+    a, b, va, vb = H[:, i, j], H[:, j, i], sd[:, i, j] ** 2, sd[:, j, i] ** 2
+    values = np.where(off, (a * vb + b * va) / (va + vb), a)
+    variance = np.where(off, va * vb / (va + vb), va)
+    chi2 = float(np.sum(2 * np.abs(a - b)[:, off] ** 2 / (va + vb)[:, off]))
+    return Lines(
+        frequency=frequency, values=values, deviation=np.sqrt(variance), asymmetry=(chi2, 2 * len(frequency) * int(np.sum(off)))
+    )
 
 
 def levels(H: ComplexArray) -> Array:
@@ -99,14 +108,14 @@ def levels(H: ComplexArray) -> Array:
 
 
 def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
-    """Indices of lines that say something new: `APART`, or where an entry changed by `CHANGE` of its level."""
+    """Indices of lines that say something new: `LINES_APART`, or where an entry changed by `CHANGE` of its level."""
     H = full(lines.values) if measured is None else measured
     values = (H / levels(H))[:, UPPER[0], UPPER[1]]
     chosen = [0]
     for k in range(1, len(values)):
         last = chosen[-1]
         moved = np.abs(values[k] - values[last]).max() >= CHANGE
-        if moved or lines.frequency[k] - lines.frequency[last] >= APART - 1e-9 or k == len(values) - 1:
+        if moved or lines.frequency[k] - lines.frequency[last] >= LINES_APART - 1e-9 or k == len(values) - 1:
             chosen.append(k)
     return np.array(chosen)
 
@@ -116,18 +125,6 @@ def full(upper: ComplexArray) -> ComplexArray:
     H = np.zeros((len(upper), 6, 6), dtype=np.complex128)
     H[:, UPPER[0], UPPER[1]] = H[:, UPPER[1], UPPER[0]] = upper
     return H
-
-
-def _halves(frequency: Array, H: ComplexArray, sd: Array) -> Lines:
-    i, j = UPPER
-    off = i != j
-    a, b, va, vb = H[:, i, j], H[:, j, i], sd[:, i, j] ** 2, sd[:, j, i] ** 2
-    values = np.where(off, (a * vb + b * va) / (va + vb), a)
-    variance = np.where(off, va * vb / (va + vb), va)
-    chi2 = float(np.sum(2 * np.abs(a - b)[:, off] ** 2 / (va + vb)[:, off]))
-    return Lines(
-        frequency=frequency, values=values, deviation=np.sqrt(variance), asymmetry=(chi2, 2 * len(frequency) * int(np.sum(off)))
-    )
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:
@@ -143,7 +140,7 @@ def _refused(field: str, problem: str, remedy: str) -> BadInput:
 # Source: Marquardt, J. SIAM 11 (1963) 431; its damping as in Nielsen, IMM-REP-1999-05, Technical University of Denmark.
 
 
-DAMPING = (np.log(0.004), 1.5)
+DAMPING_PRIOR = (np.log(0.004), 1.5)
 """Mean and standard deviation of ln zeta."""
 
 REACH = (0.5, 2.5)
@@ -185,7 +182,7 @@ class Refined:
     converged : whether it ended by itself
     """
 
-    layout: Layout
+    layout: ElasticLayout
     vector: Array
     chi2: float
     cost: float
@@ -197,7 +194,7 @@ class Refined:
     converged: bool
 
 
-def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, accuracy: float = 3e-5) -> Refined:
+def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int = 40, accuracy: float = 3e-5) -> Refined:
     """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost and `ENOUGH`.
 
     Not converged when `iterations` steps did not do; none only linearises at `start`.
@@ -205,7 +202,7 @@ def refine(start: Array, layout: Layout, lines: Lines, *, iterations: int = 40, 
     at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
         trial, predicted = _step(at, damping, lines)
-        left = _residual(trial, layout, lines)
+        left = np.concatenate([weighted(leftover(trial, layout, lines), lines), _prior(trial, layout, lines)[0]])
         gained = at.cost - float(left @ left)
         if gained > 0 and predicted > 0:
             at, rise = linearised(trial, layout, lines), 2.0
@@ -235,7 +232,7 @@ def _step(at: Refined, damping: float, lines: Lines) -> tuple[Array, float]:
     return trial, float(-2 * g @ dx - dx @ A @ dx)
 
 
-def leftover(x: Array, layout: Layout, lines: Lines) -> ComplexArray:
+def leftover(x: Array, layout: ElasticLayout, lines: Lines) -> ComplexArray:
     """Fitted less measured (n, 21), in the units of H."""
     _, terms = model.unpack(x, layout)
     mass = np.tensordot(x[:10], model.inertia_basis(), axes=1)
@@ -254,7 +251,7 @@ def unit_of(information: Array) -> Array:
     return np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
 
 
-def limits(layout: Layout, lines: Lines) -> tuple[Array, Array]:
+def limits(layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]:
     """Lowest and highest ln f, ln zeta and rho, in the order of the vector."""
     f, m, p = lines.frequency[[0, -1]], layout.modes, len(layout.pairs)
     low, high = np.log(np.array(REACH) * f)
@@ -279,11 +276,7 @@ def correlation_time(at: Refined) -> float:
     return 1 + 2 * sum(lags[1:ends]) / lags[0] if lags and lags[0] > 0 else 1.0
 
 
-def _residual(x: Array, layout: Layout, lines: Lines) -> Array:
-    return np.concatenate([weighted(leftover(x, layout, lines), lines), _prior(x, layout, lines)[0]])
-
-
-def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
+def linearised(x: Array, layout: ElasticLayout, lines: Lines) -> Refined:
     """Cost and derivatives at the vector `x` (k,), which nothing moves."""
     _, terms = model.unpack(x, layout)
     J = weighted(model.upper_derivatives(terms, lines.frequency, layout), lines)
@@ -305,12 +298,12 @@ def linearised(x: Array, layout: Layout, lines: Lines) -> Refined:
     )
 
 
-def _prior(x: Array, layout: Layout, lines: Lines) -> tuple[Array, Array]:
+def _prior(x: Array, layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]:
     """Residuals (k,) and their slopes (k,), zero for parameters without a prior."""
     blocks, low, high = layout.blocks, np.log(lines.frequency[0]), np.log(lines.frequency[-1])
     mean, slope = np.zeros(len(x)), np.zeros(len(x))
     mean[blocks["frequency"]], slope[blocks["frequency"]] = (low + high) / 2, 2 / max(high - low, 1.0)
-    mean[blocks["damping"]], slope[blocks["damping"]] = DAMPING[0], 1 / DAMPING[1]
+    mean[blocks["damping"]], slope[blocks["damping"]] = DAMPING_PRIOR[0], 1 / DAMPING_PRIOR[1]
     slope[blocks["pairs"]] = 1 / COUPLING
     return slope * (x - mean), slope
 
@@ -324,7 +317,7 @@ def _prior(x: Array, layout: Layout, lines: Lines) -> tuple[Array, Array]:
 # amplitudes is cut down to rank one with a positive sign, for a mode of a symmetric structure answers by L L^T.
 
 
-POLES_DAMPING = (0.0015, 0.004, 0.01, 0.03)
+TRIAL_DAMPING = (0.0015, 0.004, 0.01, 0.03)
 """Ratios that are tried."""
 
 BEYOND = (0.6, 1.7)
@@ -381,7 +374,18 @@ def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
     """The most promising of the grid, each entry fitted on its own by a constant, omega² and the curve of the pole."""
     f, zeta = _grid(lines.frequency)
     left = -leftover(at.vector, at.layout, lines)
-    amplitude, power = _amplitudes(left, lines, f, zeta)
+    # Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight
+    w = 2 * np.pi * lines.frequency
+    curve = _curves(w, f, zeta)
+    weight = 2 / lines.deviation**2  # (n, 21)
+    basis = _flat_basis(w, weight)  # (2, n, 21), orthonormal with the weight
+    shares = [curve.real @ (weight * one) for one in basis]
+    strength = np.abs(curve) ** 2 @ weight - sum(share**2 for share in shares)
+    remainder = left - sum(one * np.sum(weight * one * left.real, axis=0) for one in basis)
+    against = curve.real @ (weight * remainder.real) + curve.imag @ (weight * remainder.imag)
+    sound = strength > 1e-9 * (np.abs(curve) ** 2 @ weight)
+    amplitude = np.where(sound, against / np.where(sound, strength, 1.0), 0.0)
+    power = np.where(sound, strength, 0.0)
     best = np.argsort(-np.sum(power * amplitude**2, axis=1))[:SHORT]
     return f[best], zeta[best]
 
@@ -408,26 +412,12 @@ def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array,
 def _grid(lines: Array) -> tuple[Array, Array]:
     """Frequencies and ratios (g,): as fine as the half-power width of the lightest in the band, coarse around it."""
     low, high = lines[0], lines[-1]
-    count = int(np.ceil(np.log(high / low) / (2 * POLES_DAMPING[1])))
+    count = int(np.ceil(np.log(high / low) / (2 * TRIAL_DAMPING[1])))
     inside = np.geomspace(low, high, max(count, 2))
     beyond = np.concatenate([np.geomspace(BEYOND[0] * low, 0.97 * low, 6), np.geomspace(1.03 * high, BEYOND[1] * high, 10)])
-    f = np.concatenate([np.repeat(inside, len(POLES_DAMPING)), beyond])
-    zeta = np.concatenate([np.tile(POLES_DAMPING, len(inside)), np.full(len(beyond), POLES_DAMPING[1])])
+    f = np.concatenate([np.repeat(inside, len(TRIAL_DAMPING)), beyond])
+    zeta = np.concatenate([np.tile(TRIAL_DAMPING, len(inside)), np.full(len(beyond), TRIAL_DAMPING[1])])
     return f, zeta
-
-
-def _amplitudes(leftover: ComplexArray, lines: Lines, f: Array, zeta: Array) -> tuple[Array, Array]:
-    """Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight."""
-    w = 2 * np.pi * lines.frequency
-    curve = _curves(w, f, zeta)
-    weight = 2 / lines.deviation**2  # (n, 21)
-    basis = _flat_basis(w, weight)  # (2, n, 21), orthonormal with the weight
-    shares = [curve.real @ (weight * one) for one in basis]
-    power = np.abs(curve) ** 2 @ weight - sum(share**2 for share in shares)
-    left = leftover - sum(one * np.sum(weight * one * leftover.real, axis=0) for one in basis)
-    against = curve.real @ (weight * left.real) + curve.imag @ (weight * left.imag)
-    sound = power > 1e-9 * (np.abs(curve) ** 2 @ weight)
-    return np.where(sound, against / np.where(sound, power, 1.0), 0.0), np.where(sound, power, 0.0)
 
 
 def _flat_basis(w: Array, weight: Array) -> Array:
@@ -479,7 +469,7 @@ Progress = Callable[[float], None]
 class Trial:
     """One fit of the search: `vector` of `layout`, with its chi² at the lines that say something new."""
 
-    layout: Layout
+    layout: ElasticLayout
     vector: Array
     chi2: float
 
@@ -524,7 +514,7 @@ class Fitted:
     residual: Array
     band: tuple[float, float]
     converged: bool
-    layout: Layout
+    layout: ElasticLayout
     vector: Array
     information: Array
 
@@ -570,7 +560,32 @@ def fit(
     data = lines_of(dynamic_mass, weights, floor, band)
     thin = data.at(kept(data))
     tell = progress or (lambda share: None)
-    found, history, reason = _rigid_only(thin) if modes == 0 else _searched(thin, modes, start, tell)
+    if modes == 0:
+        found, history, reason = _rigid_only(thin)
+    else:
+        first = ElasticLayout(modes=0) if start is None else start.layout
+        at = refine(np.zeros(first.size) if start is None else start.vector, first, thin)
+        tried, most = [at], MOST if modes is None else modes
+        while at.layout.modes < most:
+            longer = _with_one_more(at, thin)
+            if longer is None:
+                break
+            at = longer
+            tried.append(at)
+            tell(min(0.95, at.layout.modes / (most if modes else 16)))
+            if modes is None and _no_longer_pays(tried, thin):
+                break
+        if modes is not None:
+            found, history, reason = _converged(tried[-1], thin), tried, f"{tried[-1].layout.modes} poles, as asked for"
+        else:
+            price = price_of(tried, thin)
+            rigid = _rigid_only(thin)[0]
+            best = min([rigid, *tried], key=price.criterion)
+            if best is rigid:
+                found, history, reason = rigid, tried, "rigid: neither a pole nor a residual mass pays"
+            else:
+                pruned = _pruned(_converged(best, thin), thin, price)
+                found, history, reason = pruned, tried, _why(pruned, tried, thin, price)
     tell(1.0)
     return _result(found, history, reason, data, thin, dynamic_mass.reference_point)
 
@@ -579,53 +594,29 @@ def fit(
 
 
 def _rigid_only(lines: Lines) -> tuple[Refined, list[Refined], str]:
-    rigid = refine(np.zeros(10), Layout(modes=0, residual=False), lines)
+    rigid = refine(np.zeros(10), ElasticLayout(modes=0, residual=False), lines)
     return rigid, [rigid], "rigid, as asked for"
-
-
-def _searched(lines: Lines, modes: int | None, start: Fitted | None, tell: Progress) -> tuple[Refined, list[Refined], str]:
-    first = Layout(modes=0) if start is None else start.layout
-    at = refine(np.zeros(first.size) if start is None else start.vector, first, lines)
-    tried, most = [at], MOST if modes is None else modes
-    while at.layout.modes < most:
-        longer = _with_one_more(at, lines)
-        if longer is None:
-            break
-        at = longer
-        tried.append(at)
-        tell(min(0.95, at.layout.modes / (most if modes else 16)))
-        if modes is None and _no_longer_pays(tried, lines):
-            break
-    return _chosen(tried, lines, modes)
 
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
     """The fit with the best pole of the leftover added and everything refined; None when none is one that helps."""
     for pole in next_poles(at, lines):
-        longer = _extended(at, pole, lines)
+        parameters, terms = model.unpack(at.vector, at.layout)
+        C = np.zeros((len(terms.frequency) + 1,) * 2)
+        C[:-1, :-1], C[-1, -1] = terms.damping, 4 * np.pi * pole.damping_ratio * pole.frequency
+        extended = ElasticTerms(
+            frequency=np.append(terms.frequency, pole.frequency),
+            damping=C,
+            participation=np.vstack([terms.participation, pole.participation]),
+            residual=terms.residual,
+        )
+        # The layout of `extended` with damping coupled where poles overlap, and where it has been `at.layout`
+        now = model.layout_of(extended, widths=OVERLAP)
+        layout = ElasticLayout(modes=now.modes, pairs=tuple(sorted({*now.pairs, *at.layout.pairs})), residual=at.layout.residual)
+        longer = refine(model.pack(parameters, extended, layout), layout, lines, iterations=12, accuracy=1e-3)
         if longer.chi2 < at.chi2 and np.all(_room(longer, lines) > 0):
             return longer
     return None
-
-
-def _extended(at: Refined, pole: PoleCandidate, lines: Lines) -> Refined:
-    parameters, terms = model.unpack(at.vector, at.layout)
-    C = np.zeros((len(terms.frequency) + 1,) * 2)
-    C[:-1, :-1], C[-1, -1] = terms.damping, 4 * np.pi * pole.damping_ratio * pole.frequency
-    longer = ElasticTerms(
-        frequency=np.append(terms.frequency, pole.frequency),
-        damping=C,
-        participation=np.vstack([terms.participation, pole.participation]),
-        residual=terms.residual,
-    )
-    layout = _coupled(longer, at.layout)
-    return refine(model.pack(parameters, longer, layout), layout, lines, iterations=12, accuracy=1e-3)
-
-
-def _coupled(terms: ElasticTerms, before: Layout) -> Layout:
-    """The layout of `terms` with damping coupled where poles overlap, and where it has been `before`."""
-    now = model.layout_of(terms, widths=OVERLAP)
-    return Layout(modes=now.modes, pairs=tuple(sorted({*now.pairs, *before.pairs})), residual=before.residual)
 
 
 # --- the choice ------------------------------------------------------------------------------------------------------
@@ -674,18 +665,6 @@ def _no_longer_pays(tried: list[Refined], lines: Lines) -> bool:
     return gain < (after.layout.size - before.layout.size) * np.log(lines.count) or gain < 0.1 * before.chi2
 
 
-def _chosen(tried: list[Refined], lines: Lines, modes: int | None) -> tuple[Refined, list[Refined], str]:
-    if modes is not None:
-        return _converged(tried[-1], lines), tried, f"{tried[-1].layout.modes} poles, as asked for"
-    price = price_of(tried, lines)
-    rigid = _rigid_only(lines)[0]
-    best = min([rigid, *tried], key=price.criterion)
-    if best is rigid:
-        return rigid, tried, "rigid: neither a pole nor a residual mass pays"
-    pruned = _pruned(_converged(best, lines), lines, price)
-    return pruned, tried, _why(pruned, tried, lines, price)
-
-
 def _converged(at: Refined, lines: Lines) -> Refined:
     return refine(at.vector, at.layout, lines)
 
@@ -696,7 +675,11 @@ def _pruned(at: Refined, lines: Lines, price: Price) -> Refined:
         room = _room(at, lines)
         lost = bool(room.min() <= 0)
         weakest = int(np.argmin(room if lost else [_worth(at, r) for r in range(at.layout.modes)]))
-        shorter = _without(at, weakest, lines)
+        parameters, terms = model.unpack(at.vector, at.layout)
+        rest = np.delete(np.arange(at.layout.modes), weakest)
+        fewer = model.chosen(terms, rest)
+        layout = model.layout_of(fewer, widths=OVERLAP)
+        shorter = refine(model.pack(parameters, fewer, layout), layout, lines, iterations=20)
         if not lost and price.criterion(shorter) > price.criterion(at):
             return at
         at = shorter
@@ -716,14 +699,6 @@ def _worth(at: Refined, r: int) -> float:
     place = at.layout.blocks["participation"].start + 6 * r + np.arange(6)
     covariance = np.linalg.pinv(at.information)[np.ix_(place, place)]
     return float(at.vector[place] @ np.linalg.solve(covariance, at.vector[place]))
-
-
-def _without(at: Refined, r: int, lines: Lines) -> Refined:
-    parameters, terms = model.unpack(at.vector, at.layout)
-    rest = np.delete(np.arange(at.layout.modes), r)
-    fewer = model.chosen(terms, rest)
-    layout = model.layout_of(fewer, widths=OVERLAP)
-    return refine(model.pack(parameters, fewer, layout), layout, lines, iterations=20)
 
 
 def _why(best: Refined, tried: list[Refined], lines: Lines, price: Price) -> str:

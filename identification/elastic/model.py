@@ -72,7 +72,7 @@ _PLACE = np.array([[UPPER[0].tolist().index(min(i, j)) + abs(i - j) for j in ran
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class ElasticLayout:
     """What the vector of parameters holds.
 
     Attributes
@@ -114,7 +114,7 @@ class Layout:
         )
 
 
-def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> Layout:
+def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> ElasticLayout:
     """The layout of `terms`: pairs are those that have coupled damping, or - with `widths` - those that overlap.
 
     Parameters
@@ -126,7 +126,7 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> Layout:
     width = np.sqrt(np.diag(C)) / np.sqrt(2 * np.pi)
     near = C != 0 if widths is None else np.abs(f[:, None] - f) <= widths * np.outer(width, width)
     pairs = tuple((int(r), int(s)) for r, s in zip(*np.nonzero(np.triu(near, 1)), strict=True))
-    return Layout(modes=len(f), pairs=pairs)
+    return ElasticLayout(modes=len(f), pairs=pairs)
 
 
 def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
@@ -136,7 +136,7 @@ def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt
     return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
 
 
-def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout | None = None) -> ComplexArray:
+def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout | None = None) -> ComplexArray:
     """Derivatives (k, n, 6, 6) of H at `frequency` (n,) [Hz] by the vector of `layout`, by default the one of `terms`.
 
     They do not depend on the ten inertia parameters, in which H is linear.
@@ -145,7 +145,7 @@ def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout | 
     return upper[:, :, _PLACE].reshape(*upper.shape[:2], 6, 6)
 
 
-def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Layout) -> ComplexArray:
+def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> ComplexArray:
     """The same (k, n, 21) for the entries in `UPPER`, all that a symmetric matrix has."""
     blocks, w2 = layout.blocks, _squares(frequency)[:, :, 0]
     X = _answers(terms, frequency).transpose(1, 0, 2)  # (m, n, 6)
@@ -158,7 +158,7 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Lay
     return out
 
 
-def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None = None) -> Array:
+def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: ElasticLayout | None = None) -> Array:
     """The vector (k,) of ten inertia `parameters` (Eq. 4) and `terms`; damping of pairs outside `layout` is left out."""
     layout = layout or layout_of(terms)
     C, pairs = terms.damping, _pairs(layout)
@@ -176,7 +176,7 @@ def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: Layout | None =
     )
 
 
-def unpack(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, ElasticTerms]:
+def unpack(vector: npt.ArrayLike, layout: ElasticLayout) -> tuple[Array, ElasticTerms]:
     """Ten inertia parameters and terms from a vector (k,)."""
     x = np.asarray(vector, dtype=np.float64)
     part = {name: x[place] for name, place in layout.blocks.items()}
@@ -184,16 +184,13 @@ def unpack(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, ElasticTerms]:
     d = np.sqrt(4 * np.pi * np.exp(part["damping"]) * f)
     C = np.diag(d**2)
     C[pairs] = C[pairs[::-1]] = part["pairs"] * d[pairs[0]] * d[pairs[1]]
-    R = _symmetric(part["residual"])
+    entries = part["residual"]
+    R = np.tensordot(entries, residual_basis(), axes=1) if len(entries) else np.zeros((6, 6))
     L = part["participation"].reshape(-1, 6) * SCALE
     return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
 
 
-def _symmetric(entries: Array) -> Array:
-    return np.tensordot(entries, residual_basis(), axes=1) if len(entries) else np.zeros((6, 6))
-
-
-def ascending(vector: npt.ArrayLike, layout: Layout) -> tuple[Array, Layout]:
+def ascending(vector: npt.ArrayLike, layout: ElasticLayout) -> tuple[Array, ElasticLayout]:
     """The same parameters with the modes in the order of their frequencies."""
     parameters, terms = unpack(vector, layout)
     order = np.argsort(terms.frequency, kind="stable")
@@ -230,7 +227,7 @@ def inertia_scale() -> Array:
     return np.array([1.0, *3 * [length], *6 * [length**2]])
 
 
-def _pairs(layout: Layout) -> tuple[Integers, Integers]:
+def _pairs(layout: ElasticLayout) -> tuple[Integers, Integers]:
     pairs = np.array(layout.pairs, dtype=np.intp).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]
 
@@ -250,7 +247,7 @@ def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     return np.asarray(np.linalg.solve(D, np.broadcast_to(L, (len(w), *L.shape)).astype(np.complex128)))
 
 
-def _by_poles(out: ComplexArray, terms: ElasticTerms, X: ComplexArray, w2: Array, layout: Layout) -> None:
+def _by_poles(out: ComplexArray, terms: ElasticTerms, X: ComplexArray, w2: Array, layout: ElasticLayout) -> None:
     """Fill ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho; X (m, n, 6)."""
     blocks, (r, s) = layout.blocks, _pairs(layout)
     squares, d = (2 * np.pi * terms.frequency) ** 2, np.sqrt(np.diag(terms.damping))

@@ -31,7 +31,7 @@ from identification.elastic.fit import (
     price_of,
     refine,
 )
-from identification.elastic.model import Layout
+from identification.elastic.model import ElasticLayout
 
 LIMIT = 0.01
 """Spread, in the scale of a parameter, up to which it is trusted."""
@@ -116,13 +116,18 @@ class BandStudy:
         out = np.full((len(self.starts), len(self.stops), len(self.counts), 7), np.nan)
         for cell in self.cells:
             if cell.parameters[0] > 0:
-                out[self._place(cell)] = _quantities(cell.parameters)
+                inertia = Inertia(parameters=cell.parameters)
+                out[self._place(cell)] = np.concatenate([[inertia.mass], inertia.cog, inertia.moments_cog])
         return out
 
     @property
     def scale(self) -> Array:
         """(10,) what a parameter's spread is measured by: mass, mass times the radius of gyration, moments about the CoG."""
-        return _scale(self.fitted.inertia)
+        inertia = self.fitted.inertia
+        moments = np.abs(inertia.moments_cog)
+        radius = np.sqrt(moments.sum() / 2 / inertia.mass)
+        products = [np.sqrt(moments[i] * moments[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
+        return np.array([inertia.mass, *3 * [inertia.mass * radius], *moments, *products])
 
     def spread(self, *, rigid: bool = False, limit: float = LIMIT) -> Array:
         """(10,) how far nine of ten cells stay within of the result, for `rigid` half the range of the rigid way.
@@ -146,7 +151,19 @@ class BandStudy:
         limit : spread in the scale of a parameter up to which it is trusted
         """
         shares = self.spread(rigid=rigid, limit=limit) / self.scale
-        return {name: _verdict(float(share), limit, rigid) for name, share in zip(PARAMETERS, shares, strict=True)}
+        made = {}
+        for name, share in zip(PARAMETERS, shares, strict=True):
+            moved_by = float(share)
+            if np.isnan(moved_by):
+                made[name] = "not identifiable from this data: too few bands explain it; record a wider band, or with less noise"
+            else:
+                moved = f"{100 * moved_by:.2g} % of its scale over the bands" + ("" if rigid else " and numbers of poles")
+                if moved_by <= limit:
+                    made[name] = f"trustworthy: it moves by {moved}"
+                else:
+                    add = "take the elastic terms" if rigid else "record lower frequencies, or take weighing and pendulum as data"
+                    made[name] = f"dominated by elasticity: it moves by {moved}; {add}"
+        return made
 
     def _place(self, cell: StudiedFit) -> tuple[int, int, int]:
         low, high = cell.band
@@ -181,9 +198,23 @@ def study(
     """
     tell = progress or (lambda share: None)
     whole = fitted or fit(dynamic_mass, weights=weights, floor=floor, progress=lambda share: tell(0.3 * share))
-    first, last = _ends(whole.band, starts, stops)
-    trials = _trials(whole, counts)
-    lower = _lower(first, last) if stops is None else np.zeros(0)
+    low, high = whole.band
+    middle = (high / low) ** 0.45
+    first = np.geomspace(low, low * middle, 4) if starts is None else np.asarray(starts, dtype=np.float64)
+    last = np.geomspace(high / middle, high, 5) if stops is None else np.asarray(stops, dtype=np.float64)
+    # By the number of poles the fit to begin from; the rigid way first
+    known = {one.modes: one for one in whole.history if one.layout.residual}
+    if whole.layout.residual:
+        known[whole.modes] = Trial(layout=whole.layout, vector=whole.vector, chi2=np.nan)
+    wanted = range(max(whole.modes - 1, 1), whole.modes + 2) if counts is None else counts
+    rigid = Trial(layout=ElasticLayout(modes=0, residual=False), vector=np.zeros(10), chi2=np.nan)
+    trials = {0: rigid, **{count: known[count] for count in wanted if count in known and count > 0}}
+    # Further stops for the rigid way, which is right but far below the first mode: down to the narrowest band of all
+    lower = (
+        (np.geomspace(NARROWEST * first[0], last[0], LOWER + 1)[:-1] if last[0] > NARROWEST * first[0] else np.zeros(0))
+        if stops is None
+        else np.zeros(0)
+    )
     bands = _bands(first, last)
     if not bands:
         raise BadInput(
@@ -205,32 +236,21 @@ def _bands(starts: Array, stops: Array) -> list[tuple[float, float]]:
     return [(float(low), float(high)) for low in starts for high in stops if high >= NARROWEST * low]
 
 
-def _lower(starts: Array, stops: Array) -> Array:
-    """Further stops for the rigid way, which is right but far below the first mode: down to the narrowest band of all."""
-    return np.geomspace(NARROWEST * starts[0], stops[0], LOWER + 1)[:-1] if stops[0] > NARROWEST * starts[0] else np.zeros(0)
-
-
-def _ends(band: tuple[float, float], starts: Sequence[float] | None, stops: Sequence[float] | None) -> tuple[Array, Array]:
-    low, high = band
-    middle = (high / low) ** 0.45
-    first = np.geomspace(low, low * middle, 4) if starts is None else np.asarray(starts, dtype=np.float64)
-    last = np.geomspace(high / middle, high, 5) if stops is None else np.asarray(stops, dtype=np.float64)
-    return first, last
-
-
-def _trials(whole: Fitted, counts: Sequence[int] | None) -> dict[int, Trial]:
-    """By the number of poles the fit to begin from; the rigid way first."""
-    known = {one.modes: one for one in whole.history if one.layout.residual}
-    if whole.layout.residual:
-        known[whole.modes] = Trial(layout=whole.layout, vector=whole.vector, chi2=np.nan)
-    wanted = range(max(whole.modes - 1, 1), whole.modes + 2) if counts is None else counts
-    rigid = Trial(layout=Layout(modes=0, residual=False), vector=np.zeros(10), chi2=np.nan)
-    return {0: rigid, **{count: known[count] for count in wanted if count in known and count > 0}}
-
-
 def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> StudiedFit:
     thin = data.at(kept(data))
-    layout, start = _within(trial, band) if count else (trial.layout, trial.vector)
+    if count:
+        # The poles of a trial within reach of the band; of those above, the static share goes to the residual mass
+        parameters, terms = model.unpack(trial.vector, trial.layout)
+        f, L = terms.frequency, terms.participation
+        near = (f > REACH[0] * band[0]) & (f < REACH[1] * band[1])
+        above = L[f >= REACH[1] * band[1]] / (2 * np.pi * f[f >= REACH[1] * band[1], None])
+        left = model.chosen(replace(terms, residual=terms.residual + above.T @ above), np.flatnonzero(near))
+        place = np.cumsum(near) - 1
+        pairs = tuple((int(place[r]), int(place[s])) for r, s in trial.layout.pairs if near[r] and near[s])
+        layout = ElasticLayout(modes=int(near.sum()), pairs=pairs)
+        start = model.pack(parameters, left, layout)
+    else:
+        layout, start = trial.layout, trial.vector
     found = refine(start, layout, thin, iterations=15, accuracy=1e-4)
     return StudiedFit(
         band=band,
@@ -242,45 +262,10 @@ def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> S
     )
 
 
-def _within(trial: Trial, band: tuple[float, float]) -> tuple[Layout, Array]:
-    """The poles of a trial within reach of the band; of those above, the static share goes to the residual mass."""
-    parameters, terms = model.unpack(trial.vector, trial.layout)
-    f, L = terms.frequency, terms.participation
-    near = (f > REACH[0] * band[0]) & (f < REACH[1] * band[1])
-    above = L[f >= REACH[1] * band[1]] / (2 * np.pi * f[f >= REACH[1] * band[1], None])
-    left = model.chosen(replace(terms, residual=terms.residual + above.T @ above), np.flatnonzero(near))
-    place = np.cumsum(near) - 1
-    pairs = tuple((int(place[r]), int(place[s])) for r, s in trial.layout.pairs if near[r] and near[s])
-    layout = Layout(modes=int(near.sum()), pairs=pairs)
-    return layout, model.pack(parameters, left, layout)
-
-
 def _judged(cells: list[StudiedFit], whole: Fitted) -> list[StudiedFit]:
     best = min(cell.misfit for cell in cells)
     return [replace(cell, plausible=cell.misfit <= EXPLAINED * max(best, min(whole.misfit, 1.0), 1.0)) for cell in cells]
 
 
-def _quantities(parameters: Array) -> Array:
-    inertia = Inertia(parameters=parameters)
-    return np.concatenate([[inertia.mass], inertia.cog, inertia.moments_cog])
-
-
-def _scale(inertia: Inertia) -> Array:
-    moments = np.abs(inertia.moments_cog)
-    radius = np.sqrt(moments.sum() / 2 / inertia.mass)
-    products = [np.sqrt(moments[i] * moments[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
-    return np.array([inertia.mass, *3 * [inertia.mass * radius], *moments, *products])
-
-
 def _ninth_of_ten(values: Array) -> float:
     return float(np.quantile(values, 0.9)) if len(values) >= FEWEST else float("nan")
-
-
-def _verdict(share: float, limit: float, rigid: bool) -> str:
-    if np.isnan(share):
-        return "not identifiable from this data: too few bands explain it; record a wider band, or with less noise"
-    moved = f"{100 * share:.2g} % of its scale over the bands" + ("" if rigid else " and numbers of poles")
-    if share <= limit:
-        return f"trustworthy: it moves by {moved}"
-    add = "take the elastic terms" if rigid else "record lower frequencies, or take weighing and pendulum as data"
-    return f"dominated by elasticity: it moves by {moved}; {add}"

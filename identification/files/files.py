@@ -203,15 +203,11 @@ def roundest(low: float, high: float) -> float:
     return middle
 
 
-def printed_rounding(value: float, fewest: int = 5) -> float:
-    """Half a unit of the last digit that `value` was printed with, at least `fewest` decimals behind an exponent."""
-    digits = next((d for d in range(fewest, 17) if float(f"{value:.{d}e}") == value), 17)
-    return float(0.5 * 10.0 ** (np.floor(np.log10(abs(value))) - digits))
-
-
 def rate_of_increment(increment: float) -> tuple[float, float]:
     """Least and largest sampling rate [Hz] that a printed time `increment` [s], positive, may stand for."""
-    rounding = printed_rounding(increment)
+    # Half a unit of the last digit that `increment` was printed with, at least `5` decimals behind an exponent
+    digits = next((d for d in range(5, 17) if float(f"{increment:.{d}e}") == increment), 17)
+    rounding = float(0.5 * 10.0 ** (np.floor(np.log10(abs(increment))) - digits))
     return 1 / (increment + rounding), 1 / (increment - rounding)
 
 

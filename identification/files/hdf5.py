@@ -76,7 +76,16 @@ def datasets(group: Any, source: str) -> dict[str, Any]:
     total = sum(int(one.size or 0) * one.dtype.itemsize for one in found.values())
     if total > LARGEST_BYTES:
         raise too_large(source, total)
-    _require_apart(found, source)
+    from h5py import h5o
+
+    # No two datasets share bytes of the file, nor do numbers and the heads of datasets
+    heads = [(h5o.get_info(one.id).addr, 1, f"the head of {name}") for name, one in found.items()]
+    ranges = sorted(
+        heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)]
+    )
+    for (start, size, name), (after, _, other) in pairwise(ranges):
+        if start + size > after:
+            raise BadInput(source=source, field=other, problem=f"lies in the bytes of {name}", remedy=DAMAGED)
     return found
 
 
@@ -199,19 +208,6 @@ def _filters(entry: Any, refused: Any) -> list[int]:
     return [code for code, *_ in found]
 
 
-def _require_apart(found: dict[str, Any], source: str) -> None:
-    """No two datasets share bytes of the file, nor do numbers and the heads of datasets."""
-    from h5py import h5o
-
-    heads = [(h5o.get_info(one.id).addr, 1, f"the head of {name}") for name, one in found.items()]
-    ranges = sorted(
-        heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)]
-    )
-    for (start, size, name), (after, _, other) in pairwise(ranges):
-        if start + size > after:
-            raise BadInput(source=source, field=other, problem=f"lies in the bytes of {name}", remedy=DAMAGED)
-
-
 def _is_whole(one: Any) -> bool:
     return one.chunks is None and one.id.get_offset() is not None
 
@@ -229,7 +225,13 @@ def read(path: Path) -> Signals:
     require_file(path)
     source = str(path)
     with opened(path) as file:
-        group = _channels(file, source)
+        import h5py
+
+        link = file.get("channels", getlink=True) if "channels" in file else None
+        if not isinstance(link, h5py.HardLink) or not isinstance(file["channels"], h5py.Group):
+            problem = "must be a group with one dataset a channel, found " + ("none" if link is None else "something else")
+            raise BadInput(source=source, field="channels", problem=problem, remedy="Write /channels/<name>")
+        group = file["channels"]
         samples = {
             name: _one_dimensional(values(one, name, source), name, source) for name, one in datasets(group, source).items()
         }
@@ -271,16 +273,6 @@ def _fill(path: Path, signals: Signals) -> None:
             entry = group.create_dataset(name, data=samples, **packed)
             if name in signals.labels:
                 entry.attrs["unit"] = signals.labels[name]
-
-
-def _channels(file: Any, source: str) -> Any:
-    import h5py
-
-    link = file.get("channels", getlink=True) if "channels" in file else None
-    if not isinstance(link, h5py.HardLink) or not isinstance(file["channels"], h5py.Group):
-        problem = "must be a group with one dataset a channel, found " + ("none" if link is None else "something else")
-        raise BadInput(source=source, field="channels", problem=problem, remedy="Write /channels/<name>")
-    return file["channels"]
 
 
 def _one_dimensional(found: Samples, name: str, source: str) -> Samples:

@@ -69,7 +69,7 @@ class _Order:
         return struct.unpack_from(f"{self.sign}{count}I", content, place)
 
 
-def mat_v5_read(path: Path) -> dict[str, Samples]:
+def read_version_5(path: Path) -> dict[str, Samples]:
     """All variables in `path`, as scipy gives them: two dimensions, in the type they are stored in.
 
     Raises
@@ -79,24 +79,15 @@ def mat_v5_read(path: Path) -> dict[str, Samples]:
     from scipy.io import loadmat
 
     source = str(path)
-    content = _unpacked(path.read_bytes(), source)
-    try:
-        found = loadmat(BytesIO(content))  # mat_dtype=True would drop imaginary parts
-    except Exception as error:  # scipy raises TypeError, ValueError, KeyError, struct.error and more
-        problem = f"it cannot be read as a MAT file: {str(error) or type(error).__name__}"
-        raise BadInput(source=source, problem=problem, remedy=DAMAGED) from None
-    return {name: np.asarray(values) for name, values in found.items() if not name.startswith("__")}
-
-
-def _unpacked(content: bytes, source: str) -> bytes:
-    """`content` with its compressed elements unpacked, all of it measured."""
-    if len(content) < HEADER or content[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
+    # `unpacked_content` with its compressed elements unpacked, all of it measured
+    unpacked_content = path.read_bytes()
+    if len(unpacked_content) < HEADER or unpacked_content[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
         raise BadInput(source=source, problem="it is no MAT file of version 5", remedy="Save it with -v7 or -v7.3")
-    order = _Order(sign="<" if content[126:128] == b"IM" else ">")
-    pieces, place, names, room = [content[:HEADER]], HEADER, [], LARGEST_BYTES
-    while place < len(content):
-        kind, size = order.words(_enough(content, place, 8, source), place, 2)
-        body = _enough(content, place + 8, size, source)[place + 8 : place + 8 + size]
+    order = _Order(sign="<" if unpacked_content[126:128] == b"IM" else ">")
+    pieces, place, names, room = [unpacked_content[:HEADER]], HEADER, [], LARGEST_BYTES
+    while place < len(unpacked_content):
+        kind, size = order.words(_enough(unpacked_content, place, 8, source), place, 2)
+        body = _enough(unpacked_content, place + 8, size, source)[place + 8 : place + 8 + size]
         place += 8 + size
         element = _inflated(body, room, source) if kind == COMPRESSED else struct.pack(f"{order.sign}2I", kind, size) + body
         room -= len(element)
@@ -105,7 +96,13 @@ def _unpacked(content: bytes, source: str) -> bytes:
             raise BadInput(source=source, field=name, problem="two variables have this name", remedy="Save each once")
         names.append(name)
         pieces.append(element)
-    return b"".join(pieces)
+    content = b"".join(pieces)
+    try:
+        found = loadmat(BytesIO(content))  # mat_dtype=True would drop imaginary parts
+    except Exception as error:  # scipy raises TypeError, ValueError, KeyError, struct.error and more
+        problem = f"it cannot be read as a MAT file: {str(error) or type(error).__name__}"
+        raise BadInput(source=source, problem=problem, remedy=DAMAGED) from None
+    return {name: np.asarray(values) for name, values in found.items() if not name.startswith("__")}
 
 
 def _inflated(packed: bytes, room: int, source: str) -> bytes:
@@ -192,7 +189,13 @@ def read(path: Path) -> Signals:
     source = str(path)
     with path.open("rb") as file:
         head = file.read(V73 + 8)
-    found = _v73(path, source) if head[V73:] == SIGNATURE else mat_v5_read(path)
+    if head[V73:] == SIGNATURE:
+        with opened(path) as hdf5:
+            for name in hdf5:
+                _require_numeric(hdf5, name, source)
+            found = {name: values(one, name, source) for name, one in datasets(hdf5, source).items()}
+    else:
+        found = read_version_5(path)
     axes = {name: found.pop(name) for name in ("fs", "frequency") if name in found}
     samples = {name: _vector(numbers, name, source) for name, numbers in found.items()}
     if len(axes) != 1:
@@ -200,7 +203,10 @@ def read(path: Path) -> Signals:
         raise BadInput(source=source, field="fs", problem=problem, remedy="Save the one that fits the data")
     if "fs" in axes:
         require_one_length(samples, None, source)
-        return Signals(source=source, samples=samples, sampling_rate=_rate(axes["fs"], source))
+        rate = np.asarray(axes["fs"]).ravel()
+        if rate.size != 1 or np.iscomplexobj(rate) or not 0 < rate[0] < np.inf:
+            raise BadInput(source=source, field="fs", problem="must be one positive number", remedy=DAMAGED)
+        return Signals(source=source, samples=samples, sampling_rate=float(rate[0]))
     lines = _vector(axes["frequency"], "frequency", source).real.astype(np.float64)
     require_lines(lines, source, "frequency")
     require_one_length(samples, len(lines), source)
@@ -248,13 +254,6 @@ def _fill_v73(path: Path, variables: dict[str, Any]) -> None:
         raw.write(text)
 
 
-def _v73(path: Path, source: str) -> dict[str, Samples]:
-    with opened(path) as file:
-        for name in file:
-            _require_numeric(file, name, source)
-        return {name: values(one, name, source) for name, one in datasets(file, source).items()}
-
-
 def _require_numeric(file: Any, name: str, source: str) -> None:
     """Refuse by MATLAB's own word what is no array of numbers; `datasets` refuses what has no such word."""
     import h5py
@@ -272,13 +271,6 @@ def _vector(numbers: Samples, name: str, source: str) -> Samples:
         shape = " x ".join(map(str, numbers.shape))
         raise BadInput(source=source, field=name, problem=f"must be a vector, found {shape}", remedy="Save one vector a channel")
     return numbers.ravel().astype(np.complex128 if np.iscomplexobj(numbers) else np.float64)
-
-
-def _rate(numbers: Samples, source: str) -> float:
-    rate = np.asarray(numbers).ravel()
-    if rate.size != 1 or np.iscomplexobj(rate) or not 0 < rate[0] < np.inf:
-        raise BadInput(source=source, field="fs", problem="must be one positive number", remedy=DAMAGED)
-    return float(rate[0])
 
 
 def _variables(signals: Signals, source: str) -> dict[str, float | Array | Samples]:

@@ -54,7 +54,7 @@ _NUMBERS = re.compile(rb"[-+0-9eE. nafiNAFI\r\n]*")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Block:
+class Dataset:
     """One dataset.
 
     Attributes
@@ -73,14 +73,14 @@ class Block:
     warnings: tuple[str, ...] = ()
 
 
-def blocks(content: bytes, source: str) -> list[Block]:
+def blocks(content: bytes, source: str) -> list[Dataset]:
     """All datasets in `content`.
 
     Raises
     ------
     BadInput : something outside of a dataset, a dataset that does not end, a function with other numbers than it promises.
     """
-    found: list[Block] = []
+    found: list[Dataset] = []
     place = 0
     while (place := _skipped(content, place)) < len(content):
         block, place = _block(content, place, len(found), source)
@@ -113,7 +113,7 @@ def _skipped(content: bytes, place: int) -> int:
     return place
 
 
-def _block(content: bytes, place: int, index: int, source: str) -> tuple[Block, int]:
+def _block(content: bytes, place: int, index: int, source: str) -> tuple[Dataset, int]:
     opening = _MARK_LINE.match(content, place)
     if opening is None:
         found = content[place : place + 20]
@@ -125,12 +125,12 @@ def _block(content: bytes, place: int, index: int, source: str) -> tuple[Block, 
         return _function(content, place, identity, index, source)
     closing = _next_mark(content, place)
     if closing is None:
-        raise _unfinished(index, source)
+        raise BadInput(source=source, problem=f"dataset {index + 1} does not end", remedy=DAMAGED)
     lines = content[place : closing.start()].decode("utf-8", errors="replace").splitlines()
-    return Block(number=number, index=index, lines=tuple(lines)), closing.end()
+    return Dataset(number=number, index=index, lines=tuple(lines)), closing.end()
 
 
-def _function(content: bytes, place: int, identity: str, index: int, source: str) -> tuple[Block, int]:
+def _function(content: bytes, place: int, identity: str, index: int, source: str) -> tuple[Dataset, int]:
     lines = []
     for _ in range(HEADER):
         line, place = _line(content, place, source)
@@ -149,7 +149,7 @@ def _function(content: bytes, place: int, identity: str, index: int, source: str
     if closing is None:
         problem = f"does not end behind the {count} values that it promises"
         raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
-    return Block(number=58, index=index, lines=tuple(lines), numbers=found, warnings=warnings), closing.end()
+    return Dataset(number=58, index=index, lines=tuple(lines), numbers=found, warnings=warnings), closing.end()
 
 
 def _binary(
@@ -231,10 +231,6 @@ def _next_mark(content: bytes, place: int) -> re.Match[bytes] | None:
     return None
 
 
-def _unfinished(index: int, source: str) -> BadInput:
-    return BadInput(source=source, problem=f"dataset {index + 1} does not end", remedy=DAMAGED)
-
-
 # Universal files written: header 151, units 164, and a dataset 58 or 58b for every channel.
 #
 # pyuff writes functions of type 12 not at all, half of the byte count of complex ones, and zeros for NaN; so this is ours, by
@@ -261,14 +257,15 @@ def write(path: Path, signals: Signals, *, binary: bool = False) -> None:
     ------
     BadInput : a name that an id line has no room for, or frequencies that six digits cannot say (ASCII, unevenly spaced).
     """
-    pieces = [_header()]
+    header = _dataset("   151", [f"{word:<80}" for word in ("NONE", "NONE", "massline", "NONE", "NONE", "massline", "NONE")])
+    pieces = [header]
     units: tuple[float, float] | None = None
     for name, samples in signals.samples.items():
         stated = signals.units.get(name, _ENGLISH)
         if (stated.length, stated.force) != units:
             units = (stated.length, stated.force)
-            pieces.append(_uff_writing_units(stated))
-        pieces.append(_uff_writing_function(name, samples, signals, binary, str(path)))
+            pieces.append(_units_block(stated))
+        pieces.append(_function_block(name, samples, signals, binary, str(path)))
     write_with(path, lambda temporary: temporary.write_bytes(b"".join(pieces)))
 
 
@@ -276,11 +273,7 @@ def _dataset(number: str, lines: list[str]) -> bytes:
     return "".join(f"{line}\n" for line in ("    -1", f"{number:<80}", *lines, "    -1")).encode()
 
 
-def _header() -> bytes:
-    return _dataset("   151", [f"{word:<80}" for word in ("NONE", "NONE", "massline", "NONE", "NONE", "massline", "NONE")])
-
-
-def _uff_writing_units(stated: StatedUnits) -> bytes:
+def _units_block(stated: StatedUnits) -> bytes:
     """Factors are what SI is divided by; temperature is that of code 1."""
     is_si = stated.length == stated.force == 1.0
     factors = [f"{value:25.16E}".replace("E", "D") for value in (1 / stated.length, 1 / stated.force, 1.0, 273.15)]
@@ -288,13 +281,15 @@ def _uff_writing_units(stated: StatedUnits) -> bytes:
     return _dataset("   164", [words, "".join(factors[:3]), factors[3]])
 
 
-def _uff_writing_function(name: str, samples: Samples, signals: Signals, binary: bool, source: str) -> bytes:
+def _function_block(name: str, samples: Samples, signals: Signals, binary: bool, source: str) -> bytes:
     if len(name) > LONGEST_LINE or name.strip() != name or name in ("", "NONE"):
         problem = f"does not fit an id line of {LONGEST_LINE} characters"
         raise BadInput(source=source, field=name, problem=problem, remedy="Rename the channel, or write .h5")
     is_spectrum = signals.frequency is not None
     start, step, even = _abscissa(signals, binary, source)
-    numbers = _numbers(samples, None if even else signals.frequency)
+    abscissa = None if even else signals.frequency
+    columns = [samples.real, samples.imag] if np.iscomplexobj(samples) else [samples]
+    numbers = np.column_stack(columns if abscissa is None else [abscissa, *columns]).ravel()
     rate = RATE.format(repr(float(signals.sampling_rate))) if signals.sampling_rate is not None else "NONE"
     lines = [
         *(f"{text:<80}" for text in (name, "NONE", "NONE", rate, "NONE")),
@@ -334,11 +329,6 @@ def _characteristics(kind: int, unit: str) -> str:
     return f"{kind:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit:<20}"
 
 
-def _numbers(samples: Samples, abscissa: Array | None) -> Array:
-    columns = [samples.real, samples.imag] if np.iscomplexobj(samples) else [samples]
-    return np.column_stack(columns if abscissa is None else [abscissa, *columns]).ravel()
-
-
 def _rows(numbers: Array, even: bool) -> list[str]:
     """Lines of E20.12, or of E13.5 and two E20.12 where every line has its own frequency."""
     width, form = (4, "%20.12E" * 4) if even else (3, "%13.5E%20.12E%20.12E")
@@ -370,7 +360,22 @@ def read(path: Path) -> Signals:
     functions = [block for block in found if block.number == 58]
     if not functions:
         raise BadInput(source=source, problem="it holds no dataset 58", remedy="Export the signals as dataset 58 or 58b")
-    kind = _function_type(functions, source)
+    kinds = {}
+    for block in functions:
+        name = block.lines[0].strip()
+        kinds[name] = int(column(block.lines[5], 0, 5, int, name, source))
+        if kinds[name] not in (TIME_RESPONSE, SPECTRUM):
+            problem = (
+                f"has the function type {kinds[name]}, where {TIME_RESPONSE} (time response) or {SPECTRUM} (spectrum) is read"
+            )
+            raise BadInput(
+                source=source, field=name, problem=problem, remedy="Export the recorded signals, not what was made of them"
+            )
+    if len(set(kinds.values())) > 1:
+        odd = next(name for name in kinds if kinds[name] != next(iter(kinds.values())))
+        problem = "is a spectrum beside time histories, or the other way round"
+        raise BadInput(source=source, field=odd, problem=problem, remedy="Put them into files of their own")
+    kind = next(iter(kinds.values()))
     names = _names(functions, source)
     sets = _headers(path, [block.index for block in functions], len(found))
     abscissae, ordinates = zip(*(_split(one, block) for one, block in zip(sets, functions, strict=True)), strict=True)
@@ -389,26 +394,7 @@ def read(path: Path) -> Signals:
     return Signals(source=source, samples=samples, units=units, labels=labels, warnings=warnings, **axis)
 
 
-def _function_type(functions: list[Block], source: str) -> int:
-    kinds = {}
-    for block in functions:
-        name = block.lines[0].strip()
-        kinds[name] = int(column(block.lines[5], 0, 5, int, name, source))
-        if kinds[name] not in (TIME_RESPONSE, SPECTRUM):
-            problem = (
-                f"has the function type {kinds[name]}, where {TIME_RESPONSE} (time response) or {SPECTRUM} (spectrum) is read"
-            )
-            raise BadInput(
-                source=source, field=name, problem=problem, remedy="Export the recorded signals, not what was made of them"
-            )
-    if len(set(kinds.values())) > 1:
-        odd = next(name for name in kinds if kinds[name] != next(iter(kinds.values())))
-        problem = "is a spectrum beside time histories, or the other way round"
-        raise BadInput(source=source, field=odd, problem=problem, remedy="Put them into files of their own")
-    return next(iter(kinds.values()))
-
-
-def _names(functions: list[Block], source: str) -> list[str]:
+def _names(functions: list[Dataset], source: str) -> list[str]:
     names = [block.lines[0].strip() for block in functions]
     for name in names:
         if name in ("", "NONE"):
@@ -441,7 +427,7 @@ def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
     return sets
 
 
-def _split(one: dict[str, Any], block: Block) -> tuple[Array, Samples]:
+def _split(one: dict[str, Any], block: Dataset) -> tuple[Array, Samples]:
     """Abscissa and ordinate of a function."""
     rows = block.numbers.reshape(int(one["num_pts"]), -1)
     if one["abscissa_spacing"]:
@@ -462,7 +448,7 @@ def _require_one_axis(sets: list[dict[str, Any]], abscissae: Sequence[Array], na
             raise BadInput(source=source, field=name, problem=problem, remedy="Record all channels at one rate and length")
 
 
-def _rate(one: dict[str, Any], time: Array, functions: list[Block], names: list[str], source: str) -> float:
+def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: list[str], source: str) -> float:
     """The sampling rate behind an increment of six digits, or behind time stamps; an id line of ours has it in full."""
     if not one["abscissa_spacing"]:
         return rate_of_times(time, source, "time")
@@ -482,27 +468,25 @@ def _rate(one: dict[str, Any], time: Array, functions: list[Block], names: list[
     return roundest(low, high)
 
 
-def _units(found: list[Block], names: list[str], source: str) -> dict[str, StatedUnits]:
+def _units(found: list[Dataset], names: list[str], source: str) -> dict[str, StatedUnits]:
     """The last dataset 164 before every function; one that comes only behind all of them counts for all."""
     stated, order = [], iter(names)
     current: StatedUnits | None = None
     for block in found:
         if block.number == 164:
-            current = _system(block, source)
+            what = "dataset 164"
+            if len(block.lines) < 2:
+                raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+            code = int(column(block.lines[0], 0, 10, int, what, source))
+            row = block.lines[1].replace("D", "E").replace("d", "e")
+            length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
+            if not (0 < length < np.inf and 0 < force < np.inf):
+                raise BadInput(
+                    source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it"
+                )
+            described = block.lines[0][10:30].strip()
+            words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
+            current = StatedUnits(length=1 / length, force=1 / force, words=words)
         elif block.number == 58:
             stated.append((next(order), current))
     return {name: units or current for name, units in stated if units or current}  # type: ignore[misc]
-
-
-def _system(block: Block, source: str) -> StatedUnits:
-    what = "dataset 164"
-    if len(block.lines) < 2:
-        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
-    code = int(column(block.lines[0], 0, 10, int, what, source))
-    row = block.lines[1].replace("D", "E").replace("d", "e")
-    length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
-    if not (0 < length < np.inf and 0 < force < np.inf):
-        raise BadInput(source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it")
-    described = block.lines[0][10:30].strip()
-    words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
-    return StatedUnits(length=1 / length, force=1 / force, words=words)

@@ -16,9 +16,8 @@ from identification.elastic import model
 from identification.elastic.model import ElasticTerms
 from identification.request import Evidence, Identified, Settings
 from identification.self_calibration import likelihood
-from identification.self_calibration import problem as self_calibration_problem
 from identification.self_calibration.likelihood import residual
-from identification.self_calibration.problem import FAMILY, Assembly, Layout, Part, assembled, normals, total
+from identification.self_calibration.problem import FAMILY, Assembly, Layout, Part, assembled, felt, normals, of_article, total
 from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise
 
 # One pole more, where lines do not fit: closer to its neighbours, or weaker, than the errors of the plain chain let one see.
@@ -34,7 +33,7 @@ MISFIT = 8.0
 DAMPING = 0.003
 """Damping ratio at which a further pole begins."""
 
-FURTHER_POLES_BEYOND = (1.1, 1.2, 1.35, 1.6)
+REACH_OF_POLE = (1.1, 1.2, 1.35, 1.6)
 """Where a pole above the band may begin, in the end of the band."""
 
 ELASTIC = "elastic:article"
@@ -82,7 +81,7 @@ def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | Non
     f, of_fit = measured.frequency, structure.dynamic_mass(layout, x, measured.frequency)
     weight = 1 / np.abs(of_fit / np.outer(model.SCALE, model.SCALE)).max(axis=(1, 2))
     left = weight[:, None] * ((measured.matrix - of_fit).real / np.outer(model.SCALE, model.SCALE)).reshape(-1, 36)
-    tried = {share: _rising(left, weight, f, share * float(f[-1])) for share in FURTHER_POLES_BEYOND}
+    tried = {share: _rising(left, weight, f, share * float(f[-1])) for share in REACH_OF_POLE}
     share = min(tried, key=lambda one: tried[one][1])
     beyond, Q = share * float(f[-1]), tried[share][0]
     values, vectors = np.linalg.eigh((Q + Q.T) / 2)
@@ -99,27 +98,23 @@ def _rising(left: Array, weight: Array, f: Array, beyond: float) -> tuple[Array,
 def _longer(problem: Assembly, x: Array, frequency: float, participation: Array) -> tuple[Assembly, Array]:
     """One pole more: its damping is coupled to that of poles that feel it, others stay coupled as they are."""
     structure, layout = problem.campaigns[0].structure, problem.layout
-    before, terms = structure.elastic, _extended(structure.terms(layout, x), frequency, participation)
-    new = len(terms.frequency) - 1
-    coupled = tuple(pair for pair in self_calibration_problem.felt(terms) if new in pair)
+    alone, before = structure.terms(layout, x), structure.elastic
+    m = len(alone.frequency)
+    C = np.zeros((m + 1, m + 1))
+    C[:m, :m], C[m, m] = alone.damping, 4 * np.pi * DAMPING * frequency
+    terms = ElasticTerms(
+        frequency=np.append(alone.frequency, frequency),
+        damping=C,
+        participation=np.vstack([alone.participation, participation]),
+        residual=alone.residual,
+    )
+    coupled = tuple(pair for pair in felt(terms) if m in pair)
     coupled = tuple(sorted((*(() if before is None else before.pairs), *coupled)))
-    elastic, made = self_calibration_problem.of_article(ELASTIC, structure.ten(layout, x), terms, pairs=coupled)
+    elastic, made = of_article(ELASTIC, structure.ten(layout, x), terms, pairs=coupled)
     return replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
 
 
-def _extended(terms: ElasticTerms, frequency: float, participation: Array) -> ElasticTerms:
-    m = len(terms.frequency)
-    C = np.zeros((m + 1, m + 1))
-    C[:m, :m], C[m, m] = terms.damping, 4 * np.pi * DAMPING * frequency
-    return ElasticTerms(
-        frequency=np.append(terms.frequency, frequency),
-        damping=C,
-        participation=np.vstack([terms.participation, participation]),
-        residual=terms.residual,
-    )
-
-
-def replaced(problem: Assembly, x: Array, elastic: model.Layout, layout: Layout) -> tuple[Assembly, Array]:
+def replaced(problem: Assembly, x: Array, elastic: model.ElasticLayout, layout: Layout) -> tuple[Assembly, Array]:
     """The problem with `elastic` terms of the article laid out anew in `layout`, and where to begin: at `x` in all else."""
     start = layout.start
     for one in layout.blocks:
@@ -154,12 +149,18 @@ def pruned(problem: Assembly, solution: Solution, size: int, *, below: float = n
     if elastic is None or not elastic.modes:
         return None
     x, C, gone = _without_weak(problem, solution, pole_penalty(size), below)
-    pairs = _felt(x, C, elastic, _first(problem))
+    at = _first(problem) + np.arange(elastic.size)[elastic.blocks["pairs"]]
+    known = np.abs(x[at]) > COUPLED * np.sqrt(np.maximum(np.diag(C)[at], 0.0))
+    pairs = tuple(pair for pair, keep in zip(elastic.pairs, known, strict=True) if keep)
     rest = [r for r in range(elastic.modes) if r not in gone]
     kept = tuple((r, s) for r, s in pairs if r in rest and s in rest)
     if not gone and kept == elastic.pairs:
         return None
-    return _shorter(problem, x, rest, kept)
+    structure, layout = problem.campaigns[0].structure, problem.layout
+    place = {r: k for k, r in enumerate(rest)}
+    terms = model.chosen(structure.terms(layout, x), rest)
+    elastic, made = of_article(ELASTIC, structure.ten(layout, x), terms, pairs=tuple((place[r], place[s]) for r, s in kept))
+    return replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
 
 
 def modes(problem: Assembly) -> int:
@@ -213,22 +214,6 @@ def _participation(problem: Assembly, r: int) -> Integers:
     return np.asarray(_first(problem) + begin + 6 * r + np.arange(6))
 
 
-def _felt(x: Array, C: Array, elastic: model.Layout, first: int) -> tuple[tuple[int, int], ...]:
-    at = first + np.arange(elastic.size)[elastic.blocks["pairs"]]
-    known = np.abs(x[at]) > COUPLED * np.sqrt(np.maximum(np.diag(C)[at], 0.0))
-    return tuple(pair for pair, keep in zip(elastic.pairs, known, strict=True) if keep)
-
-
-def _shorter(problem: Assembly, x: Array, rest: list[int], pairs: tuple[tuple[int, int], ...]) -> tuple[Assembly, Array]:
-    structure, layout = problem.campaigns[0].structure, problem.layout
-    place = {r: k for k, r in enumerate(rest)}
-    terms = model.chosen(structure.terms(layout, x), rest)
-    elastic, made = self_calibration_problem.of_article(
-        ELASTIC, structure.ten(layout, x), terms, pairs=tuple((place[r], place[s]) for r, s in pairs)
-    )
-    return replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
-
-
 # Two bootstraps of the joint fit, linearised at its minimum, so that a thousand draws cost next to nothing.
 #
 # Near the minimum a change of the data moves the estimate by -C s, s the change of the gradient. The *parametric* bootstrap
@@ -272,11 +257,7 @@ def _of_campaign(part: Part, layout: Layout, x: Array, block: float) -> Array:
     by_line = likelihood.gradients(part.observed, part.rows(layout, x)) @ part.selection(layout)  # (r, n, k)
     f = part.observed.frequency
     at = np.floor((f - f[0]) / block).astype(np.int64)
-    return np.concatenate([_summed(run, at) for run in by_line])
-
-
-def _summed(by_line: Array, at: Array) -> Array:
-    return np.stack([by_line[at == one].sum(axis=0) for one in np.unique(at)])
+    return np.concatenate([np.stack([run[at == one].sum(axis=0) for one in np.unique(at)]) for run in by_line])
 
 
 # From the joint minimum to an `Identified`: covariance, where it comes from, misfit and the price of the tolerances.
@@ -414,7 +395,7 @@ ANNEALED = (0.02, 0.005)
 FURTHER = 1
 """Poles that are added at most where the joint fit shows lines that do not fit."""
 
-BEYOND = 3
+MOST_BEYOND = 3
 """Poles beyond the band up to which one more is tried: the residual mass leaves of those there what rises with omega⁴."""
 
 LET_IN = 16.0
@@ -457,15 +438,11 @@ def _annealed(problem: Assembly, settings: Settings, *, prune: bool = False) -> 
     x = problem.layout.start
     for floor in [one for one in ANNEALED if one > settings.floor]:
         coarse = _minimum(problem, floor, x, close=0.3, most=8)
-        at_last = _linearised(problem, settings.floor, coarse) if prune else coarse
+        # The normal equations at the place of a `coarse` solution with the weights of another `settings.floor`
+        at_last = _minimum(problem, settings.floor, coarse.x, most=0) if prune else coarse
         shorter = pruned(problem, at_last, _size(problem, settings.floor), below=problem.band[1]) if prune else None
         problem, x = shorter or (problem, coarse.x)
     return problem, x
-
-
-def _linearised(problem: Assembly, floor: float, coarse: Solution) -> Solution:
-    """The normal equations at the place of a `coarse` solution with the weights of another `floor`."""
-    return _minimum(problem, floor, coarse.x, most=0)
 
 
 def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
@@ -478,7 +455,7 @@ def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple
 
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
     """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
-    for _ in range(BEYOND - beyond(problem, solution.x) if modes(problem) else 0):
+    for _ in range(MOST_BEYOND - beyond(problem, solution.x) if modes(problem) else 0):
         more = _paid(with_one_beyond(problem, solution.x), solution, settings, LET_IN)
         if more is None:
             break

@@ -174,7 +174,7 @@ class Structure:
     """
 
     bodies: tuple[Body, ...]
-    elastic: model.Layout | None = None
+    elastic: model.ElasticLayout | None = None
     elastic_block: str = ""
 
     def ten(self, layout: Layout, x: Array) -> Array:
@@ -312,12 +312,12 @@ STIFF = (20.0 / 150.0) ** 2
 
 def of_article(
     name: str, ten: Array, terms: ElasticTerms, *, pairs: tuple[tuple[int, int], ...] | None = None
-) -> tuple[model.Layout, Block]:
+) -> tuple[model.ElasticLayout, Block]:
     """The block of an elastic article beginning at `terms`, with the set-up's ten parameters (10,) for its size.
 
     Damping is coupled in `pairs`, by default wherever it could show.
     """
-    layout = model.Layout(modes=len(terms.frequency), pairs=felt(terms) if pairs is None else pairs)
+    layout = model.ElasticLayout(modes=len(terms.frequency), pairs=felt(terms) if pairs is None else pairs)
     start = model.pack(np.zeros(10), terms, layout)[10:]
     size = _size(ten)
     deviation, mean = np.full(len(start) + 10, np.inf), np.zeros(len(start) + 10)
@@ -331,9 +331,9 @@ def of_article(
     return layout, made
 
 
-def of_rigid(name: str, ten: Array) -> tuple[model.Layout, Block]:
+def of_rigid(name: str, ten: Array) -> tuple[model.ElasticLayout, Block]:
     """The block of a body that is nearly rigid: a residual about zero."""
-    layout = model.Layout(modes=0)
+    layout = model.ElasticLayout(modes=0)
     size = _size(ten)
     deviation = STIFF * np.outer(size, size)[model.UPPER]
     return layout, block(name, layout.names[10:], np.zeros(21), deviation=deviation, families=FAMILY)
@@ -409,7 +409,7 @@ WITHOUT_TARE = "no tare and no known FMD: the result includes the moving part of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Campaign:
+class CampaignProblem:
     """One campaign of the joint problem.
 
     Attributes
@@ -444,7 +444,7 @@ class Assembly:
     """
 
     layout: Layout
-    campaigns: tuple[Campaign, ...]
+    campaigns: tuple[CampaignProblem, ...]
     facts: tuple[Fact, ...] = ()
     drift: Array = field(default_factory=lambda: np.zeros(10))
     warnings: tuple[str, ...] = ()
@@ -490,7 +490,13 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
     bodies, blocks = _fmds(evidence, tares, groups)
     own = bodies.get(0)
     if own is None and evidence.facts:
-        raise _facts_without_tare(evidence.facts[0])
+        fact = evidence.facts[0]
+        raise BadInput(
+            source=fact.source or "facts",
+            field=fact.quantity,
+            problem="it is about the article alone, and nothing tells the FMD from the article",
+            remedy="Give a tare, or the FMD's inertia",
+        )
     start = whole.ten if own is None else whole.ten - own[1]
     blocks.append(block("article", PARAMETERS, start))
     standing = (Body(block="article"),) if own is None else (own[0], Body(block="article"))
@@ -506,15 +512,6 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
 
 def _held(evidence: Evidence) -> bool:
     return evidence.article.method == "peak-reference-hold"
-
-
-def _facts_without_tare(fact: Fact) -> BadInput:
-    return BadInput(
-        source=fact.source or "facts",
-        field=fact.quantity,
-        problem="it is about the article alone, and nothing tells the FMD from the article",
-        remedy="Give a tare, or the FMD's inertia",
-    )
 
 
 def of_fmd(tares: Sequence[TareSpectra], settings: Settings) -> Assembly:
@@ -560,7 +557,7 @@ def _unit(body: Body, family: str) -> Block:
 
 def _campaign(
     name: str, spectra: Spectra, group: int, standing: tuple[Body, ...], found: Setup, settings: Settings, blocks: list[Block]
-) -> Campaign:
+) -> CampaignProblem:
     """One campaign; its elastic terms are added to `blocks`."""
     layout = None
     if settings.modes != 0:
@@ -568,7 +565,7 @@ def _campaign(
         bends = name == "article" and len(found.terms.frequency) > 0  # what has no pole in reach of the band is nearly rigid
         layout, made = of_article(called, found.ten, found.terms) if bends else of_rigid(called, found.ten)
         blocks.append(made)
-    return Campaign(
+    return CampaignProblem(
         name=name,
         spectra=spectra,
         chain=chain(spectra.table, settings.tolerances, stiffness=settings.stiffness, gravity=settings.gravity),
@@ -578,7 +575,7 @@ def _campaign(
     )
 
 
-def _chains(campaigns: list[Campaign]) -> list[Block]:
+def _chains(campaigns: list[CampaignProblem]) -> list[Block]:
     """One block for each hardware: every parameter that the chain of one of its campaigns has."""
     made = []
     for called in dict.fromkeys(one.chain_block for one in campaigns):
@@ -588,7 +585,7 @@ def _chains(campaigns: list[Campaign]) -> list[Block]:
     return made
 
 
-def _part(layout: Layout, one: Campaign, floor: float) -> Part:
+def _part(layout: Layout, one: CampaignProblem, floor: float) -> Part:
     at, names = layout.at(one.chain_block), layout.block(one.chain_block).names
     offsets = [at.start + names.index(parameter.name) for parameter in one.chain.parameters]
     return Part(

@@ -150,7 +150,12 @@ class _Place:
 
 
 def _place(data: Normal, x: Array, knowledge: Knowledge, room: tuple[Array, Array]) -> _Place:
-    total = _with_knowledge(data, x, knowledge)
+    away, rows = knowledge(x)
+    total = Normal(
+        cost=data.cost + 0.5 * float(away @ away),
+        gradient=data.gradient + rows.T @ away,
+        matrix=data.matrix + rows.T @ rows,
+    )
     scale, values, vectors = _factorised(total.matrix)
     return _Place(x=x, data=data, total=total, scale=scale, values=values, vectors=vectors, room=room)
 
@@ -178,15 +183,6 @@ def _factorised(matrix: Array) -> tuple[Array, Array, Array]:
 def excess(data: Normal, size: int) -> float:
     """How many times the residuals of so many numbers exceed what they should be, at least 1."""
     return max(1.0, float(np.sqrt(2 * data.cost / size))) if size else 1.0
-
-
-def _with_knowledge(data: Normal, x: Array, knowledge: Knowledge) -> Normal:
-    away, rows = knowledge(x)
-    return Normal(
-        cost=data.cost + 0.5 * float(away @ away),
-        gradient=data.gradient + rows.T @ away,
-        matrix=data.matrix + rows.T @ rows,
-    )
 
 
 def _tried(data: Callable[[Array], Normal], x: Array, knowledge: Knowledge, room: tuple[Array, Array]) -> _Place | None:

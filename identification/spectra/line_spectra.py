@@ -101,7 +101,18 @@ def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.Arr
     BadInput : lines beyond Nyquist, a record with NaN or infinity or of fewer than two samples.
     """
     x, lines = np.asarray(signals, dtype=np.float64), np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    _check(x, sampling_rate, lines, source)
+    if x.ndim < 1 or len(x) < 2 or not np.all(np.isfinite(x)):
+        found = f"{len(x)} samples" if x.ndim and len(x) < 2 else "NaN or infinity"
+        raise BadInput(
+            source=source, field="signals", problem=f"a record of finite samples is needed, found {found}", remedy="Check it"
+        )
+    if not np.all((lines >= 0) & (lines <= sampling_rate / 2)):
+        raise BadInput(
+            source=source,
+            field="frequency",
+            problem=f"lines end at half the sampling rate, {sampling_rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz",
+            remedy="Ask for lines within, or record faster",
+        )
     steps = np.diff(lines)
     even = len(lines) > 2 and bool(np.all(np.abs(steps - steps.mean()) <= EVEN * steps.mean()))
     return (_chirp(x, sampling_rate, lines) if even else _summed(x, sampling_rate, lines)) / sampling_rate
@@ -116,18 +127,3 @@ def _chirp(x: Array, rate: float, lines: Array) -> ComplexArray:
 def _summed(x: Array, rate: float, lines: Array) -> ComplexArray:
     k = np.arange(len(x))
     return np.stack([np.tensordot(np.exp(-2j * np.pi * f / rate * k), x, axes=1) for f in lines])
-
-
-def _check(x: Array, rate: float, lines: Array, source: str) -> None:
-    if x.ndim < 1 or len(x) < 2 or not np.all(np.isfinite(x)):
-        found = f"{len(x)} samples" if x.ndim and len(x) < 2 else "NaN or infinity"
-        raise BadInput(
-            source=source, field="signals", problem=f"a record of finite samples is needed, found {found}", remedy="Check it"
-        )
-    if not np.all((lines >= 0) & (lines <= rate / 2)):
-        raise BadInput(
-            source=source,
-            field="frequency",
-            problem=f"lines end at half the sampling rate, {rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz",
-            remedy="Ask for lines within, or record faster",
-        )

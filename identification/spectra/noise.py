@@ -24,7 +24,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.base_motion import BaseMotion, base_motion
+from identification.base_motion import base_motion
 from identification.campaign import Campaign, Recording
 from identification.campaign_file import block_length, quiet_blocks
 from identification.resultants import resultants
@@ -76,7 +76,15 @@ def density(campaign: Campaign) -> Density | None:
     kept = total <= STILL * total.min(axis=0)
     mean = np.sum(powers * kept[:, None, :], axis=0) / kept.sum(axis=0)
     frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), dtype=np.float64)
-    return Density(frequency=frequency, values=_smoothed(mean, frequency, kept.sum(axis=0)), segments=kept.sum(axis=0))
+    from scipy.ndimage import median_filter, uniform_filter1d
+
+    # A running mean, but the density itself where it stands out of the running median
+    segments = kept.sum(axis=0)
+    step = frequency[1] - frequency[0]
+    median = median_filter(mean, size=(2 * max(round(AROUND / step), 1) + 1, 1), mode="nearest")
+    top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
+    even = uniform_filter1d(np.minimum(mean, top), _width(step), axis=0, mode="nearest")
+    return Density(frequency=frequency, values=np.where(mean > top, mean, even), segments=kept.sum(axis=0))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,7 +122,12 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
     silent = np.all(measured == 0, axis=0)
     whole = np.where(silent, even[:, None, :], measured)
     unknown = [channel.name for k, channel in enumerate(channels) if not whole[:, :, k].any()]
-    words = _words(unknown, len(channels))
+    count = len(channels)
+    if not unknown:
+        words: tuple[str, ...] = ()
+    else:
+        which = "all channels" if len(unknown) == count else ", ".join(unknown)
+        words = (f"the noise of {which} is not known (no quiet part that reads anything, no noise_rms); it counts as 0",)
     if found is None:
         return OfLines(density=whole, unknown=words)
     at_a_line = _variance(found, silent, _width(_step(found)))
@@ -178,27 +191,9 @@ def _periodogram(piece: Array, rate: float) -> Array:
     return np.asarray(np.abs(lines) ** 2 / (rate * np.sum(window**2)))
 
 
-def _smoothed(density: Array, frequency: Array, segments: npt.NDArray[np.int_]) -> Array:
-    """A running mean, but the density itself where it stands out of the running median."""
-    from scipy.ndimage import median_filter, uniform_filter1d
-
-    step = frequency[1] - frequency[0]
-    median = median_filter(density, size=(2 * max(round(AROUND / step), 1) + 1, 1), mode="nearest")
-    top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
-    even = uniform_filter1d(np.minimum(density, top), _width(step), axis=0, mode="nearest")
-    return np.where(density > top, density, even)
-
-
 def _width(step: float) -> int:
     """Lines of a density, so many [Hz] apart, that a mean smooths."""
     return 2 * round(SMOOTH / step) + 1
-
-
-def _words(unknown: list[str], count: int) -> tuple[str, ...]:
-    if not unknown:
-        return ()
-    which = "all channels" if len(unknown) == count else ", ".join(unknown)
-    return (f"the noise of {which} is not known (no quiet part that reads anything, no noise_rms); it counts as 0",)
 
 
 # Noise of spectra that come without a quiet part: what redundant channels contradict each other by, from line to line.
@@ -233,19 +228,15 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
         motion, load = base_motion(even, gravity=gravity), resultants(even)
     except BadInput:  # channels that do not tell six of each: whoever needs them says which
         return noise
-    driven = _driven(motion)
+    # (r, n) the motion of every run that is largest by its nominal level
+    largest = np.argmax(np.mean(np.abs(motion.values / NOMINAL), axis=1), axis=1)
+    driven = motion.values[np.arange(len(largest)), :, largest]
     for quantity, left, expected in (("acceleration", motion.residual, motion.expected), ("force", load.parity, load.expected)):
         chosen = list(spectra.table.select(quantity=quantity))
         if left.shape[2] and chosen and np.any(expected > 0):
             noise[:, :, chosen] = _sd(left, expected, driven)[:, None, None]
     level = np.sqrt(np.mean(np.square(np.abs(spectra.values)), axis=(0, 1)))
     return np.where(noise > ROUNDING * level, noise, 0.0)
-
-
-def _driven(motion: BaseMotion) -> ComplexArray:
-    """(r, n) the motion of every run that is largest by its nominal level."""
-    largest = np.argmax(np.mean(np.abs(motion.values / NOMINAL), axis=1), axis=1)
-    return motion.values[np.arange(len(largest)), :, largest]
 
 
 def _sd(left: ComplexArray, expected: Array, driven: ComplexArray) -> Array:

@@ -105,7 +105,17 @@ def spectra(
     ------
     BadInput : no recordings, runs that do not fit each other, lines that the data do not have, an unknown method or channel.
     """
-    recorded = _recordings(campaign, method)
+    if method not in METHODS:
+        raise _refused(campaign, "method", f"{method!r} is not known", f"Choose one of {', '.join(METHODS)}")
+    missing = [run.name for run in campaign.runs if run.name not in campaign.recordings]
+    if missing or not campaign.runs:
+        which = f"the runs {', '.join(missing)} have" if missing else "the campaign has"
+        raise _refused(campaign, "run", f"{which} no recording", "Read the whole campaign, not its description alone")
+    recorded = [campaign.recordings[run.name] for run in campaign.runs]
+    kinds = {one.is_spectrum for one in recorded}
+    if len(kinds) > 1:
+        which = ", ".join(one.source for one in recorded if one.is_spectrum)
+        raise _refused(campaign, "run", f"{which} hold spectra, the others time histories", "Give all runs in one form")
     if recorded[0].is_spectrum:
         made = _as_recorded(campaign, recorded, band, frequency)
     else:
@@ -136,21 +146,6 @@ def reference_channel(table: ChannelTable, run: Run, recorded: Recording) -> str
     axis = MOTIONS.index(run.axis)
     others = np.delete(seen, axis, axis=1).sum(axis=1)
     return table.names[chosen[int(np.lexsort((others, -np.round(seen[:, axis], 6)))[0])]]
-
-
-def _recordings(campaign: Campaign, method: str) -> list[Recording]:
-    if method not in METHODS:
-        raise _refused(campaign, "method", f"{method!r} is not known", f"Choose one of {', '.join(METHODS)}")
-    missing = [run.name for run in campaign.runs if run.name not in campaign.recordings]
-    if missing or not campaign.runs:
-        which = f"the runs {', '.join(missing)} have" if missing else "the campaign has"
-        raise _refused(campaign, "run", f"{which} no recording", "Read the whole campaign, not its description alone")
-    recorded = [campaign.recordings[run.name] for run in campaign.runs]
-    kinds = {one.is_spectrum for one in recorded}
-    if len(kinds) > 1:
-        which = ", ".join(one.source for one in recorded if one.is_spectrum)
-        raise _refused(campaign, "run", f"{which} hold spectra, the others time histories", "Give all runs in one form")
-    return recorded
 
 
 def grid(campaign: Campaign, frequency: npt.ArrayLike | None = None) -> Array:

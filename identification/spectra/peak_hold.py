@@ -265,16 +265,12 @@ NAMED = 3
 
 def warnings(campaign: Campaign) -> tuple[str, ...]:
     """Sentences about runs of time histories that do not begin or end at rest."""
-    floors = _floors(campaign)
-    recorded = [(run.name, campaign.recordings[run.name]) for run in campaign.runs]
-    return tuple(text for name, one in recorded for text in _of_run(name, one, floors) if text)
-
-
-def _floors(campaign: Campaign) -> Array:
-    """(c,) broadband noise; 0 where it is not known."""
+    # (c,) broadband noise; 0 where it is not known
     stated = np.array([channel.noise_rms or 0.0 for channel in campaign.table.channels])
     measured = noise_floors(campaign)
-    return stated if measured is None else np.where(measured > 0, measured, stated)
+    floors = stated if measured is None else np.where(measured > 0, measured, stated)
+    recorded = [(run.name, campaign.recordings[run.name]) for run in campaign.runs]
+    return tuple(text for name, one in recorded for text in _of_run(name, one, floors) if text)
 
 
 def _of_run(name: str, recorded: Recording, floors: Array) -> tuple[str, str]:
@@ -373,11 +369,18 @@ def sweep_bias(
     decay = 2 * np.pi * resonance * damping_ratio
     fine = rate * finer
     drive = _sweep(fine, start, stop, octaves_per_minute, 14 / decay if ring_down is None else ring_down)
-    load = drive + _relative(drive, fine, resonance, damping_ratio)
+    from scipy.signal import cont2discrete, lfilter
+
+    # The acceleration (n,) of the mass relative to the table, exact for a piecewise linear drive
+    omega_r = 2 * np.pi * resonance
+    system = ([-1.0, 0.0, 0.0], [1.0, 2 * damping_ratio * omega_r, omega_r**2])
+    numerator, denominator, _ = cont2discrete(system, 1 / fine, method="foh")
+    relative = np.asarray(lfilter(np.squeeze(numerator), denominator, drive), dtype=np.float64)
+    load = drive + relative
     pair = np.column_stack([drive, load])[::finer]
     held = peak_reference_hold(pair, rate, pair[:, 0], frequency, block_size=block_size, overlap=overlap)
     full = full_record(pair, rate, frequency)
-    omega, omega_r = 2 * np.pi * frequency, 2 * np.pi * resonance
+    omega = 2 * np.pi * frequency
     exact = np.asarray(1 + omega**2 / (omega_r**2 - omega**2 + 2j * damping_ratio * omega_r * omega), dtype=np.complex128)
     return SweepBias(frequency=frequency, exact=exact, peak_hold=held[:, 1] / held[:, 0], full_record=full[:, 1] / full[:, 0])
 
@@ -390,13 +393,3 @@ def _sweep(rate: float, start: float, stop: float, octaves_per_minute: float, af
     fade = np.minimum(1.0, np.minimum(t * start, (duration - t) * stop))
     wave = np.sin(2 * np.pi * start / k * np.expm1(k * t)) * np.sin(np.pi / 2 * np.clip(fade, 0, 1)) ** 2
     return np.concatenate([np.zeros(round(REST * rate)), wave, np.zeros(round(after * rate))])
-
-
-def _relative(drive: Array, rate: float, resonance: float, damping_ratio: float) -> Array:
-    """The acceleration (n,) of the mass relative to the table, exact for a piecewise linear drive."""
-    from scipy.signal import cont2discrete, lfilter
-
-    omega = 2 * np.pi * resonance
-    system = ([-1.0, 0.0, 0.0], [1.0, 2 * damping_ratio * omega, omega**2])
-    numerator, denominator, _ = cont2discrete(system, 1 / rate, method="foh")
-    return np.asarray(lfilter(np.squeeze(numerator), denominator, drive), dtype=np.float64)

@@ -42,19 +42,19 @@ def _held(structure: Structure, count: int) -> np.ndarray:
 def test_frequencies_of_the_reconstruction_survived_the_cad_detail(name: str, shared: Path) -> None:
     blades, key = CONFIGURATIONS[name]
     modes = json.loads((shared / "clumod" / "reconstruction.json").read_text())["achieved"][key]["f_Hz"]
-    found = articles.frequencies(articles.build(blades, load("clumod")), len(modes))
+    found = articles.frequencies(articles.clumod_frame(blades, load("clumod")), len(modes))
     assert_allclose(
         found, modes, rtol=0.03
     )  # what the re-solve leaves to modes that the paper does not print; for those see below
 
 
 def test_published_mode_structure_holds() -> None:
-    four = articles.frequencies(articles.build(FOUR_BLADES, load("clumod")), 12)
+    four = articles.frequencies(articles.clumod_frame(FOUR_BLADES, load("clumod")), 12)
     assert four[0] == pytest.approx(5.70, abs=0.05)
     assert four[10] == pytest.approx(15.50, abs=0.05)
     assert np.sum(np.abs(four - 12.3) <= 0.15) == 4
     assert four[11] >= 37.7
-    one = articles.frequencies(articles.build(ONE_BLADE, load("clumod")), 6)
+    one = articles.frequencies(articles.clumod_frame(ONE_BLADE, load("clumod")), 6)
     assert one[0] == pytest.approx(11.6, abs=0.05)
     assert np.sum(one < 50) == 5
 
@@ -136,7 +136,7 @@ def test_reach_is_the_collars_radius_less_the_thickness_of_the_blade() -> None:
     assert reach(0.05, 0.0) == pytest.approx(0.05)
     assert reach(0.05, 6e-3) == pytest.approx(0.05 - 6e-3)
     d = load("clumod")
-    plan = articles.beam_clumod_plan(FOUR_BLADES, d)
+    plan = articles.clumod_plan(FOUR_BLADES, d)
     for blade in d["blade"]:
         expected = reach(d["hubs"]["outer_diameter"] / 2, blade["thickness"])
         roots = [plan.nodes[member.nodes[0]] for member in plan.members if member.part == blade["name"]]
@@ -145,9 +145,9 @@ def test_reach_is_the_collars_radius_less_the_thickness_of_the_blade() -> None:
 
 def test_rigid_middle_stiffens_the_blades(monkeypatch: pytest.MonkeyPatch) -> None:
     """All eleven modes of blades and mast, by about twice reach over length where a blade bends alone."""
-    with_reach = articles.frequencies(articles.build(FOUR_BLADES, load("clumod")), 11)
+    with_reach = articles.frequencies(articles.clumod_frame(FOUR_BLADES, load("clumod")), 11)
     monkeypatch.setattr(articles, "reach", lambda _radius, _thickness: 1e-4)
-    assert np.all(with_reach > articles.frequencies(articles.build(FOUR_BLADES, load("clumod")), 11))
+    assert np.all(with_reach > articles.frequencies(articles.clumod_frame(FOUR_BLADES, load("clumod")), 11))
 
 
 def _between(a: float, b: float, section: Section) -> np.ndarray:
@@ -166,7 +166,7 @@ LOWER, UPPER = 0.30, 0.42
 def test_joint_between_ports_of_the_mast_acts_as_a_member_between_its_nodes() -> None:
     d = load("clumod")
     ports = (Port(member="mast", at=LOWER), Port(member="mast", at=UPPER))
-    plan = articles.beam_clumod_plan(ONE_BLADE, d, joints=[Joint(ports=ports, stiffness=np.zeros((12, 12)))])
+    plan = articles.clumod_plan(ONE_BLADE, d, joints=[Joint(ports=ports, stiffness=np.zeros((12, 12)))])
     section = _massless(plan.members[0].section)
     ends = tuple(int(np.argmin(np.abs(plan.nodes - [0, 0, z]).sum(axis=1))) for z in (LOWER, UPPER))
     doubled = replace(plan, members=(*plan.members, Member(nodes=ends, section=section, z_axis=np.eye(3)[0], part="mast")))
@@ -174,7 +174,7 @@ def test_joint_between_ports_of_the_mast_acts_as_a_member_between_its_nodes() ->
     stiffness = _between(LOWER, UPPER, section)
     turned = np.roll(np.arange(12), 6)
     for joint in (Joint(ports=ports, stiffness=stiffness), Joint(ports=ports[::-1], stiffness=stiffness[np.ix_(turned, turned)])):
-        assert_allclose(articles.frequencies(articles.build(ONE_BLADE, d, joints=[joint]), 6), expected, rtol=1e-9)
+        assert_allclose(articles.frequencies(articles.clumod_frame(ONE_BLADE, d, joints=[joint]), 6), expected, rtol=1e-9)
     assert np.all(expected >= articles.frequencies(assemble(plan), 6))
 
 
@@ -274,7 +274,7 @@ def test_part_of_a_material_without_moduli_is_refused() -> None:
     d = copy.deepcopy(load("clumod"))
     d["mast"]["material"] = "oak"
     with pytest.raises(BadInput, match="material oak: `youngs_modulus`: is missing"):
-        articles.build(ONE_BLADE, d)
+        articles.clumod_frame(ONE_BLADE, d)
 
 
 # --- another program's beams -------------------------------------------------------------------------------------------------

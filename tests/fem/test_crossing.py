@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.beam import articles
-from fem.beam.articles import Joint, Piece
+from fem.beam.articles import ClumodPiece, Joint
 from fem.beam.elements import tube
 from fem.structure import rigid_motion
 from geometry.article import material
@@ -24,23 +24,23 @@ def dimensions() -> Dimensions:
     return load("clumod")
 
 
-def lower_1(blades: Sequence[str], d: Dimensions) -> Piece:
+def lower_1(blades: Sequence[str], d: Dimensions) -> ClumodPiece:
     return next(piece for piece in articles.pieces(blades, d) if piece.blades == ("lower-1",))
 
 
 @pytest.fixture(scope="module")
-def piece(dimensions: Dimensions) -> Piece:
+def piece(dimensions: Dimensions) -> ClumodPiece:
     """The crossing of lower-1, cut out of Clumod with four blades."""
     return lower_1(FOUR_BLADES, dimensions)
 
 
 @pytest.fixture(scope="module")
-def flexibility(piece: Piece) -> np.ndarray:
+def flexibility(piece: ClumodPiece) -> np.ndarray:
     return articles.solid_flexibility(piece, SIZE)
 
 
 @pytest.fixture(scope="module")
-def joint(piece: Piece, flexibility: np.ndarray, dimensions: Dimensions) -> Joint:
+def joint(piece: ClumodPiece, flexibility: np.ndarray, dimensions: Dimensions) -> Joint:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(articles, "_kept_flexibility", lambda *_: flexibility)
         return articles.joint(piece, dimensions, SIZE)
@@ -53,7 +53,7 @@ def test_the_pieces_are_the_foot_and_every_hub_with_a_blade_or_mast_above(dimens
     assert [each.blades for each in articles.pieces(ONE_BLADE, dimensions)] == [(), ("lower-1",), ()]
 
 
-def test_flexibilities_are_symmetric_and_positive(piece: Piece, flexibility: np.ndarray) -> None:
+def test_flexibilities_are_symmetric_and_positive(piece: ClumodPiece, flexibility: np.ndarray) -> None:
     for found in (flexibility, articles.beam_flexibility(piece)):
         assert found.shape == (18, 18)
         assert_allclose(found, found.T, rtol=0, atol=1e-9 * np.abs(found).max())
@@ -61,7 +61,7 @@ def test_flexibilities_are_symmetric_and_positive(piece: Piece, flexibility: np.
         assert np.linalg.eigvalsh(found / np.outer(scale, scale)).min() > 1e-9
 
 
-def test_both_halves_of_a_blade_give_alike(piece: Piece, flexibility: np.ndarray) -> None:
+def test_both_halves_of_a_blade_give_alike(piece: ClumodPiece, flexibility: np.ndarray) -> None:
     """Half a turn about the mast carries one port into the other: forces and moments across it change their sign.
     The mesh itself is not symmetric, and coarse."""
     turn = np.diag([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
@@ -70,7 +70,7 @@ def test_both_halves_of_a_blade_give_alike(piece: Piece, flexibility: np.ndarray
         assert_allclose((turn @ found[:6, :6] @ turn - found[6:12, 6:12]) / scale, 0, atol=2e-2)
 
 
-def test_the_solid_gives_about_what_the_beams_give(piece: Piece, flexibility: np.ndarray) -> None:
+def test_the_solid_gives_about_what_the_beams_give(piece: ClumodPiece, flexibility: np.ndarray) -> None:
     """A joint is a correction: no direction of any port gives less than half or more than twice of what the beams do."""
     ratio = np.diag(flexibility) / np.diag(articles.beam_flexibility(piece))
     assert np.all((ratio > 0.5) & (ratio < 2))
@@ -83,20 +83,20 @@ def test_a_joint_lets_its_ports_move_together(joint: Joint, dimensions: Dimensio
 
 
 def test_beams_with_the_joint_have_the_flexibility_of_the_solid(
-    piece: Piece, flexibility: np.ndarray, joint: Joint, monkeypatch: pytest.MonkeyPatch
+    piece: ClumodPiece, flexibility: np.ndarray, joint: Joint, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = articles.beam_clumod_plan
+    plain = articles.clumod_plan
 
     def jointed(blades: Sequence[str], d: Dimensions, *, elements: int) -> object:
         return plain(blades, d, elements=elements, joints=(joint,))
 
-    monkeypatch.setattr(articles, "beams", jointed)
+    monkeypatch.setattr(articles, "clumod_plan", jointed)
     scale = np.sqrt(np.outer(np.diag(flexibility), np.diag(flexibility)))
     assert_allclose((articles.beam_flexibility(piece) - flexibility) / scale, 0, atol=1e-6)
 
 
 def test_no_joint_is_needed_where_the_solid_is_as_flexible_as_the_beams(
-    piece: Piece, dimensions: Dimensions, monkeypatch: pytest.MonkeyPatch
+    piece: ClumodPiece, dimensions: Dimensions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stiffness = np.linalg.inv(articles.beam_flexibility(piece))
     monkeypatch.setattr(articles, "_kept_flexibility", lambda piece, _: articles.beam_flexibility(piece))
@@ -116,18 +116,20 @@ def test_the_foot_of_beams_is_a_cantilever_tube(dimensions: Dimensions) -> None:
     assert_allclose(articles.beam_flexibility(foot), expected, rtol=1e-8, atol=1e-8 * turn)
 
 
-def test_a_joint_of_four_blades_serves_one(joint: Joint, piece: Piece, dimensions: Dimensions) -> None:
+def test_a_joint_of_four_blades_serves_one(joint: Joint, piece: ClumodPiece, dimensions: Dimensions) -> None:
     """The same crossing is cut out of both, and Clumod with one blade takes the joint: its frequencies fall, by little."""
     own = lower_1(ONE_BLADE, dimensions)
     assert [(port.member, port.at) for port in own.ports] == [(port.member, port.at) for port in piece.ports]
     assert_array_equal(articles.beam_flexibility(own), articles.beam_flexibility(piece))
-    plain, jointed = (articles.frequencies(articles.build(ONE_BLADE, dimensions, joints=joints), 5) for joints in ((), (joint,)))
+    plain, jointed = (
+        articles.frequencies(articles.clumod_frame(ONE_BLADE, dimensions, joints=joints), 5) for joints in ((), (joint,))
+    )
     change = jointed / plain - 1
     assert np.abs(change).max() < 0.05
     assert np.abs(change).max() > 1e-5
 
 
-def test_ports_are_where_the_solid_ends(piece: Piece, dimensions: Dimensions) -> None:
+def test_ports_are_where_the_solid_ends(piece: ClumodPiece, dimensions: Dimensions) -> None:
     """A rigid motion about the base is reported by every port as its own."""
     solid = articles._solid(piece, SIZE)
     shares = articles._shares(solid)

@@ -10,7 +10,7 @@ from fem.beam import articles
 from fem.beam.articles import Joint, Port
 from fem.beam.elements import Section, rectangle, sandwich
 from fem.beam.frame import Body, Member, Plan, Ports, assemble
-from fem.dynamic_mass import modal
+from fem.dynamic_mass import modal_dynamic_mass
 from fem.exudyn import frame, linear
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.linear import linearise, single, stiffness_of
@@ -84,7 +84,7 @@ def test_a_beam_askew_is_refused() -> None:
 
 
 def test_a_finer_mesh_is_the_same_body_and_keeps_the_numbers_of_the_old_nodes() -> None:
-    plan = articles.plan("clumod-1", elements=3)
+    plan = articles.article_plan("clumod-1", elements=3)
     finer = refined(plan, 2)
     assert_allclose(finer.nodes[: len(plan.nodes)], plan.nodes, rtol=0)
     weights = [(frame.rigid.T @ frame.mass @ frame.rigid) for frame in map(assemble, (finer, plan))]
@@ -143,7 +143,7 @@ def test_dynamic_mass_agrees_with_the_beam_model(
     nearly all of it at the peaks, where a frequency off by 5e-6 is 1 / (2 zeta) times as much.
     """
     size = np.sqrt(np.diag(by_us[name].rigid_mass))
-    ours, exudyns = (modal(modes[name]).matrix / np.outer(size, size) for modes in (by_us, by_exudyn))
+    ours, exudyns = (modal_dynamic_mass(modes[name]).matrix / np.outer(size, size) for modes in (by_us, by_exudyn))
     assert np.linalg.norm(exudyns - ours) <= bar * np.linalg.norm(ours)
 
 
@@ -158,10 +158,10 @@ def test_loss_of_every_mode_of_the_band_comes_from_the_parts(
 
 def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices() -> None:
     """One mesh, all coordinates and joints against 30 modes and residual; the loss is that of steel throughout."""
-    plan = articles.plan("clumod-1", elements=4)
+    plan = articles.article_plan("clumod-1", elements=4)
     system, lines = linearise(plan, COUNT), [4.0, 9.0, 20.0, 32.0]
     loss = 0.006 * system.stiffness
-    sum_of_modes = modal(single(system, loss, np.zeros(3), COUNT), lines).matrix
+    sum_of_modes = modal_dynamic_mass(single(system, loss, np.zeros(3), COUNT), lines).matrix
     solved = linear.direct(system, loss, lines).matrix
     assert_allclose(sum_of_modes, solved, rtol=0, atol=1e-4 * np.abs(solved).max())
 
@@ -191,7 +191,7 @@ def test_two_faces_and_springs_bend_as_the_sandwich_theory_says(shear_modulus: f
 
 
 def test_load_cells_are_springs_in_exudyn_too() -> None:
-    plan = articles.plan("fmd+clumod-1", elements=6, cells=articles.load_cells())
+    plan = articles.article_plan("fmd+clumod-1", elements=6, cells=articles.load_cells())
     ours = fixed_base_of(refined(plan, 4), 5).frequency
     assert_allclose(linear.modes_of_plan(plan, 5).frequency, ours, rtol=2e-4)
 

@@ -57,7 +57,7 @@ def test_the_table_side_of_the_fmd_is_drawn_but_not_counted() -> None:
 def test_the_moving_fraction_of_the_load_cells_decides_what_counts(fraction: float, moving: int, fixed: int) -> None:
     d = load("fmd")
     d["load_cell"]["moving_fraction"] = fraction
-    parts = articles_parts.fmd_build(d).parts
+    parts = articles_parts.build_fmd(d).parts
     assert sum(part.name.endswith("-moving") for part in parts) == moving
     assert sum(part.name.endswith("-fixed") for part in parts) == fixed
     volume = sum(s.primitive.volume for p in parts if p.name.endswith("-moving") for s in p.shape.solids)

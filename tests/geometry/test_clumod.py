@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from geometry import cad
 from geometry.articles import built_in
-from geometry.articles.parts import build
+from geometry.articles.parts import build_clumod
 
 # Half a unit of the last printed digit of the moments (Tables 1 and 2); 5 g and 0.05 mm as the reference table promises.
 PRINTED = {"clumod-4": ("four_blades", 0.0005), "clumod-1": ("one_blade", 0.005)}
@@ -49,7 +49,7 @@ def test_only_the_shorter_upper_blade_holds_silicone_and_in_its_neutral_axis() -
 
 
 def test_a_blade_and_its_hub_hold_their_bolts_in_the_same_places() -> None:
-    article = build(("lower-2",))
+    article = build_clumod(("lower-2",))
     parts = {part.name: part for part in article.parts}
     places = [
         {tuple(np.round(part.pose.apply(void.pose.position)[:2], 9)) for void in part.shape.voids}

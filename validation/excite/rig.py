@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, LoadCell, Rig
+from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig
 from fem.damping import DEFAULT_RATIO
 from geometry.articles import built_in, changes_of
 from geometry.dynamic_mass import MOTIONS
@@ -131,7 +131,7 @@ def _followed(made: Flexible, article: str, model: str, asked: FlexibleOptions, 
     return flexible(article, model, replace(asked, count=max(count, 1)))
 
 
-def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> Body:
+def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> FlexibleBody:
     """`model` reduced; rigid when even its first mode lies above `highest` [Hz]."""
     from fem.base_excitation import rig
 
@@ -143,7 +143,7 @@ def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> Body:
     return replace(made, places=_moving(model, made, places)) if places else made
 
 
-def _moving(model: Flexible, body: Body, places: Mapping[str, Array]) -> dict[str, Array]:
+def _moving(model: Flexible, body: FlexibleBody, places: Mapping[str, Array]) -> dict[str, Array]:
     """What each coordinate of `body` does to `places`, (3, 6 + n): on beams a place rides on the section that it belongs to."""
     from validation.flexible.model import nearest_part
     from validation.flexible.modes import displacement

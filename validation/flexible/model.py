@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.damping import DEFAULT_RATIO, Damping, equivalent_ratio, per_mode
+from fem.damping import DEFAULT_RATIO, Damping, damping_per_mode, equivalent_ratio
 from fem.modes import Modes
 from fem.user_model.reading import is_model, load
 from geometry import toml_file
@@ -238,7 +238,7 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     if damping is None:
         return modes
     omega = 2 * np.pi * modes.frequency
-    C = per_mode(damping, omega)
+    C = damping_per_mode(damping, omega)
     ratio = equivalent_ratio(C, np.zeros_like(C), omega)
     return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from fem import damping as fem_damping
 from fem.base_excitation import rig
-from fem.damping import Damping, default, per_mode
+from fem.damping import Damping, damping_per_mode, default_damping
 from fem.factorisers import factorise
 from fem.held_base import HeldBase, hold, restricted, static_shapes
 from fem.modes import Modes, fixed_base
@@ -99,7 +99,7 @@ def of_structure(
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
     shapes = _basis(structure, free, modes, free.load, rows)
-    own = _matrices_own(structure, free, modes, shapes, damping or fem_damping.default(structure), rows)
+    own = _matrices_own(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
     L = free.load.T @ shapes
     T = np.eye(BASE + len(own.mass))
     T[:BASE, :BASE] = rigid_transformation_6(modes.reference_point)
@@ -133,7 +133,7 @@ def held(
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
     shapes = _basis(structure, free, modes, np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T, rows)
-    return _matrices_own(structure, free, modes, shapes, damping or fem_damping.default(structure), rows)
+    return _matrices_own(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
 
 
 def of_inertia(inertia: Inertia, places: Places = NOWHERE) -> Matrices:
@@ -204,7 +204,7 @@ def _matrices_own(structure: Structure, free: HeldBase, modes: Modes, shapes: Ar
     n = modes.frequency.size
     S, C_u = fem_damping.structural_matrix(damping, structure), fem_damping.viscous_matrix(damping, structure)
     viscous = np.zeros((shapes.shape[1], shapes.shape[1])) if C_u is None else _congruent(restricted(C_u, free.free), shapes)
-    viscous[:n, :n] += fem_damping.per_mode(damping, 2 * np.pi * modes.frequency)
+    viscous[:n, :n] += fem_damping.damping_per_mode(damping, 2 * np.pi * modes.frequency)
     structural = np.zeros_like(viscous) if S is None else _congruent(restricted(S, free.free), shapes)
     _require_same(viscous[:n, :n], modes.viscous)
     _require_same(structural[:n, :n], modes.structural)
@@ -443,7 +443,7 @@ def _of_user(recipe: _Recipe) -> MountedArticle:
     if isinstance(found.model, Structure):
         return _of_structure(recipe, found.model, damping, {}, None)
     frequency = found.model.frequency
-    modal = found.model if damping is None else replace(found.model, viscous=per_mode(damping, 2 * np.pi * frequency))
+    modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
     matrices = of_modes(modal, _inertia(recipe).cog)
     return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
 
@@ -451,7 +451,7 @@ def _of_user(recipe: _Recipe) -> MountedArticle:
 def _of_structure(
     recipe: _Recipe, structure: Structure, damping: Damping | None, places: Places, drawn: Article | None
 ) -> MountedArticle:
-    used = damping or default(structure)
+    used = damping or default_damping(structure)
     modes = fixed_base(structure, recipe.modes, damping=used)
     return MountedArticle(
         article=recipe.article,

@@ -24,7 +24,7 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen, proper_rotation, rotation_about
 from geometry.inertia import Inertia, parallel_axis, six_from_tensor, tensor_from_six
-from geometry.toml_file import QUANTITIES_LARGEST, SI_UNITS, quantity
+from geometry.toml_file import LARGEST_QUANTITY, SI_UNITS, quantity
 from identification.quality import NORMAL_95
 from validation.output import plain_unit
 
@@ -309,7 +309,7 @@ def _si(text: str, dimension: str, source: str, field: str) -> float:
 
 
 NOT_STATED = "not stated"
-_PLACES = round(math.log10(QUANTITIES_LARGEST))
+_PLACES = round(math.log10(LARGEST_QUANTITY))
 _LEADING = re.compile(r"\(?\s*[+-]?(\d*)\.?(\d*)(?:[eE]([+-]?\d+))?")
 _SHOWN_PER_SI = {"length": 1e3}
 """Statements are shown in millimetres; everything else in SI."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.base_excitation.rig import Body, Flange, Friction, Rig, Strut
+from fem.base_excitation.rig import Flange, FlexibleBody, Friction, Rig, Strut
 from geometry.articles import changes_of
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
@@ -174,7 +174,7 @@ def _resonators(named: Named, axes: tuple[int, ...]) -> StructureChange:
     return change
 
 
-def _with_resonator(body: Body, row: Array, named: Named) -> Body:
+def _with_resonator(body: FlexibleBody, row: Array, named: Named) -> FlexibleBody:
     """`body` with a mass on a spring that rides along ``row @ x``; its own coordinate is its motion relative to that."""
     m, f, zeta = (named.values[key] for key in ("m", "f", "zeta"))
     omega, of = 2 * np.pi * f, body.reduced
@@ -187,7 +187,7 @@ def _with_resonator(body: Body, row: Array, named: Named) -> Body:
         of, mass=mass, viscous=viscous, stiffness=stiffness, structural=structural, basis=np.pad(of.basis, ((0, 0), (0, 1)))
     )
     places = {name: np.pad(rows, ((0, 0), (0, 1))) for name, rows in body.places.items()}
-    return Body(name=body.name, reduced=reduced, kept=np.append(body.kept, f), places=places)
+    return FlexibleBody(name=body.name, reduced=reduced, kept=np.append(body.kept, f), places=places)
 
 
 def _with_mass(rig: Rig, named: Named, added: Array) -> Rig:

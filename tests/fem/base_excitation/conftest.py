@@ -8,7 +8,7 @@ import pytest
 
 from fem.base_excitation import rig
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Flange, LoadCell, Rig
+from fem.base_excitation.rig import Flange, FlexibleBody, LoadCell, Rig
 from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
@@ -36,19 +36,19 @@ def _burst(
 
 
 @pytest.fixture(scope="session")
-def clumod() -> Callable[[str], Body]:
+def clumod() -> Callable[[str], FlexibleBody]:
     """``clumod(name)``: 30 modes at 3 % damping, which is over in seconds, and a place at the top of the mast."""
     return cache(_clumod)
 
 
-def _clumod(name: str) -> Body:
+def _clumod(name: str) -> FlexibleBody:
     structure = articles.structure(name)
     modes = fixed_base(structure, 30, damping=Damping(ratio=0.03))
     return rig.flexible(name, structure, modes, places={"top": [0.0, 0.0, 1.6]})
 
 
 @pytest.fixture(scope="session")
-def rigid_block() -> Body:
+def rigid_block() -> FlexibleBody:
     """A rigid block with its CoG off all axes."""
     inertia = Inertia.from_cog(7.0, [0.02, -0.03, 0.2], np.array([[0.3, 0.01, 0.02], [0.01, 0.25, -0.03], [0.02, -0.03, 0.1]]))
     return rig.rigid("block", inertia, {"top": [0.1, 0.05, 0.4]})
@@ -60,7 +60,7 @@ def mounted() -> Callable[..., Rig]:
     return _mounted
 
 
-def _mounted(article: Body, *, softer: float = 1.0, preload: float | None = None) -> Rig:
+def _mounted(article: FlexibleBody, *, softer: float = 1.0, preload: float | None = None) -> Rig:
     stiffness = np.array([4e8, 4e8, 2e9]) / softer
     cells = tuple(
         LoadCell(position=np.array([x, y, 0.01]), stiffness=stiffness, damping=2e-5 * stiffness, preload=preload)

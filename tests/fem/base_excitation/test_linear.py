@@ -13,7 +13,7 @@ from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation import rig as base_excitation_rig
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
@@ -28,7 +28,7 @@ RINGS = {"clumod-1": 8.0, "clumod-4": 20.0}
 
 Burst = Callable[..., BaseMotion]
 Mounted = Callable[..., Rig]
-Clumod = Callable[[str], Body]
+Clumod = Callable[[str], FlexibleBody]
 
 
 def spectra(response: Response, low: float = 4.0, high: float = 32.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -46,7 +46,7 @@ def spectra(response: Response, low: float = 4.0, high: float = 32.0) -> tuple[n
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("axis", range(6))
 def test_a_rigid_block_is_loaded_by_plus_its_mass_times_acceleration(
-    rigid_block: Body, burst: Burst, axis: int, sign: float
+    rigid_block: FlexibleBody, burst: Burst, axis: int, sign: float
 ) -> None:
     motion = burst(1024.0, sign * np.eye(6)[axis])
     response = base_excitation_response.respond(Rig(article=rigid_block), motion)
@@ -57,7 +57,7 @@ def test_a_rigid_block_is_loaded_by_plus_its_mass_times_acceleration(
     assert response.cells.shape == (len(motion.time), 0, 3)
 
 
-def test_a_block_on_a_cover_plate_counts_from_f(rigid_block: Body, burst: Burst) -> None:
+def test_a_block_on_a_cover_plate_counts_from_f(rigid_block: FlexibleBody, burst: Burst) -> None:
     cover = Inertia.from_cog(20.0, [0.01, 0.0, 0.02], np.diag([0.3, 0.3, 0.5]))
     rig = Rig(article=rigid_block, cover=cover, seat=np.array([0.01, -0.02, 0.0445]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
@@ -67,7 +67,7 @@ def test_a_block_on_a_cover_plate_counts_from_f(rigid_block: Body, burst: Burst)
     )
 
 
-def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(rigid_block: Body, burst: Burst) -> None:
+def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(rigid_block: FlexibleBody, burst: Burst) -> None:
     rig = Rig(article=rigid_block, seat=np.array([0.0, 0.0, 0.1]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     expected = motion.acceleration @ rigid_transformation([0.1, 0.05, 0.5]).T
@@ -136,7 +136,7 @@ def test_a_flange_that_does_not_give_is_none(clumod: Clumod, mounted: Mounted, b
     assert_allclose(stiff, none, atol=1e-12 * np.abs(none).max())
 
 
-def test_compliance_of_the_flange_adds_to_the_static_answer(rigid_block: Body) -> None:
+def test_compliance_of_the_flange_adds_to_the_static_answer(rigid_block: FlexibleBody) -> None:
     """H = M + omega² M D M / (1 + i omega t) to the second order: D gives way under M at the article's origin."""
     D, lines, damping_time = np.diag([1e-8, 2e-8, 3e-8, 1e-7, 2e-7, 3e-7]), np.array([1.0, 2.0]), 0.05
     rig = Rig(article=rigid_block, flange=Flange(compliance=np.diag(D), damping_time=damping_time))
@@ -149,7 +149,7 @@ def test_compliance_of_the_flange_adds_to_the_static_answer(rigid_block: Body) -
 # --- struts -------------------------------------------------------------------------------------------------------------------
 
 
-def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(rigid_block: Body, burst: Burst) -> None:
+def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(rigid_block: FlexibleBody, burst: Burst) -> None:
     strut = Strut(place="top", stiffness=np.array([2e3, 0, 5e2]), damping=np.array([0, 30.0, 0]))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     G = rigid_transformation([0.1, 0.05, 0.4])
@@ -168,7 +168,7 @@ def test_a_rig_with_struts_answers_as_its_dynamic_mass(clumod: Clumod, mounted: 
     assert_allclose(load[some], expected, atol=1e-5 * np.abs(expected).max())
 
 
-def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: Body, burst: Burst) -> None:
+def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: FlexibleBody, burst: Burst) -> None:
     strut = Strut(place="top", to="table", stiffness=np.full(3, 1e5), damping=np.full(3, 1e2))
     motion = burst(1024.0, np.array([1, -2, 3, 4, 5, -6.0]))
     plain, strutted = (base_excitation_response.respond(Rig(article=rigid_block, struts=s), motion).load for s in ((), (strut,)))
@@ -238,7 +238,7 @@ def test_a_rate_too_coarse_for_a_kept_mode_is_refused_with_the_one_needed(
         base_excitation_response.respond(Rig(article=article), burst(rate, np.ones(6), 0.1))
 
 
-def test_friction_and_preload_are_sent_to_exudyn(rigid_block: Body, mounted: Mounted, burst: Burst) -> None:
+def test_friction_and_preload_are_sent_to_exudyn(rigid_block: FlexibleBody, mounted: Mounted, burst: Burst) -> None:
     motion = burst(1024.0, np.ones(6), 0.1)
     with pytest.raises(BadInput, match=r"friction is not linear.*exudyn"):
         base_excitation_response.respond(Rig(article=rigid_block, frictions=(Friction(axis="x", slip_force=10.0),)), motion)

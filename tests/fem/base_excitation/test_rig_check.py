@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation import response
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import SOFTEST, STIFFEST, Body, Flange, Friction, LoadCell, Rig, Strut, require_usable
+from fem.base_excitation.rig import SOFTEST, STIFFEST, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut, require_usable
 from geometry.errors import BadInput
 
 CORNERS = np.array([[0.1, 0.1, 0], [-0.1, 0.1, 0], [-0.1, -0.1, 0], [0.1, -0.1, 0]])
@@ -22,7 +22,7 @@ def cells(places: np.ndarray = CORNERS, **last: Any) -> tuple[LoadCell, ...]:
     return (*made[:-1], replace(made[-1], **last))
 
 
-def test_a_rig_that_can_be_built_is_handed_back(mounted: Callable[..., Rig], rigid_block: Body) -> None:
+def test_a_rig_that_can_be_built_is_handed_back(mounted: Callable[..., Rig], rigid_block: FlexibleBody) -> None:
     rig = replace(mounted(rigid_block, preload=1e4), struts=(Strut(place="top", stiffness=STIFF),))
     rig = replace(rig, frictions=(Friction(axis="y", slip_force=5.0),))
     assert require_usable(rig) is rig
@@ -63,19 +63,19 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize(("changes", "message"), REFUSED.values(), ids=list(REFUSED))
-def test_what_nobody_can_build_is_refused(rigid_block: Body, changes: dict[str, Any], message: str) -> None:
+def test_what_nobody_can_build_is_refused(rigid_block: FlexibleBody, changes: dict[str, Any], message: str) -> None:
     with pytest.raises(BadInput, match=message):
         require_usable(replace(Rig(article=rigid_block), **changes))
 
 
-def test_structural_damping_has_no_place_in_time(rigid_block: Body) -> None:
+def test_structural_damping_has_no_place_in_time(rigid_block: FlexibleBody) -> None:
     lossy = replace(rigid_block, reduced=replace(rigid_block.reduced, structural=np.eye(6)))
     with pytest.raises(BadInput, match=r"`article.reduced`.*must be viscous"):
         require_usable(Rig(article=lossy))
 
 
 def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
-    clumod: Callable[[str], Body], burst: Callable[..., BaseMotion]
+    clumod: Callable[[str], FlexibleBody], burst: Callable[..., BaseMotion]
 ) -> None:
     """The response is that on a rigid joint; what is left is the recursion's own (omega h)² / 12 in a joint that only follows."""
     article, motion = clumod("clumod-1"), burst(8192.0, np.ones(6), 0.2)
@@ -84,7 +84,9 @@ def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
     assert_allclose(found, rigid, rtol=0, atol=1e-4 * np.abs(rigid).max())
 
 
-def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(rigid_block: Body, burst: Callable[..., BaseMotion]) -> None:
+def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(
+    rigid_block: FlexibleBody, burst: Callable[..., BaseMotion]
+) -> None:
     compliance = 0.99 / (SOFTEST * np.diag(rigid_block.reduced.mass)[:6])
     motion = burst(1024.0, np.eye(6)[0], 0.2)
     load = response.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation import first_order_hold, response, rig
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Friction, LoadCell, Rig
+from fem.base_excitation.rig import FlexibleBody, Friction, LoadCell, Rig
 from geometry.inertia import Inertia
 
 Burst = Callable[..., BaseMotion]
@@ -84,7 +84,7 @@ def test_half_the_damping_needs_twice_the_ring_down(burst: Burst) -> None:
     assert_allclose(twice / long, 2, rtol=0.01)
 
 
-def test_a_rigid_article_needs_no_ring_down(rigid_block: Body, burst: Burst) -> None:
+def test_a_rigid_article_needs_no_ring_down(rigid_block: FlexibleBody, burst: Burst) -> None:
     motion = burst(2048.0, np.ones(6), 0.0)
     assert response.needed(Rig(article=rigid_block), motion) == motion.driven
     assert response.warning(Rig(article=rigid_block), motion) == ""

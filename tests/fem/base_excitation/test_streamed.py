@@ -10,7 +10,7 @@ from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.decimation import decimated_channels, joined
 from fem.base_excitation.patterns import Sweep, drawn
 from fem.base_excitation.response import Channels, accelerations, cell_forces, stacked
-from fem.base_excitation.rig import Body, LoadCell, Rig, RigStructure, Strut, rigid
+from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig, RigStructure, Strut, rigid
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 
@@ -30,7 +30,9 @@ def collected(rig: Rig, **options: object) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("grounded", [False, True])
-def test_a_streamed_run_is_the_whole_run(grounded: bool, mounted: Callable[..., Rig], clumod: Callable[[str], Body]) -> None:
+def test_a_streamed_run_is_the_whole_run(
+    grounded: bool, mounted: Callable[..., Rig], clumod: Callable[[str], FlexibleBody]
+) -> None:
     rig = mounted(clumod("clumod-1"))
     if grounded:
         rig = Rig(article=rig.article, cover=rig.cover, seat=rig.seat, cells=rig.cells, struts=(cable(),))
@@ -49,7 +51,7 @@ def cable() -> Strut:
 
 
 def test_the_record_ends_when_the_ringing_has_fallen_to_its_share(
-    mounted: Callable[..., Rig], clumod: Callable[[str], Body]
+    mounted: Callable[..., Rig], clumod: Callable[[str], FlexibleBody]
 ) -> None:
     """A hundredth of the share takes ln(100) / (zeta omega) more of the slowest mode that rings; what is left is below it."""
     rig = mounted(clumod("clumod-1"))
@@ -62,7 +64,7 @@ def test_the_record_ends_when_the_ringing_has_fallen_to_its_share(
     assert 0.5 < (lengths[1] - lengths[0]) * slowest / np.log(100) < 1.3
 
 
-def test_what_never_stops_ringing_is_refused(clumod: Callable[[str], Body], mounted: Callable[..., Rig]) -> None:
+def test_what_never_stops_ringing_is_refused(clumod: Callable[[str], FlexibleBody], mounted: Callable[..., Rig]) -> None:
     inertia = Inertia.from_cog(20.0, [0, 0, 0.2], np.eye(3))
     cells = tuple(LoadCell(position=np.array([x, y, 0.0]), stiffness=np.full(3, 1e5)) for x in (0.1, -0.1) for y in (0.1, -0.1))
     undamped = Rig(article=rigid("block", inertia), cover=inertia, cells=cells)
@@ -71,7 +73,7 @@ def test_what_never_stops_ringing_is_refused(clumod: Callable[[str], Body], moun
 
 
 def test_a_rate_too_coarse_for_the_sweep_or_for_a_mode_is_refused(
-    mounted: Callable[..., Rig], clumod: Callable[[str], Body]
+    mounted: Callable[..., Rig], clumod: Callable[[str], FlexibleBody]
 ) -> None:
     rig = mounted(clumod("clumod-1"))
     for rate, said in ((60.0, "twice the highest frequency driven"), (600.0, "highest kept mode")):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, LoadCell, rigid
+from fem.base_excitation.rig import FlexibleBody, LoadCell, rigid
 from fem.reduction import Reduced
 from geometry.frames import rigid_transformation
 from geometry.inertia import Inertia
@@ -48,7 +48,7 @@ def inertia() -> Inertia:
 
 
 @pytest.fixture(scope="session")
-def block(inertia: Inertia) -> Body:
+def block(inertia: Inertia) -> FlexibleBody:
     """The block as an article without a mode."""
     return rigid("block", inertia, {"corner": [0.1, 0.2, 0.3]})
 
@@ -67,16 +67,16 @@ def cells() -> tuple[LoadCell, ...]:
 
 
 @pytest.fixture(scope="session")
-def reed(inertia: Inertia) -> Callable[..., Body]:
+def reed(inertia: Inertia) -> Callable[..., FlexibleBody]:
     """The block with one mode: an oscillator at its tip that moves along x."""
 
-    def made(frequency: float, ratio: float) -> Body:
+    def made(frequency: float, ratio: float) -> FlexibleBody:
         L, omega = np.array([2.0, 0.1, 0.1, 0.1, -1.0, 0.2]), 2 * np.pi * frequency
         M, K, C = np.eye(7), np.zeros((7, 7)), np.zeros((7, 7))
         M[:6, :6], M[6, :6], M[:6, 6] = inertia.mass_matrix, L, L
         K[6, 6], C[6, 6] = omega**2, 2 * ratio * omega
         reduced = Reduced(stiffness=K, mass=M, viscous=C, structural=np.zeros((7, 7)), interface=6, basis=np.eye(7))
         tip = np.hstack([rigid_transformation([0.1, 0.2, 0.3]), [[0.3], [0.1], [0.0]]])
-        return Body(name="reed", reduced=reduced, kept=np.array([frequency]), places={"tip": tip})
+        return FlexibleBody(name="reed", reduced=reduced, kept=np.array([frequency]), places={"tip": tip})
 
     return made

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Flange, Rig, Strut
+from fem.base_excitation.rig import Flange, FlexibleBody, Rig, Strut
 from fem.exudyn.driven_run import Solver, respond
 from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
@@ -30,12 +30,12 @@ def moves(shake: Callable[..., BaseMotion]) -> Callable[[int], BaseMotion]:
 
 
 @pytest.fixture(scope="module")
-def corner(block: Body) -> Array:
+def corner(block: FlexibleBody) -> Array:
     """(3, 6) what the table does to the block's corner."""
     return np.asarray(block.places["corner"] @ rigid_transformation_6(SEAT))
 
 
-def pulled(block: Body, motion: BaseMotion, strut: Strut, solver: Solver = DEFAULT) -> Array:
+def pulled(block: FlexibleBody, motion: BaseMotion, strut: Strut, solver: Solver = DEFAULT) -> Array:
     """(n, 6) the load that `strut` adds."""
     rigs = (Rig(article=block, seat=SEAT, struts=struts) for struts in ((strut,), ()))
     with_it, without = (respond(rig, motion, solver=solver).load for rig in rigs)
@@ -44,7 +44,7 @@ def pulled(block: Body, motion: BaseMotion, strut: Strut, solver: Solver = DEFAU
 
 @pytest.mark.parametrize("axis", AXES)
 def test_a_cable_to_the_ground_adds_its_stiffness_over_omega_squared(
-    axis: int, moves: Callable[[int], BaseMotion], block: Body, corner: Array
+    axis: int, moves: Callable[[int], BaseMotion], block: FlexibleBody, corner: Array
 ) -> None:
     motion, K = moves(axis), np.diag([2000.0, 3000.0, 5000.0])
     found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)))
@@ -56,7 +56,7 @@ def test_a_cable_to_the_ground_adds_its_stiffness_over_omega_squared(
 
 
 def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(
-    moves: Callable[[int], BaseMotion], block: Body, corner: Array
+    moves: Callable[[int], BaseMotion], block: FlexibleBody, corner: Array
 ) -> None:
     motion, K = moves(4), np.diag([2000.0, 3000.0, 5000.0])
     found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)), Solver(method="generalised-alpha"))
@@ -66,7 +66,7 @@ def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(
 
 @pytest.mark.parametrize("axis", AXES)
 def test_a_damper_to_the_ground_takes_the_work_of_its_force(
-    axis: int, moves: Callable[[int], BaseMotion], block: Body, corner: Array
+    axis: int, moves: Callable[[int], BaseMotion], block: FlexibleBody, corner: Array
 ) -> None:
     motion, C = moves(axis), np.diag([20.0, 30.0, 50.0])
     found = pulled(block, motion, Strut(place="corner", damping=np.diag(C)))
@@ -75,14 +75,16 @@ def test_a_damper_to_the_ground_takes_the_work_of_its_force(
     assert_allclose(work, np.sum(speeds @ C * speeds) / motion.sampling_rate, rtol=1e-3)
 
 
-def test_a_strut_to_the_table_does_nothing_to_a_block_that_stands_on_it(moves: Callable[[int], BaseMotion], block: Body) -> None:
+def test_a_strut_to_the_table_does_nothing_to_a_block_that_stands_on_it(
+    moves: Callable[[int], BaseMotion], block: FlexibleBody
+) -> None:
     motion = moves(4)
     load = np.abs(respond(Rig(article=block, seat=SEAT), motion).load).max()
     found = pulled(block, motion, Strut(place="corner", to="table", stiffness=[1e4] * 3, damping=[1e2] * 3))
     assert_allclose(found, 0.0, atol=2e-4 * load)
 
 
-def test_struts_at_one_place_add_up(moves: Callable[[int], BaseMotion], block: Body) -> None:
+def test_struts_at_one_place_add_up(moves: Callable[[int], BaseMotion], block: FlexibleBody) -> None:
     motion, strut = moves(0), Strut(place="corner", stiffness=[2e3, 3e3, 5e3], damping=[5.0, 6.0, 7.0])
     twice = respond(Rig(article=block, seat=SEAT, struts=(strut, strut)), motion).load
     doubled = Strut(place="corner", stiffness=2 * strut.stiffness, damping=2 * strut.damping)
@@ -100,7 +102,7 @@ def steady_amplitude(values: Array, motion: BaseMotion) -> Array:
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("rigid", [False, True], ids=["gives everywhere", "gives about x and y only"])
 def test_a_flange_turns_the_dynamic_mass_into_that_behind_its_compliance(
-    rigid: bool, axis: int, shake: Callable[..., BaseMotion], block: Body, inertia: Inertia
+    rigid: bool, axis: int, shake: Callable[..., BaseMotion], block: FlexibleBody, inertia: Inertia
 ) -> None:
     """H' = (1 - omega² H C)^-1 H with C = compliance / (1 + i omega tau), in axes of the article's origin."""
     compliance = np.array([2e-6, 3e-6, 1e-6, 4e-5, 3e-5, 2e-5]) * ([0, 0, 0, 1, 1, 0] if rigid else 1)
@@ -116,7 +118,7 @@ def test_a_flange_turns_the_dynamic_mass_into_that_behind_its_compliance(
     assert_allclose(found / scale, expected / scale, atol=1e-3 * np.abs(expected / scale).max())
 
 
-def test_the_flange_sits_at_the_seat(block: Body, inertia: Inertia, shake: Callable[..., BaseMotion]) -> None:
+def test_the_flange_sits_at_the_seat(block: FlexibleBody, inertia: Inertia, shake: Callable[..., BaseMotion]) -> None:
     """Under a block beside F the same joint stands in another place, and moments about F know it."""
     motion = shake([0.2, 0, 0, 0, 0, 0], frequency=FREQUENCY, seconds=1.0)
     flange = Flange(compliance=[0, 0, 0, 4e-5, 4e-5, 4e-5], damping_time=4e-3)

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Friction, Rig
+from fem.base_excitation.rig import FlexibleBody, Friction, Rig
 from fem.exudyn.driven_rig import STICKING
 from fem.exudyn.driven_run import respond
 from geometry.frames import Array, rigid_transformation
@@ -22,7 +22,7 @@ SEAT = (0.0, 0.0, 0.05)
 
 
 @pytest.fixture(scope="module")
-def loose(block: Body, shake: Callable[..., BaseMotion], inertia: Inertia) -> Callable[..., tuple[BaseMotion, Array]]:
+def loose(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inertia) -> Callable[..., tuple[BaseMotion, Array]]:
     """Motion along an axis, and the load (n, 6) of nothing but the part, about F."""
 
     def made(slip_force: float, axis: Literal["x", "y"] = "x", driven: str = "x") -> tuple[BaseMotion, Array]:
@@ -49,7 +49,7 @@ def test_below_the_level_at_which_it_slips_it_is_an_added_mass(
 
 
 @pytest.mark.parametrize("share", [0.1, 1.02])
-def test_how_long_it_slips_is_told(share: float, block: Body, shake: Callable[..., BaseMotion]) -> None:
+def test_how_long_it_slips_is_told(share: float, block: FlexibleBody, shake: Callable[..., BaseMotion]) -> None:
     """From when the table's sine has swollen to F / m, 1 - exp(-(3 t)^4) = F / (m a) in a record of 1 s; else never."""
     motion = shake([LEVEL, 0, 0, 0, 0, 0], frequency=FREQUENCY, seconds=1.0, rate=8192.0)
     friction = Friction(axis="x", slip_force=share * MASS * LEVEL, mass=MASS)
@@ -66,7 +66,7 @@ def test_across_its_axis_it_is_an_added_mass_at_any_level(
     assert_allclose(load[:, :3], MASS * motion.acceleration[:, :3], atol=2e-4 * MASS * LEVEL)
 
 
-def test_it_sits_at_the_origin_of_the_article(block: Body, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
+def test_it_sits_at_the_origin_of_the_article(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
     motion = shake([0, 2.0, 0, 1.0, 0, 0], rate=8192.0)
     frictions = (Friction(axis="x", slip_force=100.0, mass=MASS),)
     with_part, without = (respond(Rig(article=block, seat=SEAT, frictions=parts), motion).load for parts in (frictions, ()))
@@ -92,7 +92,7 @@ def test_a_part_that_always_slides_wears_away_the_energy_of_coulombs_law(
     assert_allclose(work, expected, rtol=5e-3)
 
 
-def test_two_loose_parts_lie_on_one_flange(block: Body, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
+def test_two_loose_parts_lie_on_one_flange(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
     motion = shake([2.0, 1.0, 0, 0, 0, 0], rate=8192.0)
     parts = (Friction(axis="x", slip_force=0.5, mass=MASS), Friction(axis="y", slip_force=0.3, mass=MASS))
     response = respond(Rig(article=block, frictions=parts), motion)

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, LoadCell, Rig
+from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig
 from fem.exudyn.driven_run import respond
 from geometry.frames import rigid_transformation
 from geometry.inertia import Inertia
@@ -26,7 +26,7 @@ def motion(shake: Callable[..., BaseMotion]) -> BaseMotion:
 
 
 @pytest.fixture(scope="module")
-def on(block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion) -> Callable[..., Response]:
+def on(block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion) -> Callable[..., Response]:
     """The response with a preload of the first cell."""
 
     def made(preload: float | None) -> Response:

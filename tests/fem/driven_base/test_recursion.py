@@ -12,7 +12,7 @@ from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.patterns import Sweep
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, Flange, LoadCell, Rig, Strut, flexible
+from fem.base_excitation.rig import Flange, FlexibleBody, LoadCell, Rig, Strut, flexible
 from fem.beam import articles as beam_articles
 from fem.exudyn.driven_run import respond
 from fem.modes import fixed_base
@@ -33,8 +33,8 @@ def off(response: Response, truth: Response, rig: Rig) -> float:
 
 
 @pytest.fixture(scope="module")
-def articles() -> Mapping[str, Body]:
-    def made(name: str) -> Body:
+def articles() -> Mapping[str, FlexibleBody]:
+    def made(name: str) -> FlexibleBody:
         structure = beam_articles.structure(name)
         return flexible(name, structure, fixed_base(structure, 12), places={"foot": [0.03, 0.02, 0.0]})
 
@@ -65,7 +65,7 @@ def flange() -> Flange:
 @pytest.mark.parametrize("axis", MOTIONS)
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_a_reduced_article_on_a_rigid_base(
-    name: str, axis: str, articles: Mapping[str, Body], sweeps: Mapping[str, BaseMotion]
+    name: str, axis: str, articles: Mapping[str, FlexibleBody], sweeps: Mapping[str, BaseMotion]
 ) -> None:
     rig = Rig(article=articles[name])
     assert off(respond(rig, sweeps[axis]), base_excitation_response.respond(rig, sweeps[axis]), rig) < REACHED
@@ -76,7 +76,7 @@ def test_a_reduced_article_on_a_rigid_base(
 def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
     name: str,
     axis: str,
-    articles: Mapping[str, Body],
+    articles: Mapping[str, FlexibleBody],
     soft_sweeps: Mapping[str, BaseMotion],
     cover: Inertia,
     cells: tuple[LoadCell, ...],
@@ -90,7 +90,7 @@ def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
 
 
 def test_exudyn_turns_the_forces_of_the_cells_with_the_cover_plate_which_a_linear_rig_does_not(
-    block: Body, cover: Inertia, cells: tuple[LoadCell, ...]
+    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...]
 ) -> None:
     """What separates them is of second order in the level: ten times the level, a hundred times the difference."""
     rig, difference = Rig(article=block, cover=cover, cells=cells), []
@@ -103,7 +103,7 @@ def test_exudyn_turns_the_forces_of_the_cells_with_the_cover_plate_which_a_linea
 
 
 @pytest.mark.parametrize("to", ["ground", "table"])
-def test_a_strut_on_a_place_that_swings(to: str, reed: Callable[..., Body], shake: Callable[..., BaseMotion]) -> None:
+def test_a_strut_on_a_place_that_swings(to: str, reed: Callable[..., FlexibleBody], shake: Callable[..., BaseMotion]) -> None:
     strut = Strut(place="tip", to=to, stiffness=[2e3, 1e3, 3e3], damping=[5.0, 10.0, 20.0])
     rig = Rig(article=reed(11.0, 0.01), struts=(strut,), seat=(0.01, -0.02, 0.05))
     motion = shake([1.0, -0.5, 0.7, 2.0, 1.0, -1.0], rate=8192.0)

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Body, LoadCell, Rig
+from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig
 from fem.exudyn.driven_run import respond
 from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
@@ -40,12 +40,12 @@ def motion(request: pytest.FixtureRequest, shake: Callable[..., BaseMotion]) -> 
 
 
 @pytest.fixture(scope="module")
-def on_cells(motion: BaseMotion, block: Body, cover: Inertia, cells: tuple[LoadCell, ...]) -> Response:
+def on_cells(motion: BaseMotion, block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...]) -> Response:
     return respond(Rig(article=block, cover=cover, cells=cells, seat=SEAT), motion)
 
 
 def test_the_load_under_a_block_is_plus_its_mass_matrix_times_the_acceleration(
-    motion: BaseMotion, block: Body, inertia: Inertia
+    motion: BaseMotion, block: FlexibleBody, inertia: Inertia
 ) -> None:
     response = respond(Rig(article=block), motion)
     load = motion.acceleration @ inertia.mass_matrix
@@ -53,13 +53,13 @@ def test_the_load_under_a_block_is_plus_its_mass_matrix_times_the_acceleration(
     assert_allclose(response.load, response.table @ inertia.mass_matrix, atol=1e-9 * np.abs(load).max())
 
 
-def test_a_block_beside_f_has_the_mass_matrix_of_its_place(motion: BaseMotion, block: Body, inertia: Inertia) -> None:
+def test_a_block_beside_f_has_the_mass_matrix_of_its_place(motion: BaseMotion, block: FlexibleBody, inertia: Inertia) -> None:
     load = motion.acceleration @ about_f(inertia)
     response = respond(Rig(article=block, seat=SEAT), motion)
     assert_allclose(response.load / largest(load), load / largest(load), atol=SECOND_ORDER)
 
 
-def test_a_cover_plate_adds_its_mass_matrix(motion: BaseMotion, block: Body, inertia: Inertia, cover: Inertia) -> None:
+def test_a_cover_plate_adds_its_mass_matrix(motion: BaseMotion, block: FlexibleBody, inertia: Inertia, cover: Inertia) -> None:
     load = motion.acceleration @ (about_f(inertia) + cover.mass_matrix)
     response = respond(Rig(article=block, cover=cover, seat=SEAT), motion)
     assert_allclose(response.load / largest(load), load / largest(load), atol=SECOND_ORDER)
@@ -77,7 +77,7 @@ def test_the_forces_of_the_cells_one_by_one_add_up_to_the_load(on_cells: Respons
     assert_allclose(total / largest(on_cells.load), on_cells.load / largest(on_cells.load), atol=SECOND_ORDER)
 
 
-def test_a_place_moves_with_the_block(motion: BaseMotion, block: Body) -> None:
+def test_a_place_moves_with_the_block(motion: BaseMotion, block: FlexibleBody) -> None:
     corner = respond(Rig(article=block), motion).places["corner"]
     expected = motion.acceleration @ block.places["corner"].T
     assert_allclose(corner, expected, atol=SECOND_ORDER * np.abs(expected).max())

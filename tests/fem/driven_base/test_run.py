@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.exudyn.driven_run import Solver, respond
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
@@ -30,7 +30,7 @@ def long(shake: Callable[..., BaseMotion]) -> BaseMotion:
     return shake([1.0, 0, 0, 0, 0, 0], seconds=60.0)
 
 
-def test_progress_is_told_from_the_beginning_to_the_end(block: Body, motion: BaseMotion) -> None:
+def test_progress_is_told_from_the_beginning_to_the_end(block: FlexibleBody, motion: BaseMotion) -> None:
     shares: list[float] = []
     respond(Rig(article=block), motion, progress=shares.append)
     assert shares == sorted(shares)
@@ -45,7 +45,7 @@ class Enough(Exception):
 
 @pytest.mark.parametrize("reason", [KeyboardInterrupt, Enough])
 def test_what_the_hook_raises_ends_the_run_and_leaves_as_it_is(
-    reason: type[BaseException], block: Body, long: BaseMotion
+    reason: type[BaseException], block: FlexibleBody, long: BaseMotion
 ) -> None:
     told: list[float] = []
 
@@ -60,7 +60,7 @@ def test_what_the_hook_raises_ends_the_run_and_leaves_as_it_is(
 
 
 @pytest.mark.usefixtures("keyboard")
-def test_ctrl_c_ends_the_run(block: Body, long: BaseMotion) -> None:
+def test_ctrl_c_ends_the_run(block: FlexibleBody, long: BaseMotion) -> None:
     def press(share: float) -> None:
         if 0.005 < share < 0.01:
             _thread.interrupt_main()
@@ -70,7 +70,7 @@ def test_ctrl_c_ends_the_run(block: Body, long: BaseMotion) -> None:
 
 
 def test_a_rig_that_gains_energy_is_lost_with_the_time_the_step_and_the_last_state(
-    reed: Callable[..., Body], shake: Callable[..., BaseMotion]
+    reed: Callable[..., FlexibleBody], shake: Callable[..., BaseMotion]
 ) -> None:
     """A damping ratio of -3 grows by exp(6 omega t): lost after some hundredths of a second, whatever the step."""
     with pytest.raises(CheckFailed, match="coordinate 1 of the article") as lost:
@@ -87,7 +87,7 @@ def test_a_rig_that_gains_energy_is_lost_with_the_time_the_step_and_the_last_sta
 
 
 def test_a_step_that_cannot_bear_the_fastest_joint_is_lost_when_nobody_judged_it(
-    block: Body, cover: Inertia, motion: BaseMotion, monkeypatch: pytest.MonkeyPatch
+    block: FlexibleBody, cover: Inertia, motion: BaseMotion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The stability limit is real: two steps fewer a sample than the rule asks for, and the rig flies apart."""
     rig = Rig(article=block, cover=cover, flange=Flange(compliance=[1e-10, 0, 0, 0, 0, 0]))
@@ -99,7 +99,7 @@ def test_a_step_that_cannot_bear_the_fastest_joint_is_lost_when_nobody_judged_it
 
 
 def test_nothing_is_printed(
-    block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion, capfd: pytest.CaptureFixture[str]
+    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion, capfd: pytest.CaptureFixture[str]
 ) -> None:
     gap = replace(cells[0], preload=3.0)
     rig = Rig(
@@ -115,7 +115,7 @@ def test_nothing_is_printed(
 
 
 def test_a_response_says_how_it_was_found_and_holds_every_sample(
-    block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
+    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
 ) -> None:
     solver = Solver(method="generalised-alpha", spectral_radius=0.8, subdivision=2, tolerance=1e-5)
     response = respond(Rig(article=block, cover=cover, cells=cells), motion, solver=solver)
@@ -128,7 +128,7 @@ def test_a_response_says_how_it_was_found_and_holds_every_sample(
     assert response.coordinates.size == 0
 
 
-def test_coordinates_come_when_they_are_asked_for(reed: Callable[..., Body], motion: BaseMotion) -> None:
+def test_coordinates_come_when_they_are_asked_for(reed: Callable[..., FlexibleBody], motion: BaseMotion) -> None:
     body = reed(20.0, 0.01)
     q = respond(Rig(article=body), motion, keep_coordinates=True).coordinates
     assert q.shape == (len(motion.displacement), 7)
@@ -145,7 +145,9 @@ def test_coordinates_come_when_they_are_asked_for(reed: Callable[..., Body], mot
         ({"flange": Flange(compliance=[0, 0, 0, -1e-7, 0, 0])}, "flange.compliance"),
     ],
 )
-def test_a_rig_that_cannot_be_is_refused_by_name(wrong: dict[str, object], field: str, block: Body, motion: BaseMotion) -> None:
+def test_a_rig_that_cannot_be_is_refused_by_name(
+    wrong: dict[str, object], field: str, block: FlexibleBody, motion: BaseMotion
+) -> None:
     with pytest.raises(BadInput) as refused:
         respond(replace(Rig(article=block), **wrong), motion)  # type: ignore[arg-type]
     assert refused.value.field == field
@@ -153,14 +155,14 @@ def test_a_rig_that_cannot_be_is_refused_by_name(wrong: dict[str, object], field
 
 @pytest.mark.parametrize("preload", [0.0, -5.0])
 def test_a_preload_that_does_not_press_is_refused(
-    preload: float, block: Body, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
+    preload: float, block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
 ) -> None:
     rig = Rig(article=block, cover=cover, cells=(*cells[:3], replace(cells[3], preload=preload)))
     with pytest.raises(BadInput, match=r"preload.*above zero"):
         respond(rig, motion)
 
 
-def test_a_cover_plate_that_no_body_can_be_is_refused(block: Body, motion: BaseMotion) -> None:
+def test_a_cover_plate_that_no_body_can_be_is_refused(block: FlexibleBody, motion: BaseMotion) -> None:
     thin = Inertia.from_cog(10.0, [0, 0, 0], np.diag([0.1, 0.1, 0.5]))
     with pytest.raises(BadInput, match="cover plate"):
         respond(Rig(article=block, cover=thin), motion)

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Body, Flange, Friction, LoadCell, Rig
+from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig
 from fem.exudyn.driven_rig import targets
 from fem.exudyn.driven_run import Solver, highest, respond
 from geometry.errors import BadInput
@@ -24,7 +24,7 @@ FINE = 32768.0
 
 
 @pytest.fixture(scope="module")
-def ringing(reed: Callable[..., Body]) -> Rig:
+def ringing(reed: Callable[..., FlexibleBody]) -> Rig:
     """An oscillator of 12 Hz that hardly loses energy."""
     return Rig(article=reed(12.0, 1e-3))
 
@@ -93,7 +93,7 @@ def test_half_the_step_at_the_same_samples_is_half_the_step(ringing: Rig, moves:
 
 
 def test_the_highest_frequency_is_that_of_the_softest_cells_and_heaviest_plate(
-    block: Body, cover: Inertia, cells: tuple[LoadCell, ...]
+    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...]
 ) -> None:
     """Up and down, centred: sqrt(sum k / m); the other way round for the bristles of a loose part on a heavy table."""
     still = Inertia.from_cog(8.0, [0, 0, 0], np.eye(3) * 100.0)
@@ -104,7 +104,7 @@ def test_the_highest_frequency_is_that_of_the_softest_cells_and_heaviest_plate(
 
 
 def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(
-    block: Body, cover: Inertia, shake: Callable[..., BaseMotion]
+    block: FlexibleBody, cover: Inertia, shake: Callable[..., BaseMotion]
 ) -> None:
     rig = Rig(article=block, cover=cover, flange=Flange(compliance=[0, 0, 1e-10, 0, 0, 0]))
     motion = shake([0, 0, 1.0, 0, 0, 0], seconds=0.2)
@@ -118,7 +118,7 @@ def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(
 
 
 def test_a_step_too_coarse_for_the_highest_kept_mode_is_refused_with_the_rate_that_is_needed(
-    reed: Callable[..., Body], shake: Callable[..., BaseMotion]
+    reed: Callable[..., FlexibleBody], shake: Callable[..., BaseMotion]
 ) -> None:
     rig, motion = Rig(article=reed(300.0, 0.01)), shake([1.0, 0, 0, 0, 0, 0], rate=1024.0, seconds=0.1)
     with pytest.raises(BadInput, match=r"300 Hz.*Simulate at 2400 Hz or more, or keep fewer modes"):

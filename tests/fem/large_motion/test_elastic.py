@@ -46,7 +46,7 @@ def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked:
     found = respond("clumod-1", motion, elements=1, loss_frequency=LOSSES_AT)
     turn = np.exp(-2j * np.pi * lines[:, None] * motion.time)
     load, acceleration = turn @ found.load, turn @ found.table
-    plan = articles.plan("clumod-1", elements=1)
+    plan = articles.article_plan("clumod-1", elements=1)
     system, losses = linearise(plan, 10), stiffness_of(lossy(plan))
     stiff = load[-1] - acceleration[-1] @ system.rigid_mass
     assert np.abs(stiff).max() > 0.1 * np.abs(load[-1]).max()  # at 8 Hz an eighth of the load is elastic
@@ -59,7 +59,7 @@ def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked:
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_dampers_beside_the_beams_are_the_lossy_stiffness_over_omega(name: str) -> None:
     """Beams, layers of a sandwich and all: the identity C = sum of eta K / omega, in exudyn's own matrices."""
-    plan = articles.plan(name, elements=2)
+    plan = articles.article_plan(name, elements=2)
     with running("linearise the damped frame") as exudyn:
         made = frame.build(exudyn, plan, held=False, damping=viscous(plan, 12.0))
         damping = np.array(made.system.ComputeLinearizedSystem()[2])
@@ -91,7 +91,7 @@ def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_fa
 
 
 def test_mass_given_to_nodes_where_holes_are_is_the_same_inertia() -> None:
-    plan = articles.plan("cuboid", elements=2)
+    plan = articles.article_plan("cuboid", elements=2)
     filled = able_to_turn(plan)
     assert filled is not plan
     weights = [frame.rigid.T @ frame.mass @ frame.rigid for frame in map(assemble, (plan, filled))]
@@ -99,7 +99,7 @@ def test_mass_given_to_nodes_where_holes_are_is_the_same_inertia() -> None:
 
 
 def test_an_article_with_nothing_to_fill_is_taken_as_it_is() -> None:
-    plan = articles.plan("clumod-4", elements=1)
+    plan = articles.article_plan("clumod-4", elements=1)
     assert able_to_turn(plan) is plan
 
 
@@ -117,7 +117,7 @@ def test_places_tell_their_acceleration_in_the_axes_that_were_asked_for(smooth: 
 
 def test_springs_that_are_matrices_are_refused() -> None:
     with pytest.raises(BadInput, match=r"`ports`: springs between ports are matrices that do not turn .* found 4"):
-        able_to_turn(articles.plan("fmd+clumod-1", cells=articles.load_cells()))
+        able_to_turn(articles.article_plan("fmd+clumod-1", cells=articles.load_cells()))
 
 
 def test_a_disc_thinner_than_its_holes_allow_is_refused() -> None:
@@ -129,7 +129,7 @@ def test_a_disc_thinner_than_its_holes_allow_is_refused() -> None:
 
 def test_a_frame_of_ones_own_is_driven_like_a_built_in_one(kicked: tuple[BaseMotion, Array]) -> None:
     motion = short(kicked[0])
-    plan = articles.plan("fmd+cuboid", elements=1)
+    plan = articles.article_plan("fmd+cuboid", elements=1)
     ours, named = respond_of_plan(plan, motion, Conditions()), respond("fmd+cuboid", motion, elements=1)
     assert_allclose(ours.load, named.load, rtol=0, atol=1e-12)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.solid.hexahedra import Outline, Plan, covered, with_whole_walls
+from fem.solid.hexahedra import Outline, PlanMesh, covered, with_whole_walls
 
 SIZES = (0.05, 0.02)
 
@@ -23,7 +23,7 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def areas(plan: Plan) -> np.ndarray:
+def areas(plan: PlanMesh) -> np.ndarray:
     """Area (q,) [m²] within the parabolas through each quadrilateral's edges: its polygon and 2/3 of chord times bulge."""
     a = plan.points[plan.quads[:, :4]]
     m = plan.points[plan.quads[:, 4:8]]
@@ -31,7 +31,7 @@ def areas(plan: Plan) -> np.ndarray:
     return np.asarray((cross(a, b) / 2 + 2 / 3 * cross(m - (a + b) / 2, b - a)).sum(axis=1))
 
 
-def edges(plan: Plan) -> Counter[tuple[int, ...]]:
+def edges(plan: PlanMesh) -> Counter[tuple[int, ...]]:
     """How many quadrilaterals have each edge, its middle node included."""
     corner, middle = plan.quads[:, :4], plan.quads[:, 4:8]
     sides = np.stack([corner, np.roll(corner, -1, axis=1), middle], axis=-1).reshape(-1, 3)

@@ -240,7 +240,7 @@ def test_cells_as_large_as_a_rod_is_thick_are_a_failed_attempt(monkeypatch: pyte
     (body,) = bodies(article(rod(0.05, 0.6)))
     body.write(tmp_path / "0.brep")
     with pytest.raises(tetrahedra.Unmeshable, match=r"do not fill the drawing: \d\.\d+% of rod are missing \(0\.1% allowed\)"):
-        tetrahedra.mesher_tetrahedra(tmp_path, ["rod"], Sizing(size=0.05))
+        tetrahedra.mesh_bodies(tmp_path, ["rod"], Sizing(size=0.05))
 
 
 def test_straight_edges_would_be_seen() -> None:

@@ -14,7 +14,7 @@ from geometry.inertia import Inertia
 from identification.elastic import fit as elastic_fit
 from identification.elastic import model
 from identification.elastic.fit import correlation_time, effective_size, fit, refine
-from identification.elastic.model import ElasticTerms, Layout
+from identification.elastic.model import ElasticLayout, ElasticTerms
 
 LINES = np.linspace(4.0, 32.0, 561)
 BODY = Inertia.from_cog(40.0, [0.01, -0.02, 0.2], np.diag([2.0, 2.5, 1.0]))
@@ -56,7 +56,7 @@ def test_lines_are_kept_at_resonances_and_thinned_away_from_them() -> None:
     chosen = all_lines.frequency[elastic_fit.kept(all_lines)]
     assert chosen[[0, -1]].tolist() == [4.0, 32.0]
     assert np.sum((chosen > 12.1) & (chosen < 12.6)) >= 9
-    assert_allclose(np.diff(chosen[chosen > 20])[:-1], elastic_fit.APART, atol=1e-9)
+    assert_allclose(np.diff(chosen[chosen > 20])[:-1], elastic_fit.LINES_APART, atol=1e-9)
 
 
 def test_the_two_halves_of_a_measured_matrix_are_averaged_and_their_difference_is_told() -> None:
@@ -87,7 +87,7 @@ def test_the_first_pole_starts_at_the_resonance_with_its_participation() -> None
     single = model.chosen(TWO, [0])
     H = DynamicMass(frequency=LINES, matrix=model.dynamic_mass(BODY.mass_matrix, single, LINES))
     lines = data(H)
-    rigid = refine(np.zeros(31), Layout(modes=0), lines)
+    rigid = refine(np.zeros(31), ElasticLayout(modes=0), lines)
     first = elastic_fit.next_poles(rigid, lines)[0]
     assert_allclose(first.frequency, 12.30, rtol=0.01)
     along = first.participation / model.SCALE
@@ -98,7 +98,7 @@ def test_the_first_pole_starts_at_the_resonance_with_its_participation() -> None
 def test_white_noise_repeats_nothing_and_a_slope_repeats_itself() -> None:
     rng = np.random.default_rng(1)
     lines = data()
-    at = refine(np.zeros(31), Layout(modes=0), lines, iterations=0)
+    at = refine(np.zeros(31), ElasticLayout(modes=0), lines, iterations=0)
     white = replace(at, residual=rng.standard_normal(at.residual.shape))
     slope = replace(at, residual=np.repeat(np.linspace(-1, 1, 561), 42))
     assert correlation_time(white) < 1.1
@@ -106,7 +106,7 @@ def test_white_noise_repeats_nothing_and_a_slope_repeats_itself() -> None:
 
 
 def test_what_priors_decide_is_no_parameter_of_the_data() -> None:
-    lines, layout = data(), Layout(modes=2, pairs=((0, 1),))
+    lines, layout = data(), ElasticLayout(modes=2, pairs=((0, 1),))
     x = model.pack(BODY.parameters, TWO, layout)
     seen = refine(x, layout, lines, iterations=0)
     blind = model.pack(BODY.parameters, replace(TWO, participation=np.zeros((2, 6))), layout)
