@@ -21,7 +21,7 @@ from identification.campaign import Campaign
 from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate, FittedData
-from validation.diagnose.search import baseline, refitting_refitted
+from validation.diagnose.search import baseline, fit_with
 from validation.effects.catalogue import parse
 from validation.model.model import Model
 from validation.prediction.series import predictions
@@ -81,7 +81,7 @@ def one_by_one() -> None:
     """A fit for some of the candidates, spread over the menu."""
     menu = candidates(bench())
     for k in np.linspace(0, len(menu) - 1, SAMPLE).astype(int):
-        refitting_refitted(bench(), start(), menu[k])
+        fit_with(bench(), start(), menu[k])
 
 
 def against_refits() -> None:

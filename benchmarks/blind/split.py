@@ -24,7 +24,7 @@ from benchmarks.blind.sealing import sealed
 from validation.diagnose import diagnose
 from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnosis import FittedData
-from validation.diagnose.search import baseline, refitting_refitted
+from validation.diagnose.search import baseline, fit_with
 from validation.effects.effect import evidence_threshold
 from validation.estimation.fit import nearby
 from validation.estimation.problem import FITTED, Problem
@@ -78,9 +78,7 @@ def tried(case: Case, folder: Path) -> Tried:
     whole = diagnose.bench(model, read_data([str(folder / name) for name in case.articles], model), hold_out=case.hold_out)
     first, other = (Half(**vars(whole), odd=odd) for odd in (False, True))
     base, menu = baseline(first), candidates(first)
-    best = max(
-        (refitting_refitted(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence
-    )
+    best = max((fit_with(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence)
     (effect,) = best.effects
     without, held = (
         nearby(other.problem(effects), FITTED, at.fit.by_name)

@@ -23,14 +23,14 @@ from validation.estimation.verdicts import expected_z2, largest_z, misfit
 SCATTER = 3.0
 """[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
 estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Held by
-tests/validation/diagnosing/test_accepting.py."""
+tests/validation/diagnosing/test_goodness_of_fit.py."""
 
 UNLIKELY = 1e-4
 """[probability] of a sum of z² below which the tolerances pay for something that is missing. Held by
-tests/validation/diagnosing/test_accepting.py."""
+tests/validation/diagnosing/test_goodness_of_fit.py."""
 
 ABSURD = 4.8
-"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_accepting.py."""
+"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_goodness_of_fit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +41,14 @@ class GoodnessOfFit:
     ----------
     misfit : chi² per degree of freedom
     limit : up to which it is that of a null
-    price : sum of z² over what is due
+    prior_penalty : sum of z² of the tolerances over what is due
     largest : |z| of the tolerance that moved farthest
     likely : probability of such a sum of z², where nothing is wrong
     """
 
     misfit: float
     limit: float
-    price: float
+    prior_penalty: float
     largest: float
     likely: float
 
@@ -64,7 +64,7 @@ class GoodnessOfFit:
         if self.misfit > self.limit:
             said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {self.limit:.2g}")
         if self.likely < UNLIKELY:
-            said.append(f"the tolerances pay {self.price:.3g} times what is due")
+            said.append(f"the tolerances pay {self.prior_penalty:.3g} times what is due")
         if self.largest >= ABSURD:
             said.append(f"a tolerance stands at {self.largest:.1f} z")
         return "; ".join(said)
@@ -77,8 +77,8 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
     due = max(expected_z2(fit), 1.0)
     return GoodnessOfFit(
         misfit=misfit(fit),
-        limit=of_noise(problem) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + spread_of(problem) ** 2)),
-        price=fit.tolerance_z2 / due,
+        limit=misfit_of_noise(problem) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + misfit_sd(problem) ** 2)),
+        prior_penalty=fit.tolerance_z2 / due,
         largest=largest_z(fit),
         likely=float(chi2.sf(fit.tolerance_z2, due)),
     )
@@ -90,24 +90,24 @@ def excess(fit: Fit, at: GoodnessOfFit) -> float:
     return 0.5 * (max(chi2, 0.0) + max(z2, 0.0))
 
 
-def of_noise(problem: Problem) -> float:
+def misfit_of_noise(problem: Problem) -> float:
     """Chi² per degree of freedom that noise alone would come to: its share s of the variance that the likelihood allows for.
 
     Noise is an estimate of relative variance v at a line, and its inverse is on average larger than that of what is estimated:
     by s v, to second order.
     """
     scatter = [one.measured.noise_scatter for one in problem.predictions]
-    return float(np.mean(np.concatenate([s * (1 + s * sd**2) for s, sd in zip(_shares(problem), scatter, strict=True)])))
+    return float(np.mean(np.concatenate([s * (1 + s * sd**2) for s, sd in zip(_noise_shares(problem), scatter, strict=True)])))
 
 
-def spread_of(problem: Problem) -> float:
+def misfit_sd(problem: Problem) -> float:
     """Relative standard deviation of that, because the noise of each data set is an estimate."""
-    sums = np.array([shares.sum() for shares in _shares(problem)])
+    sums = np.array([shares.sum() for shares in _noise_shares(problem)])
     spreads = np.array([one.measured.noise_spread for one in problem.predictions])
     return float(np.linalg.norm(spreads * sums) / max(sums.sum(), np.finfo(np.float64).tiny))
 
 
-def _shares(problem: Problem) -> Iterator[Array]:
+def _noise_shares(problem: Problem) -> Iterator[Array]:
     """Of every data set the share of noise in the variance of each line and channel, flat."""
     for one in problem.predictions:
         seen = observed(one.measured, problem.lines_of(one))
@@ -115,18 +115,18 @@ def _shares(problem: Problem) -> Iterator[Array]:
         yield (noise / np.maximum(noise + np.square(FLOOR * seen.floor), np.finfo(np.float64).tiny)).ravel()
 
 
-# The four errors of a hypothesis, quickly: at every third line, every run held out in turn.
+# The four errors of a candidate, quickly: at every third line, every run held out in turn.
 
 
 Progress = Callable[[float], None]
 
 
-def errors(bench: FittedData, of: Candidate, progress: Progress | None = None) -> Evaluation:
-    """Of the hypothesis `of`, whose fit is known; no configuration is held out."""
-    return evaluate(bench.whole(of.effects), hold_out=bench.hold_out, fitted=of.fit, quick=True, progress=progress)
+def errors(data: FittedData, of: Candidate, progress: Progress | None = None) -> Evaluation:
+    """Of the candidate `of`, whose fit is known; no configuration is held out."""
+    return evaluate(data.whole(of.effects), hold_out=data.hold_out, fitted=of.fit, quick=True, progress=progress)
 
 
-def as_it_stands(bench: FittedData, offsets: Offsets) -> Evaluation:
-    """Of the model of `bench` where no fit of all tolerances makes sense: they stand at `offsets`."""
-    found = unfitted(bench.problem(), FITTED, offsets)
-    return evaluate(bench.whole(), hold_out=bench.hold_out, fitted=found, quick=True)
+def errors_without_fit(data: FittedData, offsets: Offsets) -> Evaluation:
+    """Of the model of `data` where no fit of all tolerances makes sense: they stand at `offsets`."""
+    found = unfitted(data.problem(), FITTED, offsets)
+    return evaluate(data.whole(), hold_out=data.hold_out, fitted=found, quick=True)

@@ -61,8 +61,8 @@ tests/validation/diagnosing/test_dictionary.py."""
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
 
-def candidates(bench: FittedData, *, only: Sequence[str] = (), leave_out: Sequence[str] = ()) -> tuple[Added, ...]:
-    """What could be missing from the model of `bench`.
+def candidates(data: FittedData, *, only: Sequence[str] = (), leave_out: Sequence[str] = ()) -> tuple[Added, ...]:
+    """What could be missing from the model of `data`.
 
     Parameters
     ----------
@@ -73,22 +73,22 @@ def candidates(bench: FittedData, *, only: Sequence[str] = (), leave_out: Sequen
     ------
     BadInput : one of `only` is no effect that could act on these data and be told by them.
     """
-    found = tuple(one for one in _all(bench) if not _is_any(one.named, leave_out))
+    found = tuple(one for one in _possible(data) if not _is_one_of(one.named, leave_out))
     for wanted in only:
         if not any(_is(one.named, wanted) for one in found):
             known = dict.fromkeys(name for one in found for name in (one.named.family, one.named.id))
             problem = "is no effect that could act on these data and be told by them"
             remedy = f"{nearest(wanted, known)}`massline effects` lists the catalogue"
             raise BadInput(source="--candidate", field=wanted, problem=problem, remedy=remedy)
-    return tuple(one for one in found if not only or _is_any(one.named, only))
+    return tuple(one for one in found if not only or _is_one_of(one.named, only))
 
 
 def looked_for(named: Named, only: Sequence[str], leave_out: Sequence[str]) -> bool:
     """Whether an effect is one of `only` (families or ids; all where nothing is said), and none of `leave_out`."""
-    return (not only or _is_any(named, only)) and not _is_any(named, leave_out)
+    return (not only or _is_one_of(named, only)) and not _is_one_of(named, leave_out)
 
 
-def _is_any(named: Named, names: Sequence[str]) -> bool:
+def _is_one_of(named: Named, names: Sequence[str]) -> bool:
     return any(_is(named, name) for name in names)
 
 
@@ -101,26 +101,26 @@ def is_resonator(named: Named) -> bool:
     return tuple(size.key for size in named.sizes) == RESONATOR
 
 
-def _all(bench: FittedData) -> Iterator[Added]:
-    there, words = tuple(_there(bench)), vocabulary(bench.model, bench.campaigns)
-    known = {one.named.id for one in bench.model.effects}
+def _possible(data: FittedData) -> Iterator[Added]:
+    there, words = tuple(_structures(data)), vocabulary(data.model, data.campaigns)
+    known = {one.named.id for one in data.model.effects}
     families = [one for one in FAMILIES.values() if one.side in SIDES and one.stage in SHOWN]
-    every = [named for family in families for named in _everywhere(family, words) if named.id not in known]
+    every = [named for family in families for named in _at_every_target(family, words) if named.id not in known]
     found = [Added(named=one, fixed=_is_switch(one)) for one in every if any(acts(one, place) for place in there)]
     # Parameters that effects without an equation would open; a chain makes them when they are asked for
     asking = tuple(replace(one, fixed=False) for one in found if not _has_equation(one))
-    opened = {one.name for made in bench.made for one in made.with_effects((*bench.model.effects, *asking)).parameters}
+    opened = {one.name for made in data.made for one in made.with_effects((*data.model.effects, *asking)).parameters}
     yield from (one for one in found if _has_equation(one) or one.named.id in opened)
-    yield from (one for one in of_swings(bench) if one.named.id not in known)
+    yield from (one for one in of_swings(data) if one.named.id not in known)
 
 
-def _there(bench: FittedData) -> Iterator[There]:
-    for one in bench.made:
+def _structures(data: FittedData) -> Iterator[There]:
+    for one in data.made:
         there = one.tested.carried.standing.there
         yield There(article=there.article, parts=there.parts, places=there.places, channels=one.measured.channels)
 
 
-def _everywhere(family: Family, words: Vocabulary) -> Iterator[Named]:
+def _at_every_target(family: Family, words: Vocabulary) -> Iterator[Named]:
     for targets in product(*(words.legal(kind) or () for kind in family.targets)):
         sizes = family.sizes_at(targets)
         if tuple(size.key for size in sizes) == RESONATOR:
@@ -143,7 +143,7 @@ def _is_switch(named: Named) -> bool:
 
 # Explanations that these data cannot tell apart: those of nearly the same evidence, and those that do the same to every channel.
 #
-# Evidence is compared between hypotheses that were fitted. What was not may still be an alias: the columns of J of one effect,
+# Evidence is compared between candidates that were fitted. What was not may still be an alias: the columns of J of one effect,
 # once the tolerances have taken what they may of it, lie along those of the other. With the Fisher matrix N, what is known
 # beforehand in it, and tolerances o projected off,
 #
@@ -166,13 +166,13 @@ def alike(best: Candidate, others: Sequence[Candidate]) -> tuple[str, ...]:
 
 
 def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limit: float = ALIAS_SHARE) -> dict[str, float]:
-    """Ids of those of `candidates` that could stand for `effect` of the hypothesis `best` where its fit ended, with their share.
+    """Ids of those of `candidates` that could stand for `effect` of the candidate `best` where its fit ended, with their share.
 
     Those that act nowhere on the data are left out, and so are those that `best` has, and those with a larger share than `limit`.
     """
     known = {one.named.id for one in best.effects}
     asked = [one for one in candidates if one.named.id not in known]
-    problem = opened(best.problem, asked)
+    problem = with_candidates(best.problem, asked)
     own = {one.name: one.tolerance for one in best.problem.free(FITTED)}
     free = [one for one in problem.parameters if one.name in own or one.kind == EFFECT]
     cost = cost_of(problem, free, FLOOR)
@@ -208,7 +208,7 @@ def share(matrix: Array, prior: Array, b: int, c: Sequence[int], o: Sequence[int
     return float(np.clip(1 - S[0, 1:] @ np.linalg.pinv(S[1:, 1:], rcond=1e-10, hermitian=True) @ S[1:, 0], 0.0, 1.0))
 
 
-def opened(problem: Problem, candidates: Sequence[Added]) -> Problem:
+def with_candidates(problem: Problem, candidates: Sequence[Added]) -> Problem:
     """`problem` with `candidates` on top of the effects of its models."""
     made: list[Prediction] = []
     for one in problem.predictions:
@@ -249,9 +249,9 @@ SAME_DIRECTION = 0.02
 development draws of `make blind`."""
 
 
-def looked_up(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
+def screened_resonators(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     """Each resonator of `menu` at its best frequency and damping."""
-    problem = bench.problem((*at.effects, *menu))
+    problem = data.problem((*at.effects, *menu))
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
     low, high = _band(one.frequency for one in of.products)
@@ -266,9 +266,9 @@ def smallest_mass(told: ScoreTest, evidence: float) -> float:
     return TINY * sqrt(2 * (evidence + OCCAM)) * told.deviation
 
 
-def reaches(bench: FittedData, named: Named) -> bool:
-    """Whether `named` resonates where the data of `bench` are; far below them it is a spring to the ground, far above a mass."""
-    low, high = _band(one.measured.frequency for one in bench.made)
+def reaches(data: FittedData, named: Named) -> bool:
+    """Whether `named` resonates where the data of `data` are; far below them it is a spring to the ground, far above a mass."""
+    low, high = _band(one.measured.frequency for one in data.made)
     return low <= named.values["f"] <= high
 
 
@@ -299,14 +299,14 @@ def _band(frequencies: Iterable[Array]) -> tuple[float, float]:
     return min(float(one[0]) for one in known) / BEYOND, max(float(one[-1]) for one in known) * BEYOND
 
 
-def _answer(frequency: Array, own: float, zeta: float) -> ComplexArray:
+def _resonance(frequency: Array, own: float, zeta: float) -> ComplexArray:
     spring = own**2 + 2j * zeta * own * frequency
     return np.asarray(spring / (spring - frequency**2))
 
 
 def _shape(frequency: Array, own: float, zeta: float) -> ComplexArray:
     """The answer of a resonator over that of those of the menu, (m,)."""
-    return np.asarray(_answer(frequency, own, zeta) / _answer(frequency, TINY_AT["f"], TINY_AT["zeta"]))
+    return np.asarray(_resonance(frequency, own, zeta) / _resonance(frequency, TINY_AT["f"], TINY_AT["zeta"]))
 
 
 # The smallest size at which these data would name each effect: what "nothing is missing" is worth.
@@ -318,18 +318,18 @@ USUAL = "half of all frequencies"
 
 def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
     """Of every candidate that the data tell at all; switches have no size."""
-    found = (_of(one) for one in screened if not all(size.whole for size in one.added.named.sizes))
+    found = (_detectable(one) for one in screened if not all(size.whole for size in one.added.named.sizes))
     return tuple(one for one in found if isfinite(one.size))
 
 
-def _of(one: Screened) -> Detectable:
+def _detectable(one: Screened) -> Detectable:
     size, wanted = one.added.named.sizes[0], evidence_threshold(one.added.named.family)
     if one.usual is not None:
         return Detectable(id=one.id, size=smallest_mass(one.usual, wanted), unit=size.unit, at=USUAL)
-    return Detectable(id=one.id, size=_meant(one, one.told.detectable(one.plausible, wanted)), unit=size.unit)
+    return Detectable(id=one.id, size=_size_at(one, one.told.detectable(one.plausible, wanted)), unit=size.unit)
 
 
-def _meant(one: Screened, offset: float) -> float:
+def _size_at(one: Screened, offset: float) -> float:
     """How far from no effect the size is at `offset`; infinite where that is more than a number holds."""
     if one.parameter is None or not isfinite(offset):
         return offset
@@ -346,8 +346,8 @@ SWITCHED = 1.0
 """[1] Offset of a switch from on to off. By definition."""
 
 
-def screen(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:
-    """The candidates of `menu` on top of the hypothesis `at`, the most promising first."""
+def screen(data: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:
+    """The candidates of `menu` on top of the candidate `at`, the most promising first."""
     known = {one.named.id for one in at.effects}
     left = [one for one in menu if one.named.id not in known]
     tolerances = in_the_fit(at.fit)
@@ -355,14 +355,14 @@ def screen(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Scr
     resonators = [one for one in left if is_resonator(one.named)]
     of_periods = [one for one in left if FAMILIES[one.named.family].stage == PERIOD_STAGE]
     new = [one for one in left if one not in inside and one not in resonators and one not in of_periods]
-    found = [_of_tolerance(one, tolerances[one.named.id], at) for one in inside]
-    found += _of_new(bench, at, new) if new else []
-    found += looked_up(bench, at, resonators) if resonators else []
-    found += _of_periods(bench, at, of_periods) if of_periods else []
+    found = [_screened_tolerance(one, tolerances[one.named.id], at) for one in inside]
+    found += _screened_effects(data, at, new) if new else []
+    found += screened_resonators(data, at, resonators) if resonators else []
+    found += _screened_periods(data, at, of_periods) if of_periods else []
     return tuple(sorted(found, key=lambda one: -one.evidence))
 
 
-def _of_periods(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
+def _screened_periods(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     """Of effects on a period no straight line tells, and no smallest size by one."""
     return [
         Screened(
@@ -371,19 +371,19 @@ def _of_periods(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list
             told=ScoreTest(name=added.named.id, estimate=found.value, information=0.0),
             plausible=added.named.sizes[0].plausible,
         )
-        for added, found in pendulum.told(bench, at, menu)
+        for added, found in pendulum.told(data, at, menu)
     ]
 
 
-def _of_tolerance(added: Added, told: ScoreTest, at: Candidate) -> Screened:
+def _screened_tolerance(added: Added, told: ScoreTest, at: Candidate) -> Screened:
     (size,) = added.named.sizes
     one = next(one for one in at.fit.parameters if one.name == told.name)
     return _sized(added, size, one, told)
 
 
-def _of_new(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
+def _screened_effects(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     free = [replace(one, fixed=False) for one in menu]
-    problem = bench.problem((*at.effects, *free))
+    problem = data.problem((*at.effects, *free))
     sized = {one.named.id: effects.name(one.named, _first(one).key) for one in free if one.named.sizes}
     of = screened(problem, at.fit, [which for which in sized.values() if which in problem.by_name], by_line=False)
     told = of.told()
@@ -401,11 +401,13 @@ def _sized(added: Added, size: SizeSpec, one: Parameter, told: ScoreTest) -> Scr
     low, high = effects.bounds(one, size)
     if size.whole:
         offset = SWITCHED if one.nominal == 0 else -SWITCHED
-        return Screened(added=_at(added, size, one.value(offset)), evidence=_at_size(told, offset), told=told, plausible=SWITCHED)
+        return Screened(
+            added=_with_size(added, size, one.value(offset)), evidence=_at_size(told, offset), told=told, plausible=SWITCHED
+        )
     offset = float(np.clip(told.estimate, low, high))
     evidence = told.evidence(size.plausible) if low < told.estimate < high else _at_size(told, offset)
     return Screened(
-        added=_at(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible, parameter=one
+        added=_with_size(added, size, one.value(offset)), evidence=evidence, told=told, plausible=size.plausible, parameter=one
     )
 
 
@@ -414,6 +416,6 @@ def _at_size(told: ScoreTest, offset: float) -> float:
     return told.information * (told.estimate * offset - 0.5 * offset**2)
 
 
-def _at(added: Added, size: SizeSpec, value: float) -> Added:
+def _with_size(added: Added, size: SizeSpec, value: float) -> Added:
     values = {**added.named.values, size.key: min(max(value, size.low), size.high)}
     return replace(added, named=replace(added.named, values=values))

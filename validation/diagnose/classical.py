@@ -536,7 +536,7 @@ class Weighed:
     low, high : 90 % interval
     best : size that fits best, whether plausible or not
     at_end : whether that is the end of what was looked at: a larger one would fit better yet
-    chi2 : of what is left at `best`
+    chi2 : of the unexplained residual at `best`
     """
 
     evidence: float

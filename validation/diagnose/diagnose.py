@@ -20,7 +20,7 @@ from identification.quality import NORMAL_90
 from validation import study
 from validation.diagnose import accept, pendulum, search
 from validation.diagnose import candidates as diagnose_candidates
-from validation.diagnose.accept import as_it_stands, errors, goodness_of_fit
+from validation.diagnose.accept import errors, errors_without_fit, goodness_of_fit
 from validation.diagnose.candidates import candidates, detectable, looked_for
 from validation.diagnose.diagnosis import (
     AMBIGUOUS,
@@ -41,9 +41,9 @@ from validation.diagnose.diagnosis import (
 )
 from validation.diagnose.mistakes import mistakes, with_mistakes, without_mistakes
 from validation.diagnose.next_test import advised
-from validation.diagnose.nonlinear import drive_levels, nonlinear
+from validation.diagnose.nonlinear import differing_levels, nonlinear
 from validation.diagnose.pendulum import contradictions
-from validation.diagnose.search import CandidateFit, SearchStep, alike, baseline, finished, searched
+from validation.diagnose.search import CandidateFit, SearchStep, baseline, finished, indistinguishable, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import (
@@ -148,7 +148,7 @@ def answer(bench: FittedData, base: Candidate, found: Candidate, rounds: Sequenc
         detectable=detectable(rounds[-1].screened),
         before=before,
         after=after,
-        steps=tuple(_step(one) for one in rounds if one.again != one.added or not one.added),
+        steps=tuple(_step(one) for one in rounds if one.reconsidered != one.added or not one.added),
         hold_out=before.held_out_names,
         remarks=(*contradictions(bench, base, found), *_unfinished(found)),
         settings=_settings(bench, rounds),
@@ -168,14 +168,14 @@ def _verdict(found: Candidate, rounds: Sequence[SearchStep], left: Explanation) 
         return NOTHING
     if len(found.effects) > 1:
         return SEVERAL
-    return AMBIGUOUS if len(alike(_best(found, rounds))) > 1 else MISSING
+    return AMBIGUOUS if len(indistinguishable(_best(found, rounds))) > 1 else MISSING
 
 
 def _best(found: Candidate, rounds: Sequence[SearchStep]) -> SearchStep:
     """The round that says most of what was found: of a single effect the last that took it, of several the last step forward."""
     ids = {one.named.id for one in found.effects}
     mine = [one for one in rounds if one.added in ids]
-    forward = [one for one in mine if not one.again]
+    forward = [one for one in mine if not one.reconsidered]
     return (mine if len(ids) == 1 else forward or mine or rounds)[-1]
 
 
@@ -187,7 +187,7 @@ def _alike(named: Sequence[Added], rounds: Sequence[SearchStep]) -> tuple[str, .
     """Ids that the data cannot tell apart; of several effects those of which each could be another."""
     found = {one.named.id for one in named}
     last = {one.added: one for one in rounds if one.added in found}
-    groups = [[each.id for each in alike(one)] for one in last.values()]
+    groups = [[each.id for each in indistinguishable(one)] for one in last.values()]
     return tuple(dict.fromkeys(id for group in groups for id in group if len(found) == 1 or len(group) > 1))
 
 
@@ -196,10 +196,10 @@ def _advice(
 ) -> tuple[Advice, ...]:
     """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
     if verdict == AMBIGUOUS:
-        swings = [one.id for one in alike(best) if FAMILIES[one.hypothesis.effects[-1].named.family].side == PENDULUM]
+        swings = [one.id for one in indistinguishable(best) if FAMILIES[one.candidate.effects[-1].named.family].side == PENDULUM]
         if len(swings) > 1:  # a shaker tells nothing of ropes
             return pendulum.advised(bench, best.at, swings)
-        return advised(bench, [one.hypothesis for one in alike(best)[:RIVALS]], progress)
+        return advised(bench, [one.candidate for one in indistinguishable(best)[:RIVALS]], progress)
     return confirming(one.named for one in found.effects) if verdict in (MISSING, SEVERAL) else ()
 
 
@@ -213,7 +213,7 @@ def _text(verdict: str, found: Candidate, best: SearchStep, left: Explanation) -
     if not best.tried:
         return f"As the model is, {why}"
     closest = best.tried[0]
-    return f"As the model is, {why}. With the closest, {closest.id}, {closest.standing.text or _too_little(closest)}"
+    return f"As the model is, {why}. With the closest, {closest.id}, {closest.goodness.text or _too_little(closest)}"
 
 
 def _too_little(one: CandidateFit) -> str:
@@ -230,20 +230,20 @@ def _accepted(added: Added, base: Candidate, found: Candidate, rounds: Sequence[
         sizes=sizes(added, found),
         evidence=evidence,
         misfit=of.misfit,
-        price=of.price,
+        price=of.prior_penalty,
         null=of.null,
     )
 
 
 def _cause(one: CandidateFit) -> Cause:
-    added = one.hypothesis.effects[-1]
+    added = one.candidate.effects[-1]
     return Cause(
         named=added.named,
-        sizes=sizes(added, one.hypothesis),
+        sizes=sizes(added, one.candidate),
         evidence=one.evidence,
-        misfit=one.standing.misfit,
-        price=one.standing.price,
-        null=one.standing.null,
+        misfit=one.goodness.misfit,
+        price=one.goodness.prior_penalty,
+        null=one.goodness.null,
     )
 
 
@@ -268,17 +268,17 @@ def _step(one: SearchStep) -> ReportedStep:
     return ReportedStep(
         added=one.added,
         ranking=tuple(_cause(each) for each in one.tried),
-        misfit=one.standing.misfit,
-        price=one.standing.price,
+        misfit=one.goodness.misfit,
+        price=one.goodness.prior_penalty,
         text=_why(one),
     )
 
 
 def _why(one: SearchStep) -> str:
-    if one.again:
+    if one.reconsidered:
         beside = f"beside {' and '.join(each.named.id for each in one.at.effects)}" if one.at.effects else "alone"
-        worse = next(each.evidence for each in one.tried if each.id == one.again)
-        return f"{one.added} brings {one.tried[0].evidence:.1f} nats {beside}, and {one.again} only {worse:.1f}"
+        worse = next(each.evidence for each in one.tried if each.id == one.reconsidered)
+        return f"{one.added} brings {one.tried[0].evidence:.1f} nats {beside}, and {one.reconsidered} only {worse:.1f}"
     if one.added:
         asked = evidence_threshold(one.tried[0].family)
         return f"{one.added} brings {one.tried[0].evidence:.1f} nats, where {asked:g} are asked for"
@@ -290,8 +290,8 @@ def _why(one: SearchStep) -> str:
 
 def _no_fit(one: SearchStep) -> str:
     """Why nothing was fitted, or nothing that was is left."""
-    if one.gone:
-        return f"a fit drives {', '.join(one.gone)} out of the band of the data, and no other kind of effect is worth a fit"
+    if one.left_band:
+        return f"a fit drives {', '.join(one.left_band)} out of the band of the data, and no other kind of effect is worth a fit"
     if not one.screened:
         return "there is no candidate"
     best = one.screened[0]
@@ -330,11 +330,11 @@ def nonlinear_answer(
         one.id for one in ranking if one.evidence >= max(ranking[0].evidence - INDISTINGUISHABLE_NATS, EVIDENCE_THRESHOLD)
     )
     named = ranking[:1] if len(alike) == 1 else ()
-    before = as_it_stands(bench, {})
+    before = errors_without_fit(bench, {})
     after = before
     if named:
         model = replace(bench.model, effects=(*bench.model.effects, Added(named=named[0].named, fixed=True)))
-        after = as_it_stands(replace(bench, model=model), {})
+        after = errors_without_fit(replace(bench, model=model), {})
     return Diagnosis(
         verdict=NONLINEAR,
         text=_unequal_text(levels, named),
@@ -419,11 +419,11 @@ def _linear_or_not(right: FittedData, only: Sequence[str], leave_out: Sequence[s
     """The diagnosis of data without mistakes: what two levels say, and where they say the same what a search finds."""
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != AMPLITUDE]
     menu = candidates(right, only=linear, leave_out=leave_out) if linear or not only else ()
-    if differing := drive_levels(right):
+    if differing := differing_levels(right):
         return nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     tell("fitting the model as it is", 0.0)
     base = baseline(right, lambda share: tell("fitting the model as it is", share))
-    found, rounds = searched(right, base, menu, tell)
+    found, rounds = stepwise_search(right, base, menu, tell)
     found = finished(right, found) if found.effects else found
     return answer(right, rounds[0].at, found, rounds, tell)
 

@@ -24,7 +24,7 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array
 from identification.consistency import candidates
 from identification.quality import NORMAL_90
-from validation.diagnose.accept import as_it_stands
+from validation.diagnose.accept import errors_without_fit
 from validation.diagnose.diagnosis import (
     MISTAKE,
     NONLINEAR,
@@ -54,40 +54,40 @@ from validation.prediction.series import SeriesPrediction
 
 
 REACH = 1.5
-"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 LINES = 4
-"""[count] of those lines. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[count] of those lines. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 MOTIONS_OF_A_PLATE = 6
 """[count] of motions of a rigid plate. By definition."""
 
 DRAWS = 400
 """[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 CONDITION = 40.0
 """[1] Condition number of the rows of six channels beyond which they do not tell the motion. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 DISTANT = 0.15
 """[share] Distance of a reading from what it should be at which it stops to count much. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 NEAR = 0.25
 """[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 PORTION = 100
 """[count] of sets that are worked on at once; memory only. By definition."""
 
 ROUNDS = 3
 """[count] of times that the final estimate is repeated with the channels that are near. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 FAINT = 0.3
 """[share] of what a channel should read over all runs that counts as its level where it should read less. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -126,7 +126,7 @@ def low_frequency_readings(one: SeriesPrediction) -> LowFrequencyReadings:
     lines = np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
     rows = one.at({parameter.name: parameter.start for parameter in one.parameters}, lines, derivatives=False).rows
     y = measured.values[:, lines]
-    p = _agreed(rows if rows.ndim == 4 else rows[None], y, ~measured.judged)
+    p = _consensus(rows if rows.ndim == 4 else rows[None], y, ~measured.judged)
     of = {channel.name: channel.quantity for channel in one.tested.campaign.table.channels}
     return LowFrequencyReadings(
         name=measured.name,
@@ -156,7 +156,7 @@ def _norm(values: ComplexArray) -> Array:
     return np.asarray(np.linalg.norm(values, axis=(-3, -2)))
 
 
-def _agreed(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) -> ComplexArray:
+def _consensus(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) -> ComplexArray:
     """(r, n, c) what the channels should read, A (r or 1, n, c, 6), by the motion on which most of them agree."""
     p = _by_six(A, y, moved)
     for _ in range(ROUNDS):
@@ -204,44 +204,44 @@ def _condition(A: ComplexArray, sets: npt.NDArray[np.int64]) -> Array:
 
 
 OFF = 0.15
-"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 SIGN_PENALTY = 8.0
-"""[nats] Prior penalty of a wrong sign. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[nats] Prior penalty of a wrong sign. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 UNIT_PENALTY = 10.0
-"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 FACTOR_PENALTY = 16.0
-"""[nats] Prior penalty of a factor that is no unit. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[nats] Prior penalty of a factor that is no unit. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 PLUG_PENALTY = 6.0
-"""[nats] Prior penalty of a channel that reads another's plug. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[nats] Prior penalty of a channel that reads another's plug. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 SURE = 20.0
 """[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 USUAL = 2.5
-"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 SNAP = 0.2
 """[log] How far the factor that fits best may lie from that of a unit to be it. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 
 FAR = 0.25
 """[share] Distance, as of `distance`, at which a reading still is not what a mistake says: a gain of two thirds. Held by
-tests/validation/diagnosing/test_discrete.py."""
+tests/validation/diagnosing/test_mistakes.py."""
 
 IMPOSSIBLE = -1e9
-"""[nats] of an accelerometer that holds a force: never taken. Held by tests/validation/diagnosing/test_discrete.py."""
+"""[nats] of an accelerometer that holds a force: never taken. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Taken:
+class ChannelSource:
     """What one channel of the files holds: the signal of the sensor `plug`, times `factor`.
 
     Attributes
@@ -264,7 +264,7 @@ class Taken:
         return self.channel == self.plug and self.factor == 1
 
 
-def mistakes(bench: FittedData) -> tuple[Cause, ...]:
+def mistakes(data: FittedData) -> tuple[Cause, ...]:
     """Wrong signs, exchanged plugs and wrong units, in the order in which effects of a model say them; none where there are none.
 
     All of them hold together, and in all campaigns: signs belong to sensors, units to what the files say. A channel that no
@@ -274,17 +274,17 @@ def mistakes(bench: FittedData) -> tuple[Cause, ...]:
     ------
     CheckFailed : a mistake of one campaign that another contradicts.
     """
-    every = [low_frequency_readings(one.with_effects(bench.model.effects)) for one in bench.made]
+    every = [low_frequency_readings(one.with_effects(data.model.effects)) for one in data.made]
     channels = every[0].channels
-    units = [one for one in candidates(bench.made[0].tested.campaign.table) if one.kind == "unit" and len(one.channels) == 1]
+    units = [one for one in candidates(data.made[0].tested.campaign.table) if one.kind == "unit" and len(one.channels) == 1]
     of = {name: [one for one in units if one.channels == (name,)] for name in channels}
     known = tuple(
-        _Known(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
+        _KnownFactors(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
     )
-    found = _decided(every, known)
+    found = _sources(every, known)
     for one in every if len(every) > 1 else ():
         # Refuse a mistake of campaign `one` that another contradicts
-        for taken in _decided([one], known):
+        for taken in _sources([one], known):
             for other in every:
                 right, wrong = (
                     _likelihood([other], taken.channel, plug, factor)
@@ -301,18 +301,18 @@ def mistakes(bench: FittedData) -> tuple[Cause, ...]:
                         f"correct that campaign alone (`massline correct`), or leave it out",
                         evidence_nats={one.name: taken.gain, other.name: right - wrong},
                     )
-    return tuple(_causes(every[0].channels, _whole(found, every[0], known)))
+    return tuple(_causes(every[0].channels, _by_accelerometers(found, every[0], known)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Known:
+class _KnownFactors:
     """Factors between the units of a channel's quantity, that of the channel table among them where it can."""
 
     values: Array
     units: tuple[tuple[str, str], ...]
 
 
-def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> tuple[Taken, ...]:
+def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactors]) -> tuple[ChannelSource, ...]:
     """What each channel holds, by all campaigns together."""
     from scipy.optimize import linear_sum_assignment
 
@@ -332,7 +332,7 @@ def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> 
         best[c, c], factors[c, c], units[c, c] = right[c], 1.0, -1
     _, plugs = linear_sum_assignment(-best)
     taken = [
-        Taken(
+        ChannelSource(
             channel=c,
             plug=int(d),
             factor=float(factors[c, d]),
@@ -341,10 +341,10 @@ def _decided(every: Sequence[LowFrequencyReadings], known: Sequence[_Known]) -> 
         )
         for c, d in enumerate(plugs)
     ]
-    return _sure(every, taken)
+    return _certain(every, taken)
 
 
-def _factor(every: Sequence[LowFrequencyReadings], c: int, d: int, known: _Known) -> tuple[float, int, float]:
+def _factor(every: Sequence[LowFrequencyReadings], c: int, d: int, known: _KnownFactors) -> tuple[float, int, float]:
     """The factor between reading c and what channel d should read, which of the known ones it is, else -1, and its price."""
     products = [(one.reading[:, c], one.expected[:, d], one.level[:, d]) for one in every]
     above = sum(float(np.sum((y * p.conj()).real / level**2)) for y, p, level in products)
@@ -371,18 +371,18 @@ def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: f
     return found
 
 
-def _sure(every: Sequence[LowFrequencyReadings], taken: Sequence[Taken]) -> tuple[Taken, ...]:
+def _certain(every: Sequence[LowFrequencyReadings], taken: Sequence[ChannelSource]) -> tuple[ChannelSource, ...]:
     """`taken` without cycles of plugs, and factors, that are not told or do not bring a reading near."""
     found = list(taken)
     for cycle in _cycles(taken):
-        near = all(_apart(every, taken[c]) < FAR for c in cycle)
+        near = all(_distance_to(every, taken[c]) < FAR for c in cycle)
         if sum(taken[c].gain for c in cycle) < SURE or not near:
             for c in cycle:
-                found[c] = Taken(channel=c, plug=c, factor=1.0, units=("", ""), gain=0.0)
+                found[c] = ChannelSource(channel=c, plug=c, factor=1.0, units=("", ""), gain=0.0)
     return tuple(found)
 
 
-def _cycles(taken: Sequence[Taken]) -> Iterator[list[int]]:
+def _cycles(taken: Sequence[ChannelSource]) -> Iterator[list[int]]:
     left = set(range(len(taken)))
     while left:
         first = min(left)
@@ -393,14 +393,16 @@ def _cycles(taken: Sequence[Taken]) -> Iterator[list[int]]:
         yield cycle
 
 
-def _apart(every: Sequence[LowFrequencyReadings], one: Taken) -> float:
+def _distance_to(every: Sequence[LowFrequencyReadings], one: ChannelSource) -> float:
     """Distance, over all campaigns, of a reading from what it is said to hold; each line in units of its level."""
     y = np.concatenate([of.reading[:, one.channel] / of.level[:, one.plug] for of in every]) / one.factor
     p = np.concatenate([of.expected[:, one.plug] / of.level[:, one.plug] for of in every])
     return float(np.linalg.norm(y - p) / max(float(np.linalg.norm(y) + np.linalg.norm(p)), TINY))
 
 
-def _whole(taken: tuple[Taken, ...], of: LowFrequencyReadings, known: Sequence[_Known]) -> tuple[Taken, ...]:
+def _by_accelerometers(
+    taken: tuple[ChannelSource, ...], of: LowFrequencyReadings, known: Sequence[_KnownFactors]
+) -> tuple[ChannelSource, ...]:
     """What all load cells share and no unit explains may be the inverse of what all accelerometers share.
 
     H alone cannot tell the two; a unit that explains the latter can.
@@ -427,7 +429,7 @@ def _whole(taken: tuple[Taken, ...], of: LowFrequencyReadings, known: Sequence[_
     )
 
 
-def _causes(channels: Sequence[str], taken: Sequence[Taken]) -> Iterator[Cause]:
+def _causes(channels: Sequence[str], taken: Sequence[ChannelSource]) -> Iterator[Cause]:
     """Signs of sensors, then plugs, then units of the files."""
     for one in taken:
         if one.factor < 0:
@@ -444,7 +446,7 @@ def _causes(channels: Sequence[str], taken: Sequence[Taken]) -> Iterator[Cause]:
             yield _unit(channels[one.channel], one)
 
 
-def _unit(channel: str, one: Taken) -> Cause:
+def _unit(channel: str, one: ChannelSource) -> Cause:
     value = abs(one.factor)
     half = 0.0 if one.units[0] else NORMAL_90 * OFF * value
     size = EffectEstimate(key="", value=value, unit="1", low=value - half, high=value + half)
@@ -467,14 +469,14 @@ def _cause(
 # A diagnosis of data with discrete mistakes: they are taken out first, and told with whatever else is found.
 
 
-def without_mistakes(bench: FittedData, mistaken: Sequence[Cause]) -> FittedData:
-    """`bench` with a model that makes the same mistakes as the data, so that nothing is left of them."""
+def without_mistakes(data: FittedData, mistaken: Sequence[Cause]) -> FittedData:
+    """`data` with a model that makes the same mistakes as the data, so that nothing is left of them."""
     made = tuple(Added(named=one.named, fixed=True) for one in mistaken)
-    return replace(bench, model=replace(bench.model, effects=(*bench.model.effects, *made)))
+    return replace(data, model=replace(data.model, effects=(*data.model.effects, *made)))
 
 
-def with_mistakes(bench: FittedData, found: Diagnosis, mistaken: Sequence[Cause]) -> Diagnosis:
-    """`found`, the diagnosis without the mistakes, as one of the data of `bench` as they are."""
+def with_mistakes(data: FittedData, found: Diagnosis, mistaken: Sequence[Cause]) -> Diagnosis:
+    """`found`, the diagnosis without the mistakes, as one of the data of `data` as they are."""
     return replace(
         found,
         verdict=found.verdict if found.verdict == NONLINEAR else MISTAKE,
@@ -483,7 +485,7 @@ def with_mistakes(bench: FittedData, found: Diagnosis, mistaken: Sequence[Cause]
         ranking=(*mistaken, *found.ranking),
         equivalence_class=found.equivalence_class or tuple(one.id for one in mistaken),
         advice=found.advice or confirming(one.named for one in mistaken),
-        before=as_it_stands(bench, {} if found.verdict == NONLINEAR else found.after.fitted.by_name),
+        before=errors_without_fit(data, {} if found.verdict == NONLINEAR else found.after.fitted.by_name),
     )
 
 

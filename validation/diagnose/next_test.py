@@ -14,7 +14,7 @@ import numpy as np
 from geometry.frames import Array
 from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import inverse, minimise
-from validation.diagnose.candidates import candidates, is_resonator, opened
+from validation.diagnose.candidates import candidates, is_resonator, with_candidates
 from validation.diagnose.diagnosis import Advice, Candidate, FittedData
 from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effects_of, knowledge, lines_of, reading, template
@@ -253,8 +253,8 @@ class _Ground:
     precision: Array
 
 
-def imagined(bench: FittedData, of: Candidate) -> tuple[Alternative, ...]:
-    """In place of the last effect of a hypothesis: nothing, and the effects that come nearest of those it is mistaken for."""
+def imagined(data: FittedData, of: Candidate) -> tuple[Alternative, ...]:
+    """In place of the last effect of a candidate: nothing, and the effects that come nearest of those it is mistaken for."""
     effect = of.effects[-1]
     if effect.fixed:
         # Of an effect that is there or not: the same without it, which was not asked for because it is far worse
@@ -265,9 +265,9 @@ def imagined(bench: FittedData, of: Candidate) -> tuple[Alternative, ...]:
     # The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one
     named = effect.named
     wanted = FAMILIES[named.family].mistaken_for
-    lookalikes_found = (one for one in candidates(bench) if one.named.family in wanted or one.named.id in wanted)
+    lookalikes_found = (one for one in candidates(data) if one.named.family in wanted or one.named.id in wanted)
     menu = tuple(one for one in lookalikes_found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
-    ground = _ground(bench, of, menu)
+    ground = _ground(data, of, menu)
     without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
     found = [_instead(ground, of, effect, without, one) for one in (None, *menu)]
     nothing, *others = (one for one in found if one is not None)
@@ -282,7 +282,7 @@ def _shares(one: Named, other: Named) -> bool:
 
 def _ground(bench: FittedData, of: Candidate, menu: Sequence[Added]) -> _Ground:
     admitted = {one.name: one.tolerance for one in bench.problem(of.effects[:-1]).free(FITTED)}
-    problem = opened(of.problem, menu)
+    problem = with_candidates(of.problem, menu)
     own = {one.name for one in of.fit.parameters}
     free = tuple(one for one in problem.free(FITTED) if one.name in own or one.kind == EFFECT)
     cost = cost_of(problem, free, FLOOR)
@@ -382,12 +382,12 @@ class Forecast:
         return -len(self.apart), -min(self.gain, DECIDED), self.offer.hours, -self.gain
 
 
-def advised(bench: FittedData, rivals: Sequence[Candidate], progress: Progress | None = None) -> tuple[Advice, ...]:
+def advised(data: FittedData, rivals: Sequence[Candidate], progress: Progress | None = None) -> tuple[Advice, ...]:
     """Tests that would tell `rivals` apart, the best first.
 
     Parameters
     ----------
-    rivals : explanations of the data of `bench`, the best first; of a single one, tests that would confirm it are looked for
+    rivals : explanations of the data of `data`, the best first; of a single one, tests that would confirm it are looked for
 
     Returns
     -------
@@ -401,22 +401,22 @@ def advised(bench: FittedData, rivals: Sequence[Candidate], progress: Progress |
         one = rivals[0]
         if not one.effects:
             return ()
-        confirming_others = imagined(bench, one)
+        confirming_others = imagined(data, one)
         effects = tuple(added for each in confirming_others for added in each.known.effects if added.named.id == each.id)
         names = [one.effects[-1].named.id, *(each.id for each in confirming_others)]
-        return chosen(bench, knowledge(one), [each.known for each in confirming_others], names, (one.effects[-1], *effects), tell)
+        return chosen(data, knowledge(one), [each.known for each in confirming_others], names, (one.effects[-1], *effects), tell)
     first, *others = (knowledge(one) for one in rivals)
-    # Of every hypothesis the effects that not all of them have
+    # Of every candidate the effects that not all of them have
     common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
     own = [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
     # Effects by their ids
     return chosen(
-        bench, first, others, [" with ".join(each.named.id for each in one) or "nothing" for one in own], _all(own), tell
+        data, first, others, [" with ".join(each.named.id for each in one) or "nothing" for one in own], _all(own), tell
     )
 
 
 def chosen(
-    bench: FittedData,
+    data: FittedData,
     first: Knowledge,
     others: Sequence[Knowledge],
     names: Sequence[str],
@@ -424,7 +424,7 @@ def chosen(
     progress: Progress,
 ) -> tuple[Advice, ...]:
     """The best tests between `first` and `others`, whose `names` stand in the advice; `effects` are those that are in doubt."""
-    offers = tuple(menu([template(one, first) for one in bench.made], effects, bench.facts(first.effects)))
+    offers = tuple(menu([template(one, first) for one in data.made], effects, data.facts(first.effects)))
     looked = []
     for k, offer in enumerate(offers):
         looked.append(_looked(offer, first, others))

@@ -30,7 +30,8 @@ from validation.model.model import vocabulary
 from validation.prediction import dynamic_mass, effects
 from validation.prediction.series import SeriesPrediction, laboratory
 
-# `Driven`: the runs of one campaign by how strongly they were driven, and what the weaker ones hold beyond the stronger ones.
+# `RunsByLevel`: the runs of one campaign by how strongly they were driven, and what the weaker ones hold beyond the stronger
+# ones.
 #
 # What is linear reads y = A u in every run, whatever A is: the readings of six independent runs span all that a seventh can
 # read. So no model is asked: the stronger runs B of all axes explain a weaker run, line by line, up to noise,
@@ -46,27 +47,27 @@ MOTIONS_OF_A_PLATE = 6
 
 WEAKER = 0.9
 """[share] of the strongest level of an axis below which a run was driven at another level. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 SAME_SHAPE = 0.99
-"""[1] Cosine from which two runs drive the same axes. Held by tests/validation/diagnosing/test_levels.py."""
+"""[1] Cosine from which two runs drive the same axes. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 FLOOR = 5e-4
 """[share] of a channel's level that no recorder repeats from one run to the next, beside its noise. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 SPANNED = 20.0
 """[factor] by which the weakest of six motions must stand above noise in the stronger runs for these to span them. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 MODEL_ERROR = 0.1
-"""[share] by which a model's rows that stand in for runs may be off. Held by tests/validation/diagnosing/test_levels.py."""
+"""[share] by which a model's rows that stand in for runs may be off. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Driven:
+class RunsByLevel:
     """The runs of one campaign.
 
     Attributes
@@ -106,14 +107,14 @@ class Driven:
         """Indices of the strongest runs of their axes."""
         return tuple(int(k) for k in np.flatnonzero(self.share >= WEAKER))
 
-    def at(self, lines: Indices) -> Driven:
+    def at(self, lines: Indices) -> RunsByLevel:
         """The lines with these indices alone."""
         of_runs = {name: getattr(self, name)[:, lines] for name in ("values", "noise", "level")}
         return replace(self, frequency=self.frequency[lines], rows=self.rows[lines], **of_runs)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Beyond:
+class NonlinearResidual:
     """What a weaker run holds beyond the stronger ones.
 
     Attributes
@@ -156,17 +157,17 @@ class Beyond:
 
 FREE = 1e-3
 """[share] of a channel's noise below which the others do not say what it reads. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 
-def driven_runs(one: SeriesPrediction) -> Driven:
+def runs_by_level(one: SeriesPrediction) -> RunsByLevel:
     """The runs of `one`; what its model knows of an amplitude is taken off their readings."""
     measured = one.measured
     # (r,) shares of the strongest run that drove the same, and (r,) that run
     drive = np.stack([of.amplitude for of in one.tested.drives])
     size = np.linalg.norm(drive, axis=1)
     if not np.all(size > 0):
-        drive, size = _as_read(one)
+        drive, size = _drives_from_readings(one)
     along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
     same = along @ along.T > SAME_SHAPE
     strongest = np.where(same, size[None], 0.0).max(axis=1)
@@ -180,7 +181,7 @@ def driven_runs(one: SeriesPrediction) -> Driven:
     rows = linear.at(start, derivatives=False).rows
     values = measured.values if len(linear.effects) == len(one.effects) else _linear(one, rows)
     silent = level_of_groups(values, measured.judged)
-    return Driven(
+    return RunsByLevel(
         name=measured.name,
         runs=measured.runs,
         axes=tuple(axis or "several axes" for axis in measured.axes),
@@ -198,10 +199,10 @@ def driven_runs(one: SeriesPrediction) -> Driven:
 
 SILENT = 0.01
 """[share] of what channels of its kind read at which a channel counts as silent. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 
-def _as_read(one: SeriesPrediction) -> tuple[Array, Array]:
+def _drives_from_readings(one: SeriesPrediction) -> tuple[Array, Array]:
     """Drives of runs that state no amplitude: by the axis, in what their accelerometers read."""
     measured = one.measured
     moved = measured.values[..., ~measured.judged]
@@ -230,7 +231,7 @@ def _linear(one: SeriesPrediction, rows: ComplexArray) -> ComplexArray:
     return found
 
 
-def beyond(of: Driven, runs: Sequence[int] | None = None) -> tuple[Beyond, ...]:
+def nonlinear_residuals(of: RunsByLevel, runs: Sequence[int] | None = None) -> tuple[NonlinearResidual, ...]:
     """What each of the weaker `runs` (all by default) holds beyond the stronger ones; none where channels are too few."""
     basis = of.values[list(of.stronger)].transpose(1, 2, 0)
     # Whether the stronger runs move in all six ways, well above their noise, at most lines
@@ -245,10 +246,10 @@ def beyond(of: Driven, runs: Sequence[int] | None = None) -> tuple[Beyond, ...]:
     columns = basis.shape[2] + (MOTIONS_OF_A_PLATE if missing else 0)
     if columns >= len(of.channels):
         return ()
-    return tuple(_beyond(of, k, basis, missing=missing) for k in (of.weaker if runs is None else runs))
+    return tuple(_nonlinear_residual(of, k, basis, missing=missing) for k in (of.weaker if runs is None else runs))
 
 
-def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond:
+def _nonlinear_residual(of: RunsByLevel, k: int, basis: ComplexArray, *, missing: bool) -> NonlinearResidual:
     y, strong = of.values[k], list(of.stronger)
     own = np.hypot(of.noise[k], FLOOR * of.level[k])
     motions, made_of = _motions(basis, own)
@@ -262,7 +263,7 @@ def _beyond(of: Driven, k: int, basis: ComplexArray, *, missing: bool) -> Beyond
     deviation = np.sqrt(variance)
     whitened, Q, _ = eliminated(columns, y, 1 / deviation)
     free = 1 - np.sum(np.abs(Q) ** 2, axis=2)
-    return Beyond(run=k, whitened=whitened, free=free, explained=Q, deviation=deviation, weights=weights)
+    return NonlinearResidual(run=k, whitened=whitened, free=free, explained=Q, deviation=deviation, weights=weights)
 
 
 def _motions(basis: ComplexArray, deviation: Array) -> tuple[ComplexArray, ComplexArray]:
@@ -279,35 +280,35 @@ def _motions(basis: ComplexArray, deviation: Array) -> tuple[ComplexArray, Compl
 SURE = 12.0
 """[sd] of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32 series with
 nothing planted the worst reached 7.0: noise is an estimate that scatters, too. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 VISIBLE = 2e-3
-"""[share] of what a channel reads that must differ. Held by tests/validation/diagnosing/test_levels.py."""
+"""[share] of what a channel reads that must differ. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 LEAKING = 3.0
 """[factor] by which more must differ than leaks from axes that are driven across. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 SMOOTHED = 9
 """[count] of lines over which the worst frequency is looked for. No test of its own."""
 
 
-def drive_levels(bench: FittedData) -> tuple[LevelDifference, ...]:
+def differing_levels(data: FittedData) -> tuple[LevelDifference, ...]:
     """Axes that answer differently at two levels, the most surprising first; none where all were driven at one, or answer alike.
 
-    What amplitude-dependent effects of the bench's model explain is taken off first.
+    What amplitude-dependent effects of the data's model explain is taken off first.
     """
-    found = [level for one in bench.made for level in of_campaign(driven_runs(one.with_effects(bench.model.effects)))]
+    found = [level for one in data.made for level in levels_of_campaign(runs_by_level(one.with_effects(data.model.effects)))]
     return tuple(sorted(found, key=lambda level: -level.sigma))
 
 
-def of_campaign(of: Driven) -> tuple[LevelDifference, ...]:
+def levels_of_campaign(of: RunsByLevel) -> tuple[LevelDifference, ...]:
     """Of one campaign; the weakest of several levels of an axis, or whichever shows most."""
-    left = beyond(of)
+    left = nonlinear_residuals(of)
     apart = [differing(of, one) for one in left]
     known: dict[str, LevelDifference] = {}
     for k, one in enumerate(left):
-        if not len(apart[k]) or _leaks(of, left, k):
+        if not len(apart[k]) or _is_cross_motion(of, left, k):
             continue
         level_apart = apart[k]
         by_line = np.sum(one.by_channel[:, list(level_apart)], axis=1)
@@ -319,33 +320,33 @@ def of_campaign(of: Driven) -> tuple[LevelDifference, ...]:
             axis=of.axes[one.run],
             channels=tuple(of.channels[k] for k in level_apart),
             frequency=float(of.frequency[worst]),
-            sigma=float(surprise(one).max()),
+            sigma=float(channel_z(one).max()),
         )
         if level.axis not in known or known[level.axis].sigma < level.sigma:
             known[level.axis] = level
     return tuple(known.values())
 
 
-def surprise(one: Beyond) -> Array:
+def channel_z(one: NonlinearResidual) -> Array:
     """(c,) by how many standard deviations the sum over lines of each channel is too large."""
     n = len(one.whitened)
     return np.asarray((np.sum(one.by_channel, axis=0) - n) / np.sqrt(n))
 
 
-def share(of: Driven, one: Beyond) -> Array:
+def share(of: RunsByLevel, one: NonlinearResidual) -> Array:
     """(c,) rms of what each channel holds beyond noise, when the others are believed, as a share of what it reads."""
     alone = (one.by_channel - 1) / np.maximum(one.free, FREE) * one.deviation**2
     return np.asarray(np.sqrt(np.maximum(alone.mean(axis=0), 0.0) / np.mean(of.level[one.run] ** 2, axis=0)))
 
 
-def differing(of: Driven, one: Beyond) -> tuple[int, ...]:
+def differing(of: RunsByLevel, one: NonlinearResidual) -> tuple[int, ...]:
     """Indices of the channels that answer differently, the worst first."""
-    z = surprise(one)
+    z = channel_z(one)
     apart = np.flatnonzero((z > SURE) & (share(of, one) > VISIBLE))
     return tuple(int(k) for k in apart[np.argsort(-z[apart])])
 
 
-def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
+def _is_cross_motion(of: RunsByLevel, left: Sequence[NonlinearResidual], k: int) -> bool:
     """Whether what run `k` holds is what other axes' differences bring along by cross motion."""
     one = left[k]
     own = float(np.sqrt(np.sum(np.abs(one.whitened * one.deviation) ** 2)))
@@ -359,8 +360,8 @@ def _leaks(of: Driven, left: Sequence[Beyond], k: int) -> bool:
     return bool(own < LEAKING * np.sqrt(brought))
 
 
-def require_levels(bench: FittedData, what: str = "friction, a gap or saturation") -> None:
-    """Refuse a bench that was driven at one level where two are needed.
+def require_levels(data: FittedData, what: str = "friction, a gap or saturation") -> None:
+    """Refuse a data that was driven at one level where two are needed.
 
     Parameters
     ----------
@@ -370,9 +371,9 @@ def require_levels(bench: FittedData, what: str = "friction, a gap or saturation
     ------
     BadInput : no axis of any campaign was driven at two levels.
     """
-    if any(driven_runs(one).weaker for one in bench.made):
+    if any(runs_by_level(one).weaker for one in data.made):
         return
-    sources = ", ".join(one.source for one in bench.campaigns)
+    sources = ", ".join(one.source for one in data.campaigns)
     raise BadInput(
         source=sources,
         field="run.excitation.level",
@@ -381,7 +382,8 @@ def require_levels(bench: FittedData, what: str = "friction, a gap or saturation
     )
 
 
-# `Bent`: what an amplitude-dependent effect makes of the readings of runs at several levels, by the catalogue's equations.
+# `DistortedRuns`: what an amplitude-dependent effect makes of the readings of runs at several levels, by the catalogue's
+# equations.
 #
 # The equations say what a channel reads of a sine of given amplitude, or what a body weighs that is shaken so hard. They are
 # applied to the readings themselves, whose amplitude in time follows from the level that a run states and from what its
@@ -395,13 +397,13 @@ def require_levels(bench: FittedData, what: str = "friction, a gap or saturation
 
 ROUNDS = 12
 """[count] of iterations by which an equation is undone; each leaves at most half of what was left. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Bent:
+class DistortedRuns:
     """Runs of a campaign, ready to be held against effects.
 
     Attributes
@@ -413,7 +415,7 @@ class Bent:
     """
 
     one: SeriesPrediction
-    of: Driven
+    of: RunsByLevel
     lines: Indices
     peak: Array
 
@@ -500,11 +502,13 @@ class Bent:
         return np.asarray(G.T @ (self.one.dynamic_mass(start, self.lines) - own) @ G)
 
 
-def nonlinear_distortion(one: SeriesPrediction, of: Driven, lines: Indices, recordings: Mapping[str, Recording]) -> Bent:
+def nonlinear_distortion(
+    one: SeriesPrediction, of: RunsByLevel, lines: Indices, recordings: Mapping[str, Recording]
+) -> DistortedRuns:
     """The runs `of` the prediction `one` at `lines`; peaks by its `recordings`, or by its spectra where these are not in time."""
     amplitude = _per_unit(one, _motion(of))[..., None] * np.abs(of.values)
     peak = np.stack([_peak(recordings.get(run), of.channels, amplitude[k]) for k, run in enumerate(of.runs)])
-    return Bent(one=one, of=of.at(lines), lines=lines, peak=peak[of.partner])
+    return DistortedRuns(one=one, of=of.at(lines), lines=lines, peak=peak[of.partner])
 
 
 def _peak(recorded: Recording | None, channels: Sequence[str], amplitude: Array) -> Array:
@@ -515,7 +519,7 @@ def _peak(recorded: Recording | None, channels: Sequence[str], amplitude: Array)
     return np.asarray(np.abs(values - values.mean(axis=0)).max(axis=0))
 
 
-def _motion(of: Driven) -> ComplexArray:
+def _motion(of: RunsByLevel) -> ComplexArray:
     """(r, n, 6) of the base, by the accelerometers: at a resonance these need no structure."""
     moved = ~of.judged
     return np.asarray((np.linalg.pinv(of.rows[:, moved]) @ of.values[..., moved, None])[..., 0])
@@ -531,13 +535,13 @@ def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
     return found
 
 
-def could_act(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Sequence[str]) -> tuple[Named, ...]:
+def possible_effects(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Sequence[str]) -> tuple[Named, ...]:
     """Every amplitude-dependent effect of the catalogue that acts on some campaign; of those on one channel, on `channels` alone.
 
     Sizes stand at the bounds of what is fitted, by the family's `high`.
     """
     there = [replace(one.tested.carried.standing.there, channels=one.measured.channels) for one in made]
-    narrowed = replace(words, accelerometers=_in(words.accelerometers, channels), forces=_in(words.forces, channels))
+    narrowed = replace(words, accelerometers=_among(words.accelerometers, channels), forces=_among(words.forces, channels))
     found = []
     for family in FAMILIES.values():
         if family.side != AMPLITUDE or family.change is None:
@@ -550,7 +554,7 @@ def could_act(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Seq
     return tuple(found)
 
 
-def _in(names: Sequence[str] | None, chosen: Sequence[str]) -> tuple[str, ...]:
+def _among(names: Sequence[str] | None, chosen: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in chosen if names is None or name in names)
 
 
@@ -566,66 +570,67 @@ def _in(names: Sequence[str] | None, chosen: Sequence[str]) -> tuple[str, ...]:
 
 
 LINES = 60
-"""[count] of lines of a campaign that are looked at. Held by tests/validation/diagnosing/test_levels.py."""
+"""[count] of lines of a campaign that are looked at. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 WORST = 3
 """[count] of weaker runs of a campaign that are looked at, those that differ most. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 SUSPECTED = 4
 """[count] of channels that are suspected of saturation, those that differ most. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 PER_DECADE = 3
-"""[count] of sizes in a decade of the first grid. Held by tests/validation/diagnosing/test_levels.py."""
+"""[count] of sizes in a decade of the first grid. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 SIZED_AGAIN = 4
 """[count] of candidates, the best by first order, whose size is found once more. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 RESIZED_LOG = 0.7
 """[log] about the size by first order within which a size that is fitted by its logarithm is found once more. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 RESIZED_SHARE = 0.3
 """[share] of the size by first order within which another size is found once more. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 RESIZED_RANGE = 0.02
-"""[share] of all that the family allows, which is added to that. Held by tests/validation/diagnosing/test_levels.py."""
+"""[share] of all that the family allows, which is added to that. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 SIZE_TOLERANCE = 1e-3
-"""[share] of that interval to which the size is found. Held by tests/validation/diagnosing/test_levels.py."""
+"""[share] of that interval to which the size is found. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 CURVATURE_STEP = 0.02
 """[share] of that interval: the step of the second difference that gives the size its interval. Held by
-tests/validation/diagnosing/test_levels.py."""
+tests/validation/diagnosing/test_nonlinear.py."""
 
 EXPLAINED = 0.8
 """[share] of the surplus that a kind must explain to be the right one. Held by tests/validation/diagnosing/test_diagnosed.py."""
 
 EQUATIONS = 0.04
-"""[share] of the size by which the equations themselves are off, one sd. Held by tests/validation/diagnosing/test_levels.py."""
+"""[share] of the size by which the equations themselves are off, one sd. Held by
+tests/validation/diagnosing/test_nonlinear.py."""
 
 BY_CHANCE = 4.0
-"""[sd] of a sum of squares within which what is unexplained is noise. Held by tests/validation/diagnosing/test_levels.py."""
+"""[sd] of a sum of squares within which what is unexplained is noise. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 
 def nonlinear(
-    bench: FittedData, levels: Sequence[LevelDifference], progress: Callable[[float], None] | None = None
+    data: FittedData, levels: Sequence[LevelDifference], progress: Callable[[float], None] | None = None
 ) -> tuple[Cause, ...]:
     """What could let the axes of `levels` differ, the likeliest first; none where runs do not state their level.
 
     `misfit` of a cause is what it leaves per degree of freedom, and `null` says whether it explains the difference.
     """
-    seen = tuple(_seen(bench, levels))
+    seen = tuple(_tested(data, levels))
     if not seen:
         return ()
     found: list[_Found] = []
     worst = sorted(levels, key=lambda level: -level.sigma)
     suspected_every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
-    every = could_act(
-        [one.bent.one for one in seen], vocabulary(bench.model, bench.campaigns), tuple(suspected_every)[:SUSPECTED]
+    every = possible_effects(
+        [one.bent.one for one in seen], vocabulary(data.model, data.campaigns), tuple(suspected_every)[:SUSPECTED]
     )
     for k, named in enumerate(every):
         found += _sized(named, seen, first_order=True)
@@ -639,16 +644,16 @@ def nonlinear(
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Seen:
+class _Tested:
     """One campaign: its runs, and which of the weaker ones are looked at."""
 
-    bent: Bent
+    bent: DistortedRuns
     runs: tuple[int, ...]
 
     @cached_property
-    def left(self) -> tuple[Beyond, ...]:
+    def left(self) -> tuple[NonlinearResidual, ...]:
         """What these runs hold beyond the stronger ones, as they are."""
-        return beyond(self.bent.of, self.runs)
+        return nonlinear_residuals(self.bent.of, self.runs)
 
     @property
     def used(self) -> tuple[int, ...]:
@@ -670,7 +675,7 @@ class _Seen:
         values = np.array(of.values)
         for run in self.used:
             values[run] -= self.bent.bent(named, run)
-        return sum(one.chi2 for one in beyond(replace(of, values=values), self.runs))
+        return sum(one.chi2 for one in nonlinear_residuals(replace(of, values=values), self.runs))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -682,20 +687,20 @@ class _Found:
     curvature: float
 
 
-def _seen(bench: FittedData, levels: Sequence[LevelDifference]) -> Iterator[_Seen]:
-    for one in bench.made:
+def _tested(data: FittedData, levels: Sequence[LevelDifference]) -> Iterator[_Tested]:
+    for one in data.made:
         told = sorted((level for level in levels if level.data_set == one.measured.name), key=lambda level: -level.sigma)
-        model = one.with_effects(bench.model.effects)
+        model = one.with_effects(data.model.effects)
         if not told or not all(np.any(drive.amplitude) for drive in model.tested.drives):
             continue
-        of = driven_runs(model)
+        of = runs_by_level(model)
         lines = np.unique(np.linspace(0, len(of.frequency) - 1, LINES).round().astype(np.int64))
         runs = tuple(of.runs.index(level.runs[0]) for level in told[:WORST])
-        recordings = next((raw.recordings for raw, made in zip(bench.campaigns, bench.made, strict=False) if made is one), {})
-        yield _Seen(bent=nonlinear_distortion(model, of, lines, recordings), runs=runs)
+        recordings = next((raw.recordings for raw, made in zip(data.campaigns, data.made, strict=False) if made is one), {})
+        yield _Tested(bent=nonlinear_distortion(model, of, lines, recordings), runs=runs)
 
 
-def _sized(named: Named, seen: Sequence[_Seen], *, first_order: bool) -> list[_Found]:
+def _sized(named: Named, seen: Sequence[_Tested], *, first_order: bool) -> list[_Found]:
     """`named` at its best size; none where the data have not what it acts on, or no size helps."""
     from scipy.optimize import minimize_scalar
 
@@ -734,7 +739,7 @@ def _bracket(size: OfFamily, chi2: Callable[[float], float]) -> tuple[float, flo
     return float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
 
 
-def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:
+def _causes(found: Sequence[_Found], seen: Sequence[_Tested]) -> Iterator[Cause]:
     """In nats of what the best leaves; only of those that help at all."""
     before = sum(left.chi2 for one in seen for left in one.left)
     count = sum(left.count for one in seen for left in one.left)
@@ -757,7 +762,7 @@ def _causes(found: Sequence[_Found], seen: Sequence[_Seen]) -> Iterator[Cause]:
             evidence=evidence,
             misfit=one.chi2 / count,
             null=bool(enough),
-            note=_in_words(share, rivals if best - evidence < INDISTINGUISHABLE_NATS else [], enough=bool(enough)),
+            note=_text(share, rivals if best - evidence < INDISTINGUISHABLE_NATS else [], enough=bool(enough)),
         )
 
 
@@ -771,7 +776,7 @@ def _size(one: _Found, scale: float) -> EffectEstimate:
     return EffectEstimate(key=of.key, value=value, unit=of.unit, low=max(float(low), of.low), high=min(float(high), of.high))
 
 
-def _in_words(share: float, rivals: Sequence[str], *, enough: bool) -> str:
+def _text(share: float, rivals: Sequence[str], *, enough: bool) -> str:
     """What is to be said beside the size."""
     explains = f"it explains {100 * share:.0f} % of what differs between the levels beyond noise"
     if not enough:

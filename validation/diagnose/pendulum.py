@@ -393,7 +393,7 @@ class Against:
         )
 
 
-def contradictions(bench: FittedData, base: Candidate, found: Candidate) -> tuple[str, ...]:
+def contradictions(data: FittedData, base: Candidate, found: Candidate) -> tuple[str, ...]:
     """Each fact that contradicts the campaigns by the model as it is, `base`, and whether what was `found` settles it.
 
     Where that model meets all facts, nothing is computed.
@@ -401,9 +401,9 @@ def contradictions(bench: FittedData, base: Candidate, found: Candidate) -> tupl
     offsets = {**base.problem.start, **base.fit.by_name}
     if all(abs(fact.residual(offsets)[0]) < STANDS_OUT for fact in base.problem.facts):
         return ()
-    odd = [one for one in against(bench, base) if abs(one.sigma) > DISAGREE]
+    odd = [one for one in against(data, base) if abs(one.sigma) > DISAGREE]
     others = [one.named.id for one in found.effects if one.named.family not in WEIGHED]
-    then = {one.name: one.sigma for one in against(bench, found)} if odd and others else {}
+    then = {one.name: one.sigma for one in against(data, found)} if odd and others else {}
     return tuple(f"{one.text}{_settled(then.get(one.name), others)}" for one in odd)
 
 
@@ -414,19 +414,19 @@ def _settled(sigma: float | None, effects: list[str]) -> str:
     return f"; with {', '.join(effects)} they {'agree' if abs(sigma) < DISAGREE else 'still disagree'}"
 
 
-def against(bench: FittedData, at: Candidate) -> tuple[Against, ...]:
+def against(data: FittedData, at: Candidate) -> tuple[Against, ...]:
     """Every fact about an article that was on the shaker, beside what the campaigns alone say at the fit of `at`."""
-    every = (*bench.model.effects, *at.effects)
-    facts = [fact for fact in bench.facts(every) if isinstance(fact, ArticleFact)]
-    return tuple(one for article in dict.fromkeys(fact.of.article for fact in facts) for one in _of(bench, at, article, facts))
+    every = (*data.model.effects, *at.effects)
+    facts = [fact for fact in data.facts(every) if isinstance(fact, ArticleFact)]
+    return tuple(one for article in dict.fromkeys(fact.of.article for fact in facts) for one in _of(data, at, article, facts))
 
 
-def _of(bench: FittedData, at: Candidate, article: str, facts: list[ArticleFact]) -> Iterator[Against]:
-    every = (*bench.model.effects, *at.effects)
+def _of(data: FittedData, at: Candidate, article: str, facts: list[ArticleFact]) -> Iterator[Against]:
+    every = (*data.model.effects, *at.effects)
     freed = (*every, *_ten(every))
-    if not any(one.tested.carried.standing.article == article for one in bench.made):
+    if not any(one.tested.carried.standing.article == article for one in data.made):
         return
-    made = tuple(one.with_effects(freed if one.tested.carried.standing.article == article else every) for one in bench.made)
+    made = tuple(one.with_effects(freed if one.tested.carried.standing.article == article else every) for one in data.made)
     problem = Problem(made).thinned()
     known = {one.name for one in at.fit.parameters}
     free = [one for one in problem.parameters if one.name in known or one.name.startswith(FAMILY)]
@@ -473,23 +473,23 @@ def _against(fact: ArticleFact, z: float, variance: float) -> Against:
 # finds.
 
 
-def of_swings(bench: FittedData) -> tuple[Added, ...]:
-    """Effects of a pendulum that could act on a swing among the facts of `bench`, each at a plausible size."""
-    return pendulum_candidates(_swings(bench, ()))
+def of_swings(data: FittedData) -> tuple[Added, ...]:
+    """Effects of a pendulum that could act on a swing among the facts of `data`, each at a plausible size."""
+    return pendulum_candidates(_swings(data, ()))
 
 
-def told(bench: FittedData, at: Candidate, menu: Sequence[Added]) -> list[tuple[Added, Weighed]]:
-    """Each of `menu`, at the size that it would have on top of the hypothesis `at`, with what the swings say of it."""
-    every = (*bench.model.effects, *at.effects)
-    of = _independent(observed(_swings(bench, every), every))
+def told(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[tuple[Added, Weighed]]:
+    """Each of `menu`, at the size that it would have on top of the candidate `at`, with what the swings say of it."""
+    every = (*data.model.effects, *at.effects)
+    of = _independent(observed(_swings(data, every), every))
     wanted = {one.named.id for one in menu}
     return [_told(of, one) for one in candidates(of.facts, every) if one.id in wanted]
 
 
-def advised(bench: FittedData, at: Candidate, ids: Sequence[str]) -> tuple[Advice, ...]:
-    """Measurements on swings and balances that would tell the effects `ids`, tried on top of the hypothesis `at`, apart."""
-    every = (*bench.model.effects, *at.effects)
-    of = observed(_swings(bench, every), every)
+def advised(data: FittedData, at: Candidate, ids: Sequence[str]) -> tuple[Advice, ...]:
+    """Measurements on swings and balances that would tell the effects `ids`, tried on top of the candidate `at`, apart."""
+    every = (*data.model.effects, *at.effects)
+    of = observed(_swings(data, every), every)
     answers = answering(of, [one for one in candidates(of.facts, every) if one.id in ids])
     tried = judged(answers, of.left, of.precision, of.of_period).tried
     return swings_advised(of, [one for one in tried if one.helps])
@@ -507,5 +507,5 @@ def _independent(of: ObservedFacts) -> ObservedFacts:
     return replace(of, covariance=np.diag(np.diag(of.covariance)))
 
 
-def _swings(bench: FittedData, effects: Sequence[Added]) -> list[ArticleFact]:
-    return [one for one in bench.facts(effects) if isinstance(one, ArticleFact) and one.swing is not None]
+def _swings(data: FittedData, effects: Sequence[Added]) -> list[ArticleFact]:
+    return [one for one in data.facts(effects) if isinstance(one, ArticleFact) and one.swing is not None]

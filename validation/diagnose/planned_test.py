@@ -56,7 +56,7 @@ Moved = Mapping[str, Origin]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Knowledge:
-    """A hypothesis as a distribution of its parameters.
+    """A candidate as a distribution of its parameters.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Knowledge:
     def spread(self, parameters: Sequence[Parameter], moved: Moved) -> Array:
         """(q, s): covariance of the offsets of `parameters` in the test = spread @ spread.T.
 
-        Effects that this hypothesis has not are known not to be there.
+        Effects that this candidate has not are known not to be there.
         """
         row = {name: k for k, name in enumerate(self.names)}
         known = np.zeros((len(parameters), len(self.names)))
@@ -100,7 +100,7 @@ class Knowledge:
 
 
 def knowledge(of: Candidate) -> Knowledge:
-    """What the fit of a hypothesis knows."""
+    """What the fit of a candidate knows."""
     return Knowledge(
         effects=effects_of(of),
         offsets={**of.problem.start, **of.fit.by_name},
@@ -175,7 +175,7 @@ class PlannedTest:
 
 
 def template(of: SeriesPrediction, by: Knowledge) -> Template:
-    """The campaign of `of`, its base motions as the hypothesis `by` tells them."""
+    """The campaign of `of`, its base motions as the candidate `by` tells them."""
     some = of.on(of.measured.runs[:RUNS]).with_effects(by.effects)
     frequency = some.measured.frequency
     spacing = float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
@@ -250,7 +250,7 @@ def _kind(table: ChannelTable, name: str) -> tuple[str, str]:
 
 
 def reading(test: PlannedTest, by: Knowledge, offsets: Mapping[str, float]) -> Measured:
-    """What the test would read by a hypothesis, with `offsets` of its parameters."""
+    """What the test would read by a candidate, with `offsets` of its parameters."""
     rows = test.prediction.with_effects(by.effects).at(offsets, derivatives=False).rows
     return replace(test.measured, values=np.einsum("...nck,rnk->rnc", rows, test.inputs) if rows.ndim == 3 else _each(rows, test))
 

@@ -1,8 +1,10 @@
-"""The search: screen all candidates, fit the best few, take the one with the most evidence, and again; then backward.
+"""Stepwise selection of effects by their evidence: screen all candidates, fit the best few, accept the best, and again.
 
-A straight line finds the way and the fit decides, from one of three beginnings: where the tolerances stand; from afar, over a
-coarse floor, where the model bends so that a line misleads; and afresh, where tolerances have paid for an effect and no fit keeps
-what the line promised of it. Effects that were found first are asked once more when others are there, see `asked_again`.
+Screening is a score test, linear in the size; fits decide. A fit starts from one of three places: where the tolerances stand;
+over a coarse model-error floor, where the model is too nonlinear for the score test (`rough_fit`); and from the priors, where
+tolerances have absorbed an effect and no fit reaches what the score test promised (`restarted_from_priors`). After each
+accepted effect the earlier ones are tested again beside it (`backward_elimination`): one that explained a little of everything
+goes when what is really missing is there, and a name may be right only beside the others.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from validation.diagnose.accept import ABSURD, GoodnessOfFit, excess, goodness_o
 from validation.diagnose.candidates import aliases, is_resonator, reaches, screen
 from validation.diagnose.diagnosis import Candidate, FittedData, Screened
 from validation.effects.catalogue import FAMILIES
-from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, evidence_threshold
+from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
 from validation.estimation.cost import Cost, cost_of
 from validation.estimation.fit import BREAKDOWNS, child, fit, nearby
 from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
@@ -28,9 +30,6 @@ from validation.estimation.result import Fit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.prediction.effects import name
-
-# A hypothesis fitted: all tolerances, and the effects with them.
-
 
 ROUGH_FIT_STRIDE = 3
 """[count] A rough fit takes every third line of the others. Set by the development draws of `make blind`."""
@@ -45,47 +44,47 @@ draws of `make blind`."""
 SIGNIFICANT = 2.0
 """[sd] from no effect at which an effect is one. Held by tests/validation/diagnosing/test_diagnosed.py."""
 
-RefittingProgress = Callable[[float], None]
+FitProgress = Callable[[float], None]
 
 
-def baseline(bench: FittedData, progress: RefittingProgress | None = None) -> Candidate:
+def baseline(data: FittedData, progress: FitProgress | None = None) -> Candidate:
     """The model as it is.
 
     Raises
     ------
     CheckFailed : its fit does not converge; an unconverged baseline makes any effect look decisive.
     """
-    problem = bench.problem()
+    problem = data.problem()
     return Candidate(effects=(), fit=fit(problem, FITTED, progress=progress), problem=problem)
 
 
-def roughly(bench: FittedData, at: Candidate, added: Added) -> Fit:
-    """`at` with the effect `added` as well, fitted from afar and on few lines: for effects that bend the model.
+def rough_fit(data: FittedData, at: Candidate, added: Added) -> Fit:
+    """`at` with the effect `added` as well, fitted over a coarse floor on few lines: for effects in which the model is nonlinear.
 
-    A straight line overrates what bends it, so that the way begins at its size and at a part of that.
+    The score test overrates these, so that the fit starts at its size and at a part of that.
     """
-    problem = bench.problem((*at.effects, added)).sparser(ROUGH_FIT_STRIDE)
-    start = _start(bench, added)
+    problem = data.problem((*at.effects, added)).sparser(ROUGH_FIT_STRIDE)
+    start = _start(data, added)
     begins = (
         [start] if is_resonator(added.named) or not start else [start, {name: ROUGH_FIT_PART * x for name, x in start.items()}]
     )
     return min((child(problem, FITTED, at.fit, begin, from_afar=True) for begin in begins), key=lambda fit: fit.cost)
 
 
-def refitted(bench: FittedData, at: Candidate, begin: Fit) -> Candidate:
+def refitted(data: FittedData, at: Candidate, begin: Fit) -> Candidate:
     """`at` fitted again from where another fit ended, where that is cheaper."""
     found = nearby(at.problem, FITTED, begin.by_name)
-    return at if found.cost >= at.fit.cost else recentred(bench, replace(at, fit=found))
+    return at if found.cost >= at.fit.cost else recentred(data, replace(at, fit=found))
 
 
-def finished(bench: FittedData, at: Candidate) -> Candidate:
+def finished(data: FittedData, at: Candidate) -> Candidate:
     """`at`, whose fit may be a trial, fitted to the end."""
     found = nearby(at.problem, FITTED, at.fit.by_name)
-    return recentred(bench, replace(at, fit=found)) if found.cost <= at.fit.cost + UNSEEN_STEP else at
+    return recentred(data, replace(at, fit=found)) if found.cost <= at.fit.cost + UNSEEN_STEP else at
 
 
 def is_significant(of: Candidate) -> bool:
-    """Whether the newest effect is more than none: what is fitted of it lies off the size of no effect."""
+    """Whether a fitted size of the newest effect differs from that of no effect."""
     added = of.effects[-1]
     sizes = () if added.fixed or is_resonator(added.named) else added.named.fitted_sizes
     known = {one.name: (x, sd) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, _spread(of.fit), strict=True)}
@@ -97,50 +96,50 @@ def _spread(fit: Fit) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)))
 
 
-def refitting_refitted(bench: FittedData, at: Candidate, added: Added, *, begin: Fit | None = None) -> Candidate:
+def fit_with(data: FittedData, at: Candidate, added: Added, *, begin: Fit | None = None) -> Candidate:
     """`at` with the effect `added` as well, all sizes free; it never costs more.
 
     Parameters
     ----------
-    begin : a rough fit of the same, where the way begins; by default it is straight down from `at`
+    begin : a rough fit of the same, from which it starts; `at` by default
     """
     effects = (*at.effects, added)
-    problem = bench.problem(effects)
-    start = _start(bench, added) if begin is None else begin.by_name
+    problem = data.problem(effects)
+    start = _start(data, added) if begin is None else begin.by_name
     found = child(problem, FITTED, at.fit, start)
-    return recentred(bench, Candidate(effects=effects, fit=found, problem=problem))
+    return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
-def instead(bench: FittedData, at: Candidate, rest: Candidate, added: Added) -> Candidate:
+def fit_in_place(data: FittedData, at: Candidate, rest: Candidate, added: Added) -> Candidate:
     """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
     effects = (*rest.effects, added)
-    problem = bench.problem(effects)
+    problem = data.problem(effects)
     same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
-    start = {which: x for which, x in _in(problem, at.fit).items() if which in same} | _start(bench, added)
-    return recentred(bench, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
+    start = {which: x for which, x in _offsets_in(problem, at.fit).items() if which in same} | _start(data, added)
+    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
 
 
-def _start(bench: FittedData, added: Added) -> dict[str, float]:
+def _start(data: FittedData, added: Added) -> dict[str, float]:
     """An effect with an equation begins at its size; the fit knows where a tolerance stands already."""
     if FAMILIES[added.named.family].stage == OPENED or added.fixed:
         return {}
     keys = [size.key for size in added.named.fitted_sizes]
-    parameters = {one.name: one for one in bench.problem((added,)).parameters}
+    parameters = {one.name: one for one in data.problem((added,)).parameters}
     return {which: parameters[which].start for key in keys if (which := name(added.named, key)) in parameters}
 
 
-def recentred(bench: FittedData, of: Candidate) -> Candidate:
+def recentred(data: FittedData, of: Candidate) -> Candidate:
     """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
     effects = tuple(sized_by(one, of.fit) for one in of.effects)
-    problem = bench.problem(effects)
+    problem = data.problem(effects)
     # `fit` with its logarithms counted from the sizes that the models of `problem` have
     fit = of.fit
     parameters = tuple(problem.by_name[one.name] for one in fit.parameters)
-    counted_from = replace(fit, parameters=parameters, offsets=np.array(list(_in(problem, fit).values())))
+    counted_from = replace(fit, parameters=parameters, offsets=np.array(list(_offsets_in(problem, fit).values())))
     return Candidate(effects=effects, fit=counted_from, problem=problem)
 
 
-def _in(problem: Problem, fit: Fit) -> dict[str, float]:
+def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
     """Offsets of `fit` of what `problem` has, its logarithms counted from there."""
     found = {}
     for old, x in zip(fit.parameters, fit.offsets, strict=True):
@@ -149,60 +148,54 @@ def _in(problem: Problem, fit: Fit) -> dict[str, float]:
     return found
 
 
-# A second way to an effect: not from where tolerances have paid for it already, but from where they are declared.
-#
-# A blade's tip that is 100 g too heavy moves its frequencies by forty of their tolerances, and tolerances do pay that. From
-# there no step leads to the mass: each needs a frequency that goes home at the same time. So the sizes of the effect are looked
-# at one by one with every tolerance at home, from a small part of what is plausible to several times that, and the fit begins at
-# the one that comes nearest.
-
+# Restart from the priors. A blade's tip that is 100 g too heavy moves its frequencies by forty of their tolerances, and the
+# tolerances absorb that: from there each step to the mass needs a frequency that returns to its prior at the same time. So sizes
+# from a small part of the prior sd to several times that are tried with every tolerance at its prior, and the fit starts at the
+# best of them.
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_afresh.py."""
+"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_restarts.py."""
 
 SIZE_SCAN_FLOOR = 0.2
 """[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide. Held by
-tests/validation/diagnosing/test_afresh.py."""
+tests/validation/diagnosing/test_restarts.py."""
 
 
-def can_be(added: Added) -> bool:
-    """Whether there is such a way: an effect of one size that is fitted, and not of a pendulum, whose period follows a line."""
+def can_restart(added: Added) -> bool:
+    """Whether an effect can be fitted from the priors: it has one fitted size and is not of a pendulum."""
     swings = FAMILIES[added.named.family].stage == PERIOD_STAGE
     return not (added.fixed or swings or is_resonator(added.named)) and len(added.named.fitted_sizes) == 1
 
 
-def restarted_from_priors(bench: FittedData, at: Candidate, added: Added) -> Candidate:
-    """`at` with the effect `added` as well, tolerances from where they are declared; it never costs more than `at`."""
+def restarted_from_priors(data: FittedData, at: Candidate, added: Added) -> Candidate:
+    """`at` with the effect `added` as well, all tolerances restarted from their priors; it never costs more than `at`."""
     effects = (*at.effects, added)
-    problem = bench.problem(effects)
+    problem = data.problem(effects)
     (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
-    home = _home(problem, at.fit)
+    home = _declared(problem, at.fit)
     # The size of the effect `which` that comes nearest to the data, everything else at `home`
     nearest_problem = problem.sparser(ROUGH_FIT_STRIDE)
     cost = cost_of(nearest_problem, [nearest_problem.by_name[which]], SIZE_SCAN_FLOOR, home)
-    nearest = min(map(float, sizes(nearest_problem.by_name[which])), key=lambda size: _cost(cost, size))
+    nearest = min(map(float, sizes(nearest_problem.by_name[which])), key=lambda size: _cost_at(cost, size))
     begin = home | {which: nearest}
-    return recentred(
-        bench, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem)
-    )
+    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
 
 
-def tolerances_restarted(bench: FittedData, at: Candidate) -> Candidate:
-    """`at`, tolerances from where they are declared; it never costs more.
+def tolerances_restarted(data: FittedData, at: Candidate) -> Candidate:
+    """`at`, all tolerances restarted from their priors; it never costs more.
 
-    A tolerance that paid for an effect may stay behind in a valley of its own when that is found: a mode that takes part with the
-    wrong sign comes home by no small step.
+    A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign.
     """
-    return recentred(bench, replace(at, fit=child(at.problem, FITTED, at.fit, _home(at.problem, at.fit), from_afar=True)))
+    return recentred(data, replace(at, fit=child(at.problem, FITTED, at.fit, _declared(at.problem, at.fit), from_afar=True)))
 
 
-def _home(problem: Problem, fit: Fit) -> dict[str, float]:
-    """Offsets of tolerances that are declared, and of the effects of `fit` that were found."""
+def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
+    """Offsets of tolerances as they are declared, and of the effects as `fit` found them."""
     found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
     return {one.name: one.start for one in problem.parameters} | found
 
 
-def _cost(cost: Cost, size: float) -> float:
+def _cost_at(cost: Cost, size: float) -> float:
     try:
         return cost.total(np.array([size]))[0].cost
     except BREAKDOWNS:
@@ -216,9 +209,6 @@ def sizes(of: Parameter) -> Array:
     return both[(both > of.low) & (both < of.high)]
 
 
-# What a search did: the fits of one step, and which of them was taken.
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CandidateFit:
     """A candidate and its fit.
@@ -226,20 +216,20 @@ class CandidateFit:
     Attributes
     ----------
     id : of the effect
-    hypothesis : with it
-    evidence : [nats] against the hypothesis without it
-    standing : of the fit
+    candidate : with it
+    evidence : [nats] against the candidate without it
+    goodness : of the fit
     """
 
     id: str
-    hypothesis: Candidate
+    candidate: Candidate
     evidence: float
-    standing: GoodnessOfFit
+    goodness: GoodnessOfFit
 
     @property
     def added(self) -> Added:
         """The effect, at the size that the fit found."""
-        return self.hypothesis.effects[-1]
+        return self.candidate.effects[-1]
 
     @property
     def family(self) -> str:
@@ -254,28 +244,28 @@ class SearchStep:
     Attributes
     ----------
     at : where it began
-    standing : there
+    goodness : there
     screened : all candidates, the most promising first
     tried : those that were fitted, the most evidence first
     added : id of what was accepted; empty for nothing
-    gone : ids of resonators that a fit drove out of the band of the data
-    again : id of an effect that was accepted before and asked once more; `added` is it, or stands in its place. Else empty
+    left_band : ids of resonators that a fit drove out of the band of the data
+    reconsidered : id of the effect that backward elimination tested, empty of a step forward; `added` is it or replaces it
     """
 
     at: Candidate
-    standing: GoodnessOfFit
+    goodness: GoodnessOfFit
     screened: tuple[Screened, ...]
     tried: tuple[CandidateFit, ...]
     added: str
-    gone: tuple[str, ...] = ()
-    again: str = ""
+    left_band: tuple[str, ...] = ()
+    reconsidered: str = ""
 
 
-def judged(at: Candidate, there: Candidate) -> CandidateFit:
+def candidate_fit(at: Candidate, there: Candidate) -> CandidateFit:
     """The fit `there` with one effect more than `at`."""
     evidence = there.fit.log_evidence - at.fit.log_evidence
     return CandidateFit(
-        id=there.effects[-1].named.id, hypothesis=there, evidence=evidence, standing=goodness_of_fit(there.fit, there.problem)
+        id=there.effects[-1].named.id, candidate=there, evidence=evidence, goodness=goodness_of_fit(there.fit, there.problem)
     )
 
 
@@ -287,46 +277,41 @@ def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
     return list(by_id.values())
 
 
-def in_band(bench: FittedData, one: CandidateFit) -> bool:
-    """Whether a fit left the effect what it is: not a resonator so far from the data that it is a spring or a mass."""
-    return not is_resonator(one.added.named) or reaches(bench, one.added.named)
+def in_band(data: FittedData, one: CandidateFit) -> bool:
+    """Whether a resonator stayed in the band of the data; outside it is a spring or a mass."""
+    return not is_resonator(one.added.named) or reaches(data, one.added.named)
 
 
 def is_accepted(one: CandidateFit) -> bool:
-    """Whether a fit may give its name: it brings what its family is asked for, and its size is more than none."""
-    return one.evidence >= evidence_threshold(one.family) and is_significant(one.hypothesis)
+    """Whether a fit may be accepted: its evidence reaches the threshold of its family, and its size is significant."""
+    return one.evidence >= evidence_threshold(one.family) and is_significant(one.candidate)
 
 
-def alike(of: SearchStep) -> tuple[CandidateFit, ...]:
-    """The explanations of a round that are as good as its best, the best first."""
+def indistinguishable(of: SearchStep) -> tuple[CandidateFit, ...]:
+    """The fits of a step whose evidence cannot be told from that of its best, the best first."""
     if not of.tried:
         return ()
     best = of.tried[0]
     return tuple(
         one
         for one in of.tried
-        if one.evidence >= best.evidence - INDISTINGUISHABLE_NATS and (one.standing.null or not best.standing.null)
+        if one.evidence >= best.evidence - INDISTINGUISHABLE_NATS and (one.goodness.null or not best.goodness.null)
     )
 
 
-# Effects that were found first, asked once more when others are there.
-#
-# What explained a little of everything goes when what is really missing is named. And which of several names is right may show
-# only beside the others: a mass at the wrong place also pays for the blade that is too soft, and the right one need not.
-
-
 RIVALS = 5
-"""[count] of names at most that an earlier effect is held against. Held by tests/validation/diagnosing/test_asked_again.py."""
+"""[count] of names at most that an earlier effect is held against. Held by
+tests/validation/diagnosing/test_backward_elimination.py."""
 
 RIVAL_SHARE = 0.25
 """[share] of the evidence of the best that such a name must have brought. Held by
-tests/validation/diagnosing/test_asked_again.py."""
+tests/validation/diagnosing/test_backward_elimination.py."""
 
 
 def backward_elimination(
-    bench: FittedData, at: Candidate, rounds: Sequence[SearchStep], progress: Progress
+    data: FittedData, at: Candidate, rounds: Sequence[SearchStep], progress: Progress
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """`at` without the earlier effects that are not needed any more, each of the others under the name that is best beside them.
+    """`at` without the effects that are not needed beside the others, each of these under the name that is best there.
 
     Parameters
     ----------
@@ -334,7 +319,7 @@ def backward_elimination(
 
     Returns
     -------
-    hypothesis : `at`, or what is better
+    candidate : `at`, or what is better
     rounds : one of each effect that was asked; none of a single one that was found alone
     """
     known = {one.added: one for one in rounds}
@@ -342,7 +327,7 @@ def backward_elimination(
     for anew in (False, True):  # what changed may stand beside others than it was asked beside
         for which in _ids(at):
             if (len(at.effects) > 1 and not anew) or {*_ids(known[which].at)} != {*_ids(at)} - {which}:
-                at, more = _one(bench, at, known[which], progress)
+                at, more = _reconsidered(data, at, known[which], progress)
                 known |= {one.added: one for one in more}
                 asked += more
     return at, tuple(asked)
@@ -352,11 +337,13 @@ def _ids(of: Candidate) -> tuple[str, ...]:
     return tuple(one.named.id for one in of.effects)
 
 
-def _one(bench: FittedData, at: Candidate, found: SearchStep, progress: Progress) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """`at` with the effect that a round found under its best name, and how that was asked; or without it."""
+def _reconsidered(
+    data: FittedData, at: Candidate, found: SearchStep, progress: Progress
+) -> tuple[Candidate, tuple[SearchStep, ...]]:
+    """`at` with the effect of step `found` under its best name, and the fits of that; or without it."""
     added = next(one for one in at.effects if one.named.id == found.added)
     try:
-        rest = _without(bench, at, added)
+        rest = _without(data, at, added)
     except CheckFailed:  # there is nothing to hold it against
         return at, ()
     evidence = at.fit.log_evidence - rest.fit.log_evidence
@@ -364,34 +351,34 @@ def _one(bench: FittedData, at: Candidate, found: SearchStep, progress: Progress
         return rest, ()
     # `at`, the effect `added` named last
     last = replace(at, effects=(*(one for one in at.effects if one is not added), added))
-    there = CandidateFit(id=found.added, hypothesis=last, evidence=evidence, standing=goodness_of_fit(at.fit, at.problem))
-    rivals = _asked_again_rivals(found, at)
+    there = CandidateFit(id=found.added, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
+    rivals = _earlier_rivals(found, at)
     progress(f"asking {found.added} and {len(rivals)} others once more", 0.95)
-    others = [judged(rest, instead(bench, at, rest, _at_home(one.added, added))) for one in rivals]
-    may = [one for one in others if in_band(bench, one) and (is_accepted(one) or one.evidence <= evidence)]
+    others = [candidate_fit(rest, fit_in_place(data, at, rest, _at_sizes_found(one.added, added))) for one in rivals]
+    may = [one for one in others if in_band(data, one) and (is_accepted(one) or one.evidence <= evidence)]
     tried = tuple(ranked([there, *may]))
     stands = goodness_of_fit(rest.fit, rest.problem)
-    again = replace(found, at=rest, standing=stands, tried=tried, added=tried[0].id, again=found.added)
-    return at if tried[0] is there else tried[0].hypothesis, (again,)
+    again = replace(found, at=rest, goodness=stands, tried=tried, added=tried[0].id, reconsidered=found.added)
+    return at if tried[0] is there else tried[0].candidate, (again,)
 
 
-def _asked_again_rivals(found: SearchStep, at: Candidate) -> list[CandidateFit]:
-    """What else a round tried that brought a good part of what its best did, and is not there by now."""
+def _earlier_rivals(found: SearchStep, at: Candidate) -> list[CandidateFit]:
+    """Other fits of a step whose evidence was a good part of the best, of effects that `at` has not."""
     near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence]
     return near[:RIVALS]
 
 
-def _at_home(one: Added, found: Added) -> Added:
+def _at_sizes_found(one: Added, found: Added) -> Added:
     """A resonator at another place or under another name begins at the sizes of the one that was found; others at their own."""
     same = is_resonator(one.named) and is_resonator(found.named) and one.named.values.keys() == found.named.values.keys()
     return replace(one, named=replace(one.named, values=found.named.values)) if same else one
 
 
-def _without(bench: FittedData, at: Candidate, added: Added) -> Candidate:
+def _without(data: FittedData, at: Candidate, added: Added) -> Candidate:
     """The fit of the other effects alone, from where it is with all."""
     left = tuple(one for one in at.effects if one.named.id != added.named.id)
-    problem = bench.problem(left)
-    return recentred(bench, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
+    problem = data.problem(left)
+    return recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
 
 
 MOST_EFFECTS = 3
@@ -402,21 +389,21 @@ MOST_STEPS = 6
 `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_searching.py."""
+"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_A_FAMILY = 3
-"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_searching.py."""
+"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_THE_STRUCTURE = 2
 """[count] of these of the structure at least, where any promises something. Held by
-tests/validation/diagnosing/test_searching.py."""
+tests/validation/diagnosing/test_search.py."""
 
 WORTH_A_FIT = 4.0
-"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_searching.py."""
+"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_search.py."""
 
 NULL_MARGIN = 1.0
 """[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Held by
-tests/validation/diagnosing/test_searching.py."""
+tests/validation/diagnosing/test_search.py."""
 
 SCREENING_MARGIN = 12.0
 """[nats] behind the promise of the best at which another is not fitted, once that best is all that is needed. Set by the
@@ -438,14 +425,14 @@ REFITS = 1
 
 REPLACEMENTS = 2
 """[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Held by
-tests/validation/diagnosing/test_searching.py."""
+tests/validation/diagnosing/test_search.py."""
 
 KEPT_SHARE = 0.5
 """[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
-tests/validation/diagnosing/test_searching.py."""
+tests/validation/diagnosing/test_search.py."""
 
 RESTARTS = 3
-"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_searching.py."""
+"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_search.py."""
 
 LEAST_EXPLAINED = 0.25
 """[share] of the excess cost that an effect must explain for others to be looked for beside it. Set by the development draws of
@@ -453,7 +440,7 @@ LEAST_EXPLAINED = 0.25
 
 ALIAS_FITS = 3
 """[count] of rivals that are fitted though no straight line promised them. Held by
-tests/validation/diagnosing/test_searching.py."""
+tests/validation/diagnosing/test_search.py."""
 
 ALIAS_OWN_SHARE = 0.3
 """[share] of what the best does that may be its own for another to be such a rival. Set by the development draws of `make
@@ -462,123 +449,121 @@ blind`."""
 Progress = Callable[[str, float], None]
 
 
-def searched(
-    bench: FittedData, base: Candidate, menu: Sequence[Added], progress: Progress
+def stepwise_search(
+    data: FittedData, base: Candidate, menu: Sequence[Added], progress: Progress
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """The hypothesis that explains the data of `bench` with the fewest effects of `menu`, and how it was found."""
+    """The candidate that explains the data of `data` with the fewest effects of `menu`, and how it was found."""
     at, again = base, REFITS
     rounds: list[SearchStep] = []
-    while len(at.effects) < MOST_EFFECTS and sum(not one.again for one in rounds) < MOST_STEPS:
-        one = _round(bench, at, menu, progress)
+    while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < MOST_STEPS:
+        one = _step(data, at, menu, progress)
         if (
             again
             and one.tried
             and not one.added
             and one.tried[0].evidence > INDISTINGUISHABLE_NATS
-            and not is_significant(one.tried[0].hypothesis)
+            and not is_significant(one.tried[0].candidate)
         ):
-            at, again = refitted(bench, at, one.tried[0].hypothesis.fit), again - 1  # none of it, but a better way down
+            at, again = refitted(data, at, one.tried[0].candidate.fit), again - 1  # none of it, but a better way down
             continue
         rounds.append(one)
         if not one.added:
             break
-        found = _at_rest(bench, one.tried[0].hypothesis)
+        found = _restarted_if_absurd(data, one.tried[0].candidate)
         explained, null = one.at.fit.cost - found.fit.cost, goodness_of_fit(found.fit, found.problem).null
-        at, asked = backward_elimination(bench, found, rounds, progress)
+        at, asked = backward_elimination(data, found, rounds, progress)
         rounds += asked
-        if not null and explained < LEAST_EXPLAINED * excess(one.at.fit, one.standing):
+        if not null and explained < LEAST_EXPLAINED * excess(one.at.fit, one.goodness):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     return at, tuple(rounds)
 
 
-def _round(bench: FittedData, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
+def _step(data: FittedData, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
-    here, found = goodness_of_fit(at.fit, at.problem), screen(bench, at, menu)
-    tried, gone = _within(
-        bench, found, lambda some: (_from_afar if here.misfit > NONLINEAR_MISFIT else _nearby)(bench, at, here, some, progress)
+    here, found = goodness_of_fit(at.fit, at.problem), screen(data, at, menu)
+    tried, gone = _fits_in_band(
+        data,
+        found,
+        lambda some: (_rough_fits if here.misfit > NONLINEAR_MISFIT else _local_fits)(data, at, here, some, progress),
     )
-    tried = _unstuck(bench, at, here, tried, found, progress)
+    tried = _restarted_where_stuck(data, at, here, tried, found, progress)
     good = bool(tried) and is_accepted(tried[0])
     asked: set[str] = set()
     while good and tried[0].id not in asked:  # a rival that is better has rivals of its own
-        rivals = [*_rivals(tried, menu, found), *(_elsewhere(tried) if asked else [])]
+        rivals = [*_rivals(tried, menu, found), *(_same_resonator_elsewhere(tried) if asked else [])]
         asked.add(tried[0].id)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        fitted = [_as_a_rival(bench, at, one, tried[0]) for one in rivals]
-        may = [one for one in fitted if in_band(bench, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
+        fitted = [_rival_fit(data, at, one, tried[0]) for one in rivals]
+        may = [one for one in fitted if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
         tried = ranked([*tried, *may])
-    return SearchStep(at=at, standing=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", gone=gone)
+    return SearchStep(at=at, goodness=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", left_band=gone)
 
 
-def _nearby(
-    bench: FittedData, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
+def _local_fits(
+    data: FittedData, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
     """Fits of the best, until one is all that is needed."""
     tried: list[CandidateFit] = []
-    for one in _promising(found):
-        if _settled(tried, one, found):
+    for one in _most_promising(found):
+        if _is_decided(tried, one, found):
             break
         if here.null and one.evidence < evidence_threshold(one.added.named.family) - NULL_MARGIN:
             continue
         progress(f"trying {one.id}", len(tried) / FITS_OF_A_STEP)
-        tried.append(_tried(bench, at, one.added))
+        tried.append(_fit_of(data, at, one.added))
     return tried
 
 
-def _from_afar(
-    bench: FittedData, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
+def _rough_fits(
+    data: FittedData, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
     """Rough fits of all that promise something, and of the best of these good ones."""
-    rough, promising = [], _promising(found)
+    rough, promising = [], _most_promising(found)
     for done, one in enumerate(promising):
         progress(f"trying {one.id} from afar", done / (len(promising) + ROUGH_FITS_FINISHED))
-        rough.append((one.added, roughly(bench, at, one.added)))
+        rough.append((one.added, rough_fit(data, at, one.added)))
     rough.sort(key=lambda each: -each[1].log_evidence)
-    return [_tried(bench, at, added, begin) for added, begin in rough[:ROUGH_FITS_FINISHED]]
+    return [_fit_of(data, at, added, begin) for added, begin in rough[:ROUGH_FITS_FINISHED]]
 
 
-def _within(
-    bench: FittedData, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[CandidateFit]]
+def _fits_in_band(
+    data: FittedData, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[CandidateFit]]
 ) -> tuple[list[CandidateFit], tuple[str, ...]]:
     """`fits` of the best, and of others in place of resonators that leave the band; and the ids of these resonators."""
     tried = fits(found)
-    inside = [one for one in tried if in_band(bench, one)]
+    inside = [one for one in tried if in_band(data, one)]
     if len(inside) == len(tried):
         return inside, ()
     known = {one.id for one in tried}
     others = [one for one in found if one.id not in known and not is_resonator(one.added.named)]
     gone = tuple(one.id for one in tried if one not in inside)
-    return [*inside, *fits(_promising(others)[:REPLACEMENTS])], gone
+    return [*inside, *fits(_most_promising(others)[:REPLACEMENTS])], gone
 
 
-def _unstuck(
-    bench: FittedData,
+def _restarted_where_stuck(
+    data: FittedData,
     at: Candidate,
     here: GoodnessOfFit,
     tried: Sequence[CandidateFit],
     found: Sequence[Screened],
     progress: Progress,
 ) -> list[CandidateFit]:
-    """The fits, the best first; those afresh that fell far short of a promise that none kept, where something must be missing.
-
-    Only what was fitted to the end is asked again: of fits from afar the `ROUGH_FITS_FINISHED` best.
-    """
+    """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing."""
     ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
-    if here.null or not ranked or ranked[0].standing.null:
+    if here.null or not ranked or ranked[0].goodness.null:
         return ranked
-    short = [one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE) and can_be(one.added)]
+    short = [
+        one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE) and can_restart(one.added)
+    ]
     for one in sorted(short, key=lambda each: -promised[each.id])[:RESTARTS]:
         progress(f"trying {one.id} afresh", 0.8)
-        other = judged(at, restarted_from_priors(bench, at, one.added))
+        other = candidate_fit(at, restarted_from_priors(data, at, one.added))
         ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
     return sorted(ranked, key=lambda each: -each.evidence)
 
 
-def _promising(found: Sequence[Screened]) -> list[Screened]:
+def _most_promising(found: Sequence[Screened]) -> list[Screened]:
     """The best, not too many of one family, some of the structure."""
-    from validation.effects.catalogue import FAMILIES
-    from validation.effects.effect import STRUCTURE
-
     count: Counter[str] = Counter()
     chosen: list[Screened] = []
     for one in found:
@@ -595,26 +580,19 @@ def _promising(found: Sequence[Screened]) -> list[Screened]:
 
 
 def _rivals(tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequence[Screened]) -> list[Added]:
-    """Candidates that were not fitted and may be what the best of those that were is.
-
-    Those that can do nearly all that it does to the data; of a resonator its twin and its like at the most promising places.
-    """
+    """Candidates that were not fitted and may be aliases of the best; of a resonator its like at the most promising places."""
     best, known = tried[0], {one.id for one in tried}
     others = [one for one in menu if one.named.id not in known]
     by_id = {one.id: one.added for one in found}
     if is_resonator(best.added.named):
-        # Whether both are resonators in one place, which may be one oscillator under two names
-        twins = [
-            one
-            for one in others
-            if is_resonator(one.named) and is_resonator(best.added.named) and one.named.targets == best.added.named.targets
-        ]
+        # in one place one oscillator may have two names
+        twins = [one for one in others if is_resonator(one.named) and one.named.targets == best.added.named.targets]
         elsewhere = [one.added for one in found if one.id not in known and one.added.named.family == best.family]
         return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIAS_FITS])]
     if best.added.fixed:
         return []
     near = aliases(
-        best.hypothesis,
+        best.candidate,
         best.added,
         [one for one in others if not is_resonator(one.named)],
         limit=min(INDISTINGUISHABLE_NATS / best.evidence, ALIAS_OWN_SHARE),
@@ -622,41 +600,41 @@ def _rivals(tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequenc
     return [by_id[id] for id in near if id in by_id][:ALIAS_FITS]
 
 
-def _elsewhere(tried: Sequence[CandidateFit]) -> list[Added]:
-    """Resonators of the family of the best that were fitted at other places, at its sizes: theirs came from a worse one."""
+def _same_resonator_elsewhere(tried: Sequence[CandidateFit]) -> list[Added]:
+    """Resonators of the family of the best that were fitted at other places, now at the sizes of the best."""
     best = tried[0]
     same = [one for one in tried[1:] if is_resonator(one.added.named) and one.family == best.family]
     return [_at_sizes(one.added, best.added) for one in same]
 
 
-def _as_a_rival(bench: FittedData, at: Candidate, added: Added, best: CandidateFit) -> CandidateFit:
-    """The fit of what can do nearly all that the `best` does; afresh where it does not from where tolerances have paid."""
-    found = _tried(bench, at, added)
-    if found.evidence >= KEPT_SHARE * best.evidence or not can_be(added):
+def _rival_fit(data: FittedData, at: Candidate, added: Added, best: CandidateFit) -> CandidateFit:
+    """The fit of an alias of `best`; restarted from the priors where it falls far behind."""
+    found = _fit_of(data, at, added)
+    if found.evidence >= KEPT_SHARE * best.evidence or not can_restart(added):
         return found
-    return max(found, judged(at, restarted_from_priors(bench, at, added)), key=lambda each: each.evidence)
+    return max(found, candidate_fit(at, restarted_from_priors(data, at, added)), key=lambda each: each.evidence)
 
 
 def _at_sizes(one: Added, other: Added) -> Added:
     return replace(one, named=replace(one.named, values=other.named.values))
 
 
-def _settled(tried: Sequence[CandidateFit], one: Screened, found: Sequence[Screened]) -> bool:
-    """Whether the best of the fits is all that is needed, and `one` promised less than that did by more than a line may err."""
+def _is_decided(tried: Sequence[CandidateFit], one: Screened, found: Sequence[Screened]) -> bool:
+    """Whether the best fit misses nothing, and `one` promised less than it by more than a score test may err."""
     best = max(tried, key=lambda each: each.evidence, default=None)
-    if best is None or not best.standing.null:
+    if best is None or not best.goodness.null:
         return False
     promised = next(each.evidence for each in found if each.id == best.id)
     return one.evidence < (1 - SCREENING_ERROR) * promised - SCREENING_MARGIN
 
 
-def _tried(bench: FittedData, at: Candidate, added: Added, begin: Fit | None = None) -> CandidateFit:
-    return judged(at, refitting_refitted(bench, at, added, begin=begin))
+def _fit_of(data: FittedData, at: Candidate, added: Added, begin: Fit | None = None) -> CandidateFit:
+    return candidate_fit(at, fit_with(data, at, added, begin=begin))
 
 
-def _at_rest(bench: FittedData, at: Candidate) -> Candidate:
+def _restarted_if_absurd(data: FittedData, at: Candidate) -> Candidate:
     """`at`; where a tolerance stands absurdly far off, with all of them once more from where they are declared."""
     if goodness_of_fit(at.fit, at.problem).largest < ABSURD:
         return at
-    home = judged(at, tolerances_restarted(bench, at))
-    return home.hypothesis if home.evidence > 0 and in_band(bench, home) else at
+    home = candidate_fit(at, tolerances_restarted(data, at))
+    return home.candidate if home.evidence > 0 and in_band(data, home) else at

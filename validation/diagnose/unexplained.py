@@ -1,4 +1,4 @@
-"""Every explanation that can be put in words, with what it would explain of a leftover, the best first."""
+"""Every explanation that can be put in words, with what it would explain of an unexplained residual, the best first."""
 
 from __future__ import annotations
 
@@ -58,17 +58,17 @@ from validation.prediction.series import SeriesPrediction
 
 NEAR = 0.04
 """[share] of its frequency to either side in which a resonance is looked for again. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 STEPS = 17
-"""[count] of frequencies there. Held by tests/validation/diagnosing/leftover/test_described.py."""
+"""[count] of frequencies there. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 TIMES = (0.35, 0.6, 1.0, 1.7, 3.0)
-"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/leftover/test_described.py."""
+"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 BEST = 4
 """[count] of explanations of one kind of place and one scope that are kept. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -113,9 +113,9 @@ class PlaceScores:
     family: PlaceFamily | None = None
 
 
-def ranked(hypothesis: Candidate, data: Sequence[Swallowing]) -> list[Explanation]:
-    """All explanations of what `hypothesis` leaves in its `data`, the best first."""
-    offsets = {**hypothesis.problem.start, **hypothesis.fit.by_name}
+def ranked(candidate: Candidate, data: Sequence[Swallowing]) -> list[Explanation]:
+    """All explanations of what `candidate` leaves in its `data`, the best first."""
+    offsets = {**candidate.problem.start, **candidate.fit.by_name}
     told: dict[str, list[PlaceScores]] = {}
     matrices: list[Spanned] = []
     for one in data:
@@ -193,7 +193,7 @@ def _following(family: PlaceFamily, q: int, courses: Sequence[FrequencyLaw]) -> 
     return following(alone, np.stack([course.of(omega) for course in courses]), family.root)
 
 
-# What a leftover looks like, in words: for somebody who knows axes and channels and nothing of this program.
+# What an unexplained residual looks like, in words: for somebody who knows axes and channels and nothing of this program.
 
 
 UNITS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
@@ -221,7 +221,7 @@ OF_PARTS: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 
 def leftover(found: Explanation, share: float, resonance: float | None) -> Leftover:
-    """`found`, which covers `share`, as what the leftover looks like; `resonance` [Hz] of the mode that it names."""
+    """`found`, which covers `share`, as what the unexplained residual looks like; `resonance` [Hz] of the mode that it names."""
     size, unit = _size(found)
     return Leftover(
         text=f"{sentence(found, resonance)}. That is {min(share, 1):.0%} of what is left.",
@@ -312,25 +312,25 @@ def _size(found: Explanation) -> tuple[float | None, str]:
     return found.size, "1" if course.unit == "kg" else course.unit
 
 
-# A leftover that goes with frequency in no plain way: the channel that holds it, or where it is worst.
+# An unexplained residual that goes with frequency in no plain way: the channel that holds it, or where it is worst.
 
 
 HELD = 0.5
 """[share] of what is unexplained that a channel must hold to be named. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 SMOOTH = 0.4
 """[1] Correlation of neighbouring lines above which what is unexplained is no noise. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 ALONE = 1e-6
 """[share] of a channel that inputs must leave for anything to be known of it. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Held:
-    """What one channel holds of a leftover in all data sets.
+    """What one channel holds of an unexplained residual in all data sets.
 
     Attributes
     ----------
@@ -383,47 +383,47 @@ def held(data: Sequence[Whitened]) -> list[Held]:
 # What no effect explains, described: where it is and what it looks like.
 #
 # Every place - a pair of axes, an axis, a channel, a channel that hears something, a part - is tried with every course over
-# frequency; the one that explains most is named where it covers half of the leftover. Else a channel or a pair that holds half
-# of it, whatever it does there, is named as irregular or as noise; else only where it is worst.
+# frequency; the one that explains most is named where it covers half of the unexplained residual. Else a channel or a pair that
+# holds half of it, whatever it does there, is named as irregular or as noise; else only where it is worst.
 
 
 NULL = 0.89
 """[cost/dof] Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a
-bound. Held by tests/validation/diagnosing/leftover/test_described.py."""
+bound. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 SURE = 0.4
 """[share] of what is unexplained that an explanation must cover to be what it looks like. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 NEARLY = 0.95
 """[share] of the best gain at which a plainer explanation is as good. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 MATRIX_WEIGHT = 0.95
 """[factor] on the gain of a whole matrix, which has many numbers. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 AXIS_WEIGHT = 0.75
 """[factor] on the gain of a whole axis, which can be many things. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 ONE_DATA_SET_WEIGHT = 0.8
 """[factor] on the gain of what acts in one of several data sets alone, where shared tolerances give back what they took
-elsewhere. Held by tests/validation/diagnosing/leftover/test_described.py."""
+elsewhere. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MATRIX_WEIGHT, AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
 """[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 
-def described(hypothesis: Candidate) -> Leftover:
-    """What `hypothesis` does not explain, and what its tolerances swallowed of it."""
-    data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
+def described(candidate: Candidate) -> Leftover:
+    """What `candidate` does not explain, and what its tolerances swallowed of it."""
+    data = swallowing(list(whitened(candidate, derivatives=True)), candidate)
     # A resonance at its own frequency and damping, not at that of the grid; anything else as it is
     # Of `plainest_found` the plainest of those that are nearly as good as the best, as far as each is plausible
-    plainest_found = ranked(hypothesis, data)
+    plainest_found = ranked(candidate, data)
     plainest_best = max(map(_plausibly, plainest_found))
     one = min((one for one in plainest_found if _plausibly(one) >= NEARLY * plainest_best), key=_plainness)
     f, zeta = one.course.frequency, one.course.ratio
@@ -438,20 +438,20 @@ def described(hypothesis: Candidate) -> Leftover:
         )
     # Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted
     slope = data[0].slope
-    excess = 2 * hypothesis.fit.cost - float(slope @ slope) - NULL * hypothesis.fit.degrees_of_freedom
-    share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * hypothesis.fit.degrees_of_freedom)
+    excess = 2 * candidate.fit.cost - float(slope @ slope) - NULL * candidate.fit.degrees_of_freedom
+    share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * candidate.fit.degrees_of_freedom)
     if share >= SURE:
-        return leftover(best, share, _resonance(best, hypothesis))
+        return leftover(best, share, _resonance(best, candidate))
     return irregular([one.of for one in data], excess, best, share)
 
 
-def unexplained(hypothesis: Candidate) -> Explanation:
-    """The one thing, of all that can be put in words, that would explain most of what `hypothesis` leaves, and its gain [nats].
+def unexplained(candidate: Candidate) -> Explanation:
+    """The one thing, of all that can be put in words, that would explain most of what `candidate` leaves, and its gain [nats].
 
     Where nothing is missing, none of the thousands that are tried gains more than some ten or twenty.
     """
-    data = swallowing(list(whitened(hypothesis, derivatives=True)), hypothesis)
-    return ranked(hypothesis, data)[0]
+    data = swallowing(list(whitened(candidate, derivatives=True)), candidate)
+    return ranked(candidate, data)[0]
 
 
 def _plausibly(one: Explanation) -> float:
@@ -462,13 +462,13 @@ def _plainness(one: Explanation) -> tuple[bool, int, float]:
     return one.course.looks_like == RESONANCE, KINDS.index(one.place.kind), -_plausibly(one)
 
 
-def _resonance(one: Explanation, hypothesis: Candidate) -> float | None:
+def _resonance(one: Explanation, candidate: Candidate) -> float | None:
     """[Hz] of the mode that a parameter is of."""
     family, _, rest = one.place.part.partition(":")
     if family not in ("frequency", "damping"):
         return None
     configuration, _, mode = rest.rpartition(":")
-    for prediction in hypothesis.problem.predictions:
+    for prediction in candidate.problem.predictions:
         if isinstance(prediction, SeriesPrediction) and prediction.tested.carried.nuisances is not None:
             nuisances = prediction.tested.carried.nuisances
             if nuisances.configuration == configuration:

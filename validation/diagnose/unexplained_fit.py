@@ -1,4 +1,4 @@
-"""`Misfit`: how badly a fitted hypothesis misses, in all, where it does worst, and what its tolerances paid for it.
+"""`Misfit`: how badly a fitted candidate misses, in all, where it does worst, and what its tolerances paid for it.
 
 Tolerances can swallow a fault with no trace in chi², at an absurd price. What they should cost is known: of a linear model with
 prior variances T and posterior covariance C the offsets of a fit scatter, over all laboratories and their noise, by T - C. Hence
@@ -30,7 +30,7 @@ from validation.estimation.problem import TOLERANCES, Lines, Predicted, Predicti
 from validation.estimation.result import Fit
 from validation.estimation.screening import Products
 
-# Whitened residuals of a fitted hypothesis, data set by data set, with the share of every channel that inputs leave free.
+# Whitened residuals of a fitted candidate, data set by data set, with the share of every channel that inputs leave free.
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -113,18 +113,18 @@ def _whitened(one: Prediction, lines: Lines, seen: ObservedLines, predicted: Pre
 
 FEWEST = 12.0
 """[count] of free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own. Held by
-tests/validation/diagnosing/leftover/test_misfit.py."""
+tests/validation/diagnosing/unexplained/test_misfit.py."""
 
 STRETCHES = 5
 """[count] of stretches of equally many lines in which a channel of a run is looked at. Held by
-tests/validation/diagnosing/leftover/test_misfit.py."""
+tests/validation/diagnosing/unexplained/test_misfit.py."""
 
 SCALES = ("loss",)
 """Families that are relative changes of what scatters by its logarithm: a loss factor may be three times as large, never none."""
 
 TOLD = 0.1
 """[share] of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due. Held by
-tests/validation/diagnosing/leftover/test_misfit.py."""
+tests/validation/diagnosing/unexplained/test_misfit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +167,7 @@ class Price:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Misfit:
-    """How badly a hypothesis misses.
+    """How badly a candidate misses.
 
     Attributes
     ----------
@@ -209,9 +209,9 @@ class Misfit:
         }
 
 
-def misfit(hypothesis: Candidate) -> Misfit:
-    """Of `hypothesis` at its lines."""
-    return of_data(hypothesis.fit, list(whitened(hypothesis)))
+def misfit(candidate: Candidate) -> Misfit:
+    """Of `candidate` at its lines."""
+    return of_data(candidate.fit, list(whitened(candidate)))
 
 
 def of_data(fit: Fit, data: Sequence[Whitened]) -> Misfit:
@@ -306,7 +306,7 @@ def _least_due(z: Array, S: Array, names: Sequence[str]) -> tuple[str, float, fl
     return (names[k], float(z[k]), float(beyond[k])) if len(z) else ("", 0.0, 0.0)
 
 
-# How a leftover may go with frequency: the few ways in which physics does.
+# How an unexplained residual may go with frequency: the few ways in which physics does.
 #
 # Of a pair of axes the course is that of its entry of the dynamic mass, dH = a c(omega); of a channel that of the share of its
 # reading, dy = a c(omega) y. Coefficients a are real: a spring is no damper.
@@ -315,16 +315,17 @@ def _least_due(z: Array, S: Array, names: Sequence[str]) -> tuple[str, float, fl
 STIFFNESS, MASS, DAMPING, RESONANCE, DELAY, GAIN, TILT, NOISE, IRREGULAR = LIKENESSES = (
     *("stiffness", "mass", "damping", "resonance", "delay", "gain", "tilt", "noise", "irregular"),
 )
-"""What a leftover can look like."""
+"""What an unexplained residual can look like."""
 
 REFERENCE = 10.0
-"""[Hz] at which shares are stated that change with frequency. Held by tests/validation/diagnosing/leftover/test_described.py."""
+"""[Hz] at which shares are stated that change with frequency. Held by
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 FREQUENCIES = 36
-"""[count] of frequencies of resonances over the band. Held by tests/validation/diagnosing/leftover/test_described.py."""
+"""[count] of frequencies of resonances over the band. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 RATIOS = (0.004, 0.015, 0.05)
-"""[1] Damping ratios of these resonances. Held by tests/validation/diagnosing/leftover/test_described.py."""
+"""[1] Damping ratios of these resonances. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -450,7 +451,7 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
     )
 
 
-# What columns would explain of a leftover, many at once: places times courses over frequency.
+# What columns would explain of an unexplained residual, many at once: places times courses over frequency.
 #
 # At the end of a fit the residual r, whitened and with latent inputs eliminated, is what tolerances and inputs have left over.
 # To first order the readings deviate from those of the model as drawn by r + J x, x the offsets of the fit, with covariance 1 +
@@ -465,7 +466,7 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
 
 LEAST = 1e-4
 """[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -523,12 +524,12 @@ class Gains:
     size: Array
 
 
-def swallowing(data: Sequence[Whitened], hypothesis: Candidate) -> list[Swallowing]:
-    """Of all data sets of `hypothesis`, with the parameters of its fit that could move."""
-    fit = hypothesis.fit
+def swallowing(data: Sequence[Whitened], candidate: Candidate) -> list[Swallowing]:
+    """Of all data sets of `candidate`, with the parameters of its fit that could move."""
+    fit = candidate.fit
     at = np.flatnonzero(np.diag(fit.covariance) > 0)
     R, free = root(fit.covariance[np.ix_(at, at)]), tuple(fit.parameters[k] for k in at)
-    cost = cost_of(hypothesis.problem, free, FLOOR, fit.by_name)
+    cost = cost_of(candidate.problem, free, FLOOR, fit.by_name)
     away, rows = cost.knowledge(cost.at(fit.by_name))
     acting = [[k for k, one in enumerate(free) if one.name in each.predicted.changes] for each in data]
     names = [tuple(free[k].name for k in some) for some in acting]

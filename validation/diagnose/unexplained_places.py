@@ -1,4 +1,4 @@
-"""`Place` and `Family`: where a leftover may sit, and what places of one kind do to the readings of a data set."""
+"""`Place` and `Family`: where an unexplained residual may sit, and what places of one kind do to the readings of a data set."""
 
 from __future__ import annotations
 
@@ -191,11 +191,11 @@ DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "x and y": (1, 1, 
 GROUND, TABLE = "the ground", "the table"
 
 JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
-"""[index] Axes of a joint that give alike. Held by tests/validation/diagnosing/leftover/test_described.py."""
+"""[index] Axes of a joint that give alike. Held by tests/validation/diagnosing/unexplained/test_described.py."""
 
 GIVES = 0.02
 """[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
 """Families of parameters that stand for a part or a mode."""
@@ -384,7 +384,7 @@ def _unit(own: tuple[int, int], other: tuple[int, int], course: FrequencyLaw) ->
     return above if not below else f"{above}/({below})" if " " in below else f"{above}/{below}"
 
 
-# Every place in which a leftover of one data set may sit, with the courses that it may take there.
+# Every place in which an unexplained residual of one data set may sit, with the courses that it may take there.
 
 
 def loaded(of: Swallowing, offsets: Offsets) -> Loaded | None:
@@ -409,7 +409,8 @@ def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator
     yield from parts(of)
 
 
-# A leftover in several pairs of axes at once, such as a spring off the reference point: a symmetric matrix of one course.
+# An unexplained residual in several pairs of axes at once, such as a spring off the reference point: a symmetric matrix of one
+# course.
 
 
 PLACES = tuple((i, j) for i in range(6) for j in range(i, 6))
@@ -420,7 +421,7 @@ PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
 
 NAMED = 0.25
 """[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Held by
-tests/validation/diagnosing/leftover/test_described.py."""
+tests/validation/diagnosing/unexplained/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -12,7 +12,7 @@ from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnose import bench
 from validation.diagnose.diagnosis import Candidate, FittedData, Screened
 from validation.diagnose.pendulum import advised, against, contradictions
-from validation.diagnose.search import baseline, refitting_refitted
+from validation.diagnose.search import baseline, fit_with
 from validation.effects.catalogue import parse
 from validation.estimation.result import Fit
 from validation.model.model import Added, Model
@@ -147,7 +147,7 @@ def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made: 
     wide = found["pendulum-amplitude"]
     assert wide.evidence > 100
     assert_allclose(wide.added.named.value, 0.4, rtol=0.03)
-    child = refitting_refitted(of, base, wide.added)
+    child = fit_with(of, base, wide.added)
     assert_allclose(child.effects[0].named.value, 0.4, rtol=0.03)
     # the integral over the size and Laplace's approximation of it differ by the normalisation of a half prior
     assert_allclose(child.fit.log_evidence - base.fit.log_evidence, wide.evidence, atol=1.0)

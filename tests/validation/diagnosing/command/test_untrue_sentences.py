@@ -79,7 +79,9 @@ def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_i
     made: Made, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[tuple[Any, Any]] = []
-    monkeypatch.setattr(mistakes, "as_it_stands", lambda bench, offsets: seen.append((bench, offsets)) or made("missing").before)
+    monkeypatch.setattr(
+        mistakes, "errors_without_fit", lambda bench, offsets: seen.append((bench, offsets)) or made("missing").before
+    )
     found = replace(made("nonlinear"), text="Driven along x, two levels differ")
     wrong = made("mistake").accepted
     both = mistakes.with_mistakes(BENCH, found, wrong)
@@ -91,7 +93,7 @@ def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_i
 
 
 def test_what_is_beside_a_mistake_is_said_in_words(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mistakes, "as_it_stands", lambda bench, offsets: made("missing").before)
+    monkeypatch.setattr(mistakes, "errors_without_fit", lambda bench, offsets: made("missing").before)
     wrong = made("mistake").accepted
     assert mistakes.with_mistakes(BENCH, made("nothing"), wrong).text == ""
     assert "to confirm polarity:fmd-z2: " in mistakes.with_mistakes(BENCH, made("nothing"), wrong).next_measurement
@@ -103,7 +105,7 @@ def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: 
     (friction,) = made("nonlinear").accepted
     gap = replace(friction, named=parse("gap:1=500"), evidence=118.0)
     monkeypatch.setattr(diagnose, "nonlinear", lambda bench, levels, progress: (friction, gap))
-    monkeypatch.setattr(diagnose, "as_it_stands", lambda bench, offsets: made("missing").before)
+    monkeypatch.setattr(diagnose, "errors_without_fit", lambda bench, offsets: made("missing").before)
     monkeypatch.setattr(diagnose, "of_bench", lambda bench: {"method": "sine"})
 
     def named(**asked: Any) -> Diagnosis:
@@ -120,7 +122,7 @@ def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: 
 
 
 def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mistakes, "as_it_stands", lambda bench, offsets: made("missing").before)
+    monkeypatch.setattr(mistakes, "errors_without_fit", lambda bench, offsets: made("missing").before)
     monkeypatch.setattr(diagnose, "mistakes", lambda of: made("mistake").accepted)
     monkeypatch.setattr(diagnose, "_linear_or_not", lambda right, only, leave_out, tell: made("nothing"))
     assert diagnose.diagnosed(BENCH).verdict == "mistake"
@@ -142,7 +144,7 @@ def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch: pyt
     bare: Any = SimpleNamespace(effects=(), fit=None, problem=None)
 
     def best(text: str) -> Any:
-        return SimpleNamespace(tried=(SimpleNamespace(id="gap:1", evidence=3.0, standing=SimpleNamespace(text=text)),))
+        return SimpleNamespace(tried=(SimpleNamespace(id="gap:1", evidence=3.0, goodness=SimpleNamespace(text=text)),))
 
     said = diagnose._text(UNKNOWN, bare, best("chi² is 4"), left)
     assert said == "As the model is, chi² is 9. With the closest, gap:1, chi² is 4"

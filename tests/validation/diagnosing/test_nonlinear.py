@@ -10,7 +10,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Recording
 from validation.diagnose.diagnosis import FittedData
-from validation.diagnose.nonlinear import drive_levels, nonlinear, require_levels
+from validation.diagnose.nonlinear import differing_levels, nonlinear, require_levels
 from validation.effects.catalogue import parse_all
 from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
@@ -74,13 +74,13 @@ def _saturated(of: Recording, channel: str, share: float, peak: float) -> Record
 
 
 def test_linear_runs_answer_alike(linear: FittedData) -> None:
-    assert drive_levels(linear) == ()
+    assert differing_levels(linear) == ()
 
 
 def test_no_model_is_asked_where_all_six_axes_were_driven(linear: FittedData) -> None:
     wrong = replace(linear, model=replace(MODEL, effects=effects("rigid-inertia:m=20", "force-gain:fmd-z2=0.3")))
-    assert drive_levels(wrong) == ()
-    told, as_told = (drive_levels(bent(one, "friction:flange:x=2")) for one in (linear, wrong))
+    assert differing_levels(wrong) == ()
+    told, as_told = (differing_levels(bent(one, "friction:flange:x=2")) for one in (linear, wrong))
     assert [one.sigma for one in as_told] == pytest.approx([one.sigma for one in told], rel=1e-9)
 
 
@@ -88,14 +88,14 @@ def test_a_single_axis_at_two_levels_is_enough(linear: FittedData, tested: Virtu
     def alone(of: FittedData) -> FittedData:
         return replace(of, made=tuple(one.on(("z", "z-at-0.5")) for one in of.made))
 
-    assert drive_levels(alone(linear)) == ()
-    assert [one.axis for one in drive_levels(alone(saturated(tested, "fmd-z1", 0.2)))] == ["z"]
+    assert differing_levels(alone(linear)) == ()
+    assert [one.axis for one in differing_levels(alone(saturated(tested, "fmd-z1", 0.2)))] == ["z"]
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_friction_is_named_with_its_axis_and_slip_force(linear: FittedData, axis: str) -> None:
     slipping = bent(linear, f"friction:flange:{axis}=3")
-    found = drive_levels(slipping)
+    found = differing_levels(slipping)
     assert [one.axis for one in found] == [axis]
     assert found[0].runs == (f"{axis}-at-0.5", axis)
     best = nonlinear(slipping, found)[0]
@@ -106,7 +106,7 @@ def test_friction_is_named_with_its_axis_and_slip_force(linear: FittedData, axis
 
 def test_a_gap_is_named_with_its_cell_and_preload(linear: FittedData) -> None:
     lifting = bent(linear, "gap:3=15")
-    found = drive_levels(lifting)
+    found = differing_levels(lifting)
     assert set(found[0].channels[:4]) == {"fmd-z1", "fmd-z2", "fmd-z3", "fmd-z4"}  # the others take over what it drops
     best = nonlinear(lifting, found)[0]
     assert best.id == "gap:3"
@@ -115,7 +115,7 @@ def test_a_gap_is_named_with_its_cell_and_preload(linear: FittedData) -> None:
 
 def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested: VirtualTest) -> None:
     bent_records = saturated(tested, "fmd-z1", 0.1)
-    found = drive_levels(bent_records)
+    found = differing_levels(bent_records)
     assert found[0].channels[0] == "fmd-z1"
     best = nonlinear(bent_records, found)[0]
     assert best.id == "saturation:fmd-z1"
@@ -126,12 +126,12 @@ def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested: Vi
 
 def test_what_the_model_knows_of_an_amplitude_is_no_difference(linear: FittedData) -> None:
     slipping = bent(linear, "friction:flange:x=3")
-    assert drive_levels(replace(slipping, model=replace(MODEL, effects=effects("friction:flange:x=3", fixed=True)))) == ()
+    assert differing_levels(replace(slipping, model=replace(MODEL, effects=effects("friction:flange:x=3", fixed=True)))) == ()
 
 
 def test_one_level_is_refused_where_two_are_needed(linear: FittedData) -> None:
     single = replace(linear, made=tuple(one.on(("x", "y", "z", "alpha", "beta", "gamma")) for one in linear.made))
-    assert drive_levels(single) == ()
+    assert differing_levels(single) == ()
     require_levels(linear)
     with pytest.raises(BadInput, match="one level cannot see friction"):
         require_levels(single)

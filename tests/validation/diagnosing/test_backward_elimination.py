@@ -12,7 +12,7 @@ import pytest
 from geometry.errors import CheckFailed
 from validation.diagnose import diagnose, search
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.search import RIVAL_SHARE, RIVALS, CandidateFit, SearchStep, _in
+from validation.diagnose.search import RIVAL_SHARE, RIVALS, CandidateFit, SearchStep, _offsets_in
 from validation.effects.catalogue import parse
 from validation.effects.effect import EVIDENCE_THRESHOLD
 from validation.estimation.problem import EFFECT, Parameter
@@ -35,9 +35,9 @@ def hypothesis(*ids: str, evidence: float) -> Candidate:
 def found(*brought: tuple[str, float], at: Candidate) -> SearchStep:
     """A round from `at` that tried these, the best first, and took that."""
     tried = tuple(
-        CandidateFit(id=id, hypothesis=hypothesis(id, evidence=nats), evidence=nats, standing=STANDS) for id, nats in brought
+        CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS) for id, nats in brought
     )
-    return SearchStep(at=at, standing=NOBODY, screened=(), tried=tried, added=tried[0].id)
+    return SearchStep(at=at, goodness=NOBODY, screened=(), tried=tried, added=tried[0].id)
 
 
 def asked(
@@ -56,7 +56,7 @@ def asked(
         return hypothesis(*ids, evidence=worth[tuple(sorted(ids))])
 
     monkeypatch.setattr(search, "_without", without)
-    monkeypatch.setattr(search, "instead", instead)
+    monkeypatch.setattr(search, "fit_in_place", instead)
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
@@ -85,9 +85,9 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch
     ended, (first, second), fitted = asked(monkeypatch, at, TWO, known)
     assert ids(ended) == {TOP, BLADE}
     assert fitted == [TOP]
-    assert (first.again, first.added) == (HUB, TOP)
+    assert (first.reconsidered, first.added) == (HUB, TOP)
     assert [(one.id, one.evidence) for one in first.tried] == [(TOP, 5330.0), (HUB, 5300.0)]
-    assert (second.again, second.added, second.tried[0].evidence) == (BLADE, BLADE, 460.0)
+    assert (second.reconsidered, second.added, second.tried[0].evidence) == (BLADE, BLADE, 460.0)
     assert diagnose._why(first) == f"{TOP} brings 5330.0 nats beside {BLADE}, and {HUB} only 5300.0"
     assert diagnose._why(replace(first, at=ALONE)) == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
 
@@ -97,7 +97,7 @@ def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPa
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5320.0, (HUB,): 5200.0}
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ended is at
-    assert [one.again for one in again] == [one.added for one in again] == [HUB, BLADE]
+    assert [one.reconsidered for one in again] == [one.added for one in again] == [HUB, BLADE]
     assert diagnose._alike(at.effects, [*TWO, *again]) == ()
 
 
@@ -106,7 +106,7 @@ def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> No
     known = {(BLADE,): 5330.0 - EVIDENCE_THRESHOLD + 1, (): 0.0}
     ended, again, fitted = asked(monkeypatch, at, TWO, known)
     assert (ids(ended), fitted) == ({BLADE}, [])
-    assert [(one.again, one.added, ids(one.at)) for one in again] == [(BLADE, BLADE, set())]  # asked alone, where it is
+    assert [(one.reconsidered, one.added, ids(one.at)) for one in again] == [(BLADE, BLADE, set())]  # asked alone, where it is
 
 
 def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,7 +115,7 @@ def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5333.0, (TOP,): 5332.0, (HUB,): 4000.0, (): 0.0}
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ids(ended) == {TOP}
-    assert [(one.again, one.added, ids(one.at)) for one in again] == [(HUB, TOP, {BLADE}), (TOP, TOP, set())]
+    assert [(one.reconsidered, one.added, ids(one.at)) for one in again] == [(HUB, TOP, {BLADE}), (TOP, TOP, set())]
     best = diagnose._best(ended, [*TWO, *again])
     assert [one.id for one in best.tried] == [TOP, HUB]
     assert diagnose._alike(ended.effects, [*TWO, *again]) == (TOP,)
@@ -146,16 +146,16 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPat
 def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival() -> None:
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
     one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * RIVAL_SHARE - 1), at=ALONE)
-    rivals = search._asked_again_rivals(one, hypothesis(TOP, BLADE, evidence=0.0))
+    rivals = search._earlier_rivals(one, hypothesis(TOP, BLADE, evidence=0.0))
     assert [each.id for each in rivals] == [id for id, _ in others[:RIVALS]]
-    few = search._asked_again_rivals(replace(one, tried=(one.tried[0], one.tried[-1])), hypothesis(TOP, evidence=0.0))
+    few = search._earlier_rivals(replace(one, tried=(one.tried[0], one.tried[-1])), hypothesis(TOP, evidence=0.0))
     assert few == []
 
 
 @pytest.mark.parametrize(("other", "same"), [("absorber:hub-4=m:1,f:9,zeta:0.1", True), ("cable:hub-4:lateral=50", False)])
 def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other: str, same: bool) -> None:
     best = Added(named=parse("slosh:mast-top=m:0.002,f:19,zeta:0.02"))
-    begins = search._at_home(Added(named=parse(other)), best)
+    begins = search._at_sizes_found(Added(named=parse(other)), best)
     assert (begins.named.values == best.named.values) is same
     assert begins.named.id == other.partition("=")[0]
 
@@ -167,4 +167,4 @@ def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to() -> None
     old = (parameter("a", 2.0, True), parameter("b", 2.0, False), parameter("gone", 1.0, True))
     fit: Any = SimpleNamespace(parameters=old, offsets=np.array([0.1, 0.2, 0.3]))
     problem: Any = SimpleNamespace(by_name={"a": parameter("a", 4.0, True), "b": parameter("b", 2.0, False)})
-    assert _in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
+    assert _offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})

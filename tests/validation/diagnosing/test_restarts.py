@@ -10,11 +10,11 @@ from validation.diagnose.diagnose import bench
 from validation.diagnose.diagnosis import Candidate, FittedData
 from validation.diagnose.search import (
     baseline,
-    can_be,
-    refitting_refitted,
+    can_restart,
+    fit_with,
     restarted_from_priors,
-    searched,
     sizes,
+    stepwise_search,
     tolerances_restarted,
 )
 from validation.effects.catalogue import parse
@@ -54,7 +54,7 @@ def torsion(soft: FittedData) -> Added:
 @pytest.fixture(scope="module")
 def stuck(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added where the tolerances stand."""
-    return refitting_refitted(soft, paid, torsion)
+    return fit_with(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
@@ -74,11 +74,11 @@ def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_d
 
 def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: FittedData, paid: Candidate) -> None:
     said: list[str] = []
-    explained, rounds = searched(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
+    explained, rounds = stepwise_search(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
     assert f"trying {TORSION} afresh" in said
     assert [one.named.id for one in explained.effects] == [TORSION]
     assert explained.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
-    assert rounds[0].standing.price > 50 > 2 > rounds[0].tried[0].standing.price
+    assert rounds[0].goodness.prior_penalty > 50 > 2 > rounds[0].tried[0].goodness.prior_penalty
 
 
 @pytest.mark.proof
@@ -134,4 +134,4 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> N
     ],
 )
 def test_effects_of_one_size_that_is_fitted_have_such_a_way(text: str, fixed: bool, there: bool) -> None:
-    assert can_be(Added(named=parse(text), fixed=fixed)) is there
+    assert can_restart(Added(named=parse(text), fixed=fixed)) is there

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.frames import rigid_transformation_6
-from validation.diagnose.candidates import opened
+from validation.diagnose.candidates import with_candidates
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.unexplained import described, unexplained
 from validation.diagnose.unexplained_fit import swallowing, whitened
@@ -194,7 +194,7 @@ def test_a_stiffness_among_the_parameters_does_not_drown_what_is_known_of_the_ot
     """Its variance is some (N/m)² beside (µm)²: covariances are taken by their correlations."""
     nothing = left(lambda s: np.zeros_like(s.read))
     spring = Added(named=parse("cable:top:vertical=800"))
-    problem = opened(nothing.problem, [spring])
+    problem = with_candidates(nothing.problem, [spring])
     cost = cost_of(problem, problem.free(FITTED), FLOOR)
     sprung = Candidate(effects=(spring,), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
     (one,) = swallowing(list(whitened(sprung, derivatives=True)), sprung)

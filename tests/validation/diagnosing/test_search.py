@@ -23,12 +23,12 @@ from validation.diagnose.search import (
     WORTH_A_FIT,
     CandidateFit,
     SearchStep,
-    _as_a_rival,
-    _elsewhere,
-    _nearby,
-    _promising,
+    _fits_in_band,
+    _local_fits,
+    _most_promising,
+    _rival_fit,
     _rivals,
-    _within,
+    _same_resonator_elsewhere,
     in_band,
     ranked,
 )
@@ -62,12 +62,12 @@ def ids(found: list[Screened]) -> list[str]:
 
 def test_what_promises_little_is_not_fitted() -> None:
     found = screened(*LOUD[:3], evidence=WORTH_A_FIT + 1.5)
-    assert _promising(found) == found[:2]
+    assert _most_promising(found) == found[:2]
 
 
 def test_of_one_family_no_more_than_some_are_fitted() -> None:
     gains = [f"force-gain:fmd-{one}=0.1" for one in ("z1", "z2", "z3", "z4", "x12")]
-    chosen = _promising(screened(*gains, "force-delay:fmd-z1=0.001"))
+    chosen = _most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
     assert Counter(one.added.named.family for one in chosen) == {"force-gain": FITS_OF_A_FAMILY, "force-delay": 1}
     assert ids(chosen)[:FITS_OF_A_FAMILY] == ids(screened(*gains))[:FITS_OF_A_FAMILY]
 
@@ -76,26 +76,26 @@ def test_the_structure_is_asked_though_many_channels_promise_more() -> None:
     structure = ("modulus:mast=0.1", "point-mass:mast-top=0.1", "rigid-inertia:m=0.1")
     assert all(FAMILIES[parse(one).family].side == STRUCTURE for one in structure)
     assert not any(FAMILIES[parse(one).family].side == STRUCTURE for one in LOUD)
-    chosen = _promising(screened(*LOUD, *structure))
+    chosen = _most_promising(screened(*LOUD, *structure))
     assert len(LOUD) == FITS_OF_A_STEP
     assert ids(chosen) == ids(screened(*LOUD, *structure))[: FITS_OF_A_STEP + FITS_OF_THE_STRUCTURE]
 
 
 def test_no_more_of_the_structure_is_added_where_it_leads_anyway() -> None:
-    chosen = _promising(screened("modulus:mast=0.1", "rigid-inertia:m=0.1", *LOUD, "point-mass:mast-top=0.1"))
+    chosen = _most_promising(screened("modulus:mast=0.1", "rigid-inertia:m=0.1", *LOUD, "point-mass:mast-top=0.1"))
     assert len(chosen) == FITS_OF_A_STEP
 
 
 @pytest.mark.parametrize("count", [0, 1])
 def test_few_promises_are_all_fitted(count: int) -> None:
-    assert len(_promising(screened(*LOUD[:count]))) == count
+    assert len(_most_promising(screened(*LOUD[:count]))) == count
 
 
 def tried(text: str) -> CandidateFit:
     """A fit that ended there."""
     nobody: Any = None
     hypothesis = Candidate(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
-    return CandidateFit(id=hypothesis.effects[0].named.id, hypothesis=hypothesis, evidence=100.0, standing=nobody)
+    return CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
 
 
 def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first() -> None:
@@ -121,7 +121,7 @@ def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_
 def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes() -> None:
     best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
     slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
-    again = _elsewhere([best, worse, slosh, other])
+    again = _same_resonator_elsewhere([best, worse, slosh, other])
     assert [one.named.id for one in again] == [worse.id, other.id]
     assert all(one.named.values == best.added.named.values for one in again)
 
@@ -149,12 +149,12 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> Non
         asked.append(ids(list(some)))
         return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
 
-    kept, told = _within(BAND, found, fits)
+    kept, told = _fits_in_band(BAND, found, fits)
     instead = [one.partition("=")[0] for one in springs[:REPLACEMENTS]]
     assert [one.id for one in kept] == [there.id, *instead]
     assert told == (gone.id,)
     assert asked == [ids(found), instead]
-    assert _within(BAND, found, lambda some: [there]) == ([there], ())
+    assert _fits_in_band(BAND, found, lambda some: [there]) == ([there], ())
 
 
 def test_an_effect_that_is_no_resonator_stays_wherever_it_ends() -> None:
@@ -167,7 +167,7 @@ def stands(null: bool) -> Any:
 
 
 def ended(text: str, evidence: float, null: bool = False) -> CandidateFit:
-    return replace(tried(text), evidence=evidence, standing=stands(null))
+    return replace(tried(text), evidence=evidence, goodness=stands(null))
 
 
 def unstuck(
@@ -182,9 +182,9 @@ def unstuck(
         return added.named.id
 
     monkeypatch.setattr(search, "restarted_from_priors", again)
-    monkeypatch.setattr(search, "judged", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
+    monkeypatch.setattr(search, "candidate_fit", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
     nobody: Any = None
-    best_first = search._unstuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
+    best_first = search._restarted_where_stuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
     return best_first, asked
 
 
@@ -225,13 +225,13 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pyte
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(search, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
+    monkeypatch.setattr(search, "_fit_of", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
     assert evidence_threshold("structural-damping") - NULL_MARGIN > 15.0 > 14.0 > evidence_threshold("force-gain") - NULL_MARGIN
     nobody: Any = None
-    tried_ones = _nearby(nobody, nobody, stands(null=True), found, lambda what, share: None)
+    tried_ones = _local_fits(nobody, nobody, stands(null=True), found, lambda what, share: None)
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
-    both = _nearby(nobody, nobody, stands(null=False), found, lambda what, share: None)
+    both = _local_fits(nobody, nobody, stands(null=False), found, lambda what, share: None)
     assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
 
 
@@ -239,17 +239,17 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
 def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(
     monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
 ) -> None:
-    monkeypatch.setattr(search, "_tried", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
+    monkeypatch.setattr(search, "_fit_of", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
     monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: added.named.id)
-    monkeypatch.setattr(search, "judged", lambda at, id: ended(f"{id}=0.1", again))
+    monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", again))
     nobody: Any = None
-    assert _as_a_rival(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept
+    assert _rival_fit(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept
 
 
-def a_round(found: Sequence[Screened], gone: tuple[str, ...] = ()) -> SearchStep:
+def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> SearchStep:
     """In which no fit is left."""
     nobody: Any = None
-    return SearchStep(at=nobody, standing=nobody, screened=tuple(found), tried=(), added="", gone=gone)
+    return SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
 
 
 def test_a_round_without_a_fit_says_why() -> None:
@@ -257,6 +257,6 @@ def test_a_round_without_a_fit_says_why() -> None:
         "no candidate is worth a fit: cable:mast-top:lateral promises most, 2.2 nats, where 8 are asked for"
     )
     assert _why(a_round([])) == "there is no candidate"
-    assert _why(a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), gone=("slosh:mast-top",))) == (
+    assert _why(a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), left_band=("slosh:mast-top",))) == (
         "a fit drives slosh:mast-top out of the band of the data, and no other kind of effect is worth a fit"
     )
