@@ -21,6 +21,7 @@ from tempfile import TemporaryDirectory
 import in_browser
 import pictures
 
+from tools.drawing import draw as draw_rooms
 from tools.pages import commands
 
 HERE = Path(__file__).resolve().parent
@@ -55,9 +56,10 @@ DRAWN: Mapping[str, tuple[Callable[[Path], None], tuple[str, ...]]] = {
     "flexible-bodies": (pictures.flexible_bodies, ("modes-clumod-4", "dynamic-mass")),
     "base-excitation": (pictures.base_excitation, ("excite-clumod-1",)),
     "pendulum": (pictures.pendulum, ("swing",)),
+    "architecture": (lambda folder: draw_rooms(folder / "architecture.png"), ("architecture",)),
     "workbench": (in_browser.workbench, ("workbench-compared", "workbench-cause")),
 }
-"""Drawn by functions of `pictures` and `in_browser`."""
+"""Drawn by functions of `pictures`, `in_browser` and `tools.drawing`."""
 
 HIDDEN = "out/hidden"
 PLANTED = "--effect modulus:mast=0.06 --effect point-mass:mast-top=0.2"

@@ -17,6 +17,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("geometry", "fem", "identification", "validation")
+FACE = "massline"
+"""The package that hands the names of the rooms on to users; no figure counts it."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tools import house
+from tools.drawing import FLOORS, leads, upwards
 from tools.pages import quoted
 
 BARS = {
@@ -23,9 +24,6 @@ BARS = {
     "share of them with a single caller [%]": 33,
 }
 """What each figure may be at most."""
-
-FACE = "massline"
-"""The package that hands the names of the rooms on to users."""
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +59,7 @@ def test_a_class_name_has_one_meaning_in_a_folder(modules: dict[str, house.Modul
 
 def trespassers(root: Path) -> list[str]:
     """Modules of the rooms that import the public face, and modules of the face that hold more than names of the rooms."""
-    rooms, face = house.modules(root), house.modules(root, [FACE])
+    rooms, face = house.modules(root), house.modules(root, [house.FACE])
     inwards = [name for name, to in house.imports(rooms | face).items() if name in rooms and to & face.keys()]
     return inwards + [name for name, one in face.items() if any(isinstance(node, ast.ClassDef) for node in ast.walk(one.tree))]
 
@@ -72,7 +70,9 @@ def test_no_room_imports_the_public_face_and_the_face_has_no_class_of_its_own(ro
 
 def undocumented(root: Path) -> list[str]:
     """Names of the public face that docs/python.md does not say, each in back-quotes or in a program."""
-    public = [node for one in house.modules(root, [FACE]).values() for node in one.tree.body if isinstance(node, ast.Assign)]
+    public = [
+        node for one in house.modules(root, [house.FACE]).values() for node in one.tree.body if isinstance(node, ast.Assign)
+    ]
     names = [name for node in public if ast.unparse(node.targets[0]) == "__all__" for name in ast.literal_eval(node.value)]
     if not names:
         return []
@@ -83,6 +83,12 @@ def undocumented(root: Path) -> list[str]:
 
 def test_every_public_name_is_documented(root: Path) -> None:
     assert undocumented(root) == []
+
+
+def test_every_room_stands_on_a_floor_of_the_drawing_and_imports_only_downwards(root: Path) -> None:
+    graph = leads(root)
+    assert upwards(graph) == []
+    assert {name for rooms in FLOORS.values() for name in rooms} - graph.keys() <= {house.FACE}
 
 
 BROKEN = {
@@ -127,6 +133,8 @@ def test_what_is_wrong_is_named(broken: Path) -> None:
     assert said_twice({**found, again.name: again}) == ["validation.Same", "validation.inside.Same"]
     assert trespassers(broken) == ["validation.loose", "massline"]
     assert undocumented(broken) == ["Hidden"]
+    assert upwards(leads(broken)) == ["inside stands on no floor", "loose stands on no floor"]
+    assert upwards({"model": {"effects", "report"}}) == ["model imports report"]
 
 
 def test_callers_are_counted_through_imports_but_not_where_a_name_means_something_else(broken: Path) -> None:
