@@ -356,7 +356,7 @@ async def comparing_shown(bench: WindowState) -> None:
     if compared is None:
         state.errors, state.worst, state.remarks = [], [], []
         return
-    state.errors = [{**one, "tone": _tone(one["verdict"])} for one in compared.summary["errors"]]
+    state.errors = [{**one, "tone": _tone(one["verdict"])} for one in compared.errors]
     state.worst = [{"sigma": f"{one['sigma']:.1f}", "text": one["text"]} for one in compared.summary["worst"]]
     state.remarks = list(compared.summary["warnings"])
     state.campaigns = list(compared.campaigns)

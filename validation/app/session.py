@@ -72,7 +72,7 @@ from validation.prediction.classical_facts import ArticleFact, facts
 from validation.prediction.dynamic_mass import BaseDrive
 from validation.prediction.series import SeriesPrediction, TestedCampaign, names, predictions, supported_dynamic_mass
 from validation.prediction.structure import mounted_article
-from validation.report import diagnose
+from validation.report import compare, diagnose
 from validation.report.history import of_step
 from validation.report.page import ReportOptions, command_line, provenance
 from validation.report.parts import CampaignPart, Provenance, Report
@@ -720,6 +720,7 @@ class Compared:
     modes : by campaign, as the plain fit has them
     offsets : where the plain fit ended, by name of the parameter
     loads : by campaign, by force channel the loads (0 to 5) that it tells
+    errors : the rows of `validation.report.compare.errors` for the panel
     """
 
     summary: Mapping[str, Any]
@@ -727,6 +728,7 @@ class Compared:
     modes: tuple[tuple[NamedMode, ...], ...]
     offsets: Mapping[str, float]
     loads: tuple[Mapping[str, tuple[int, ...]], ...]
+    errors: tuple[Mapping[str, Any], ...] = ()
 
     @property
     def campaigns(self) -> tuple[str, ...]:
@@ -812,6 +814,7 @@ def _write(found: Comparison, loads: Sequence[Mapping[str, Sequence[int]]], fold
         "modes": [[vars(mode) for mode in of] for of in found.modes],
         "offsets": found.evaluation.plain_fit.by_name,
         "loads": loads,
+        "errors": compare.errors(found).panel(),
     }
     arrays["words"] = np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)
     write_with(folder / MAPS, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
@@ -825,7 +828,7 @@ def _comparing_read(folder: Path) -> Compared:
         maps = tuple(_map(said, held, k) for k, said in enumerate(words["maps"]))
     modes = tuple(tuple(NamedMode(**_tuples(mode)) for mode in each) for each in words["modes"])
     loads = tuple(_tuples(one) for one in words["loads"])
-    return Compared(summary=summary, maps=maps, modes=modes, offsets=words["offsets"], loads=loads)
+    return Compared(summary=summary, maps=maps, modes=modes, offsets=words["offsets"], loads=loads, errors=tuple(words["errors"]))
 
 
 def _map(said: dict[str, Any], held: Any, k: int) -> Map:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,10 +21,23 @@ from validation.estimation.verdicts import ABSURD, MISFIT, STANDS_OUT, StatedErr
 from validation.identify.identify import UsedLines
 from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
-from validation.reference.statement import NONE, rounded
+from validation.reference.statement import NONE
 from validation.report.charts import crosscheck
 from validation.report.charts.style import MEASURED, DynamicMassCurve, chosen
-from validation.report.document import Cell, Column, Figures, Grid, Safe, aligned, joined, number, page, table, tag, toleranced
+from validation.report.document import (
+    PAGE,
+    PANEL,
+    TERMINAL,
+    Column,
+    Document,
+    Drawn,
+    Figures,
+    Safe,
+    Table,
+    joined,
+    tag,
+    toleranced,
+)
 from validation.report.parts import CampaignPart, Report, picture, section, verdict
 from validation.report.parts import notes as parts_notes
 from validation.study import CompareOptions, ready
@@ -45,98 +59,193 @@ SIGNS = ("x", "y", "z", "α", "β", "γ")
 """Of loads and base motions in the name of an entry of H."""
 
 
-def title(found: Comparison) -> str:
-    """Model and data."""
-    return f"{found.title} beside {', '.join(found.data_sets)}"
+def document(found: Comparison) -> Document:
+    """What is said of a comparison, in the order in which it is read."""
+    from validation.report.charts.crosscheck import four_errors
+
+    both = zip(found.maps, found.modes, strict=True)
+    return Document(
+        title=f"{found.title} beside {', '.join(found.data_sets)}",
+        blocks=(
+            errors(found),
+            Drawn(lambda: four_errors(found)),
+            spots(found),
+            *(partial(_maps, of, modes, k) for k, (of, modes) in enumerate(both)),
+            parts_notes([SCALE]),
+            runs(found),
+            _runs_by_campaign(found.maps),
+            entries(found),
+            tolerances(found),
+            facts(found),
+        ),
+        notes=tuple(notes(found)),
+    )
 
 
-def grids(found: Comparison) -> list[Grid]:
-    """All tables, in the order in which they are read."""
-    pairs = worst_pairs(found.maps, COMPARISON_PAIRS)
+ErrorRow = tuple[str, float | None, str, StatedError | None]
+"""Name, size and unit of an error, and what is to be thought of it."""
+
+
+def error_rows(found: Comparison) -> list[ErrorRow]:
+    """The four errors; a figure that is new beside them is one more row."""
+    of, (nominal, plain, fitted, held) = found.evaluation, found.errors
     return [
-        errors(found),
-        spots(found),
-        runs(found.maps),
-        *([entries(found)] if pairs else []),
-        *([moved(found)] if absurd(found.evaluation.fitted) else []),
-        *([facts(found)] if found.facts else []),
+        (nominal.name, of.nominal.percent, "%", nominal),
+        (plain.name, of.plain.percent, "%", plain),
+        ("fitted error, χ² per degree of freedom", misfit(of.fitted), "1", fitted),
+        ("its price, the sum of z² of the tolerances", of.fitted.tolerance_z2, "1", None),
+        (held.name, None if of.held_out is None else of.held_out.percent, "%", held),
     ]
 
 
-def errors(found: Comparison) -> Grid:
+PRICE = 3
+"""Row of the price, which a terminal and the panel have in the row above it."""
+
+
+def errors(found: Comparison) -> Table:
     """The four errors: figure, meaning, verdict."""
-    lines = tuple((one.name, one.figure, _judged(one.verdict, one.text, one.meaning)) for one in found.errors)
-    return Grid(header=("", "error", "what it means, and what is to be thought of it"), lines=lines, words=True)
+    rows = error_rows(found)
+    said = "what it means, and what is to be thought of it"
+    return Table(
+        caption="The four errors",
+        rows=rows,
+        shown=[*rows[:PRICE], *rows[PRICE + 1 :]],
+        columns=(
+            Column("error", lambda row: row[0], words=True, on=PAGE),
+            Column("", lambda row: _of(row, "name") or row[0], words=True, panel="name", on=TERMINAL),
+            Column(
+                "error", lambda row: _of(row, "figure") or f"{row[1]:.3g} {row[2]}", panel="figure", aligned=False, on=TERMINAL
+            ),
+            Column("size", lambda row: row[1], on=PAGE),
+            Column("unit", lambda row: row[2], words=True, on=PAGE),
+            Column("verdict", lambda row: verdict(_of(row, "verdict")), words=True, on=PAGE),
+            Column(said, lambda row: _thought(row[3]), words=True, on=PAGE),
+            Column(said, lambda row: _judged(row[3]), words=True, on=TERMINAL),
+            Column("", lambda row: _of(row, "meaning"), panel="meaning", on=PANEL),
+            Column("", lambda row: _of(row, "verdict") or None, panel="verdict", on=PANEL),
+            Column("", lambda row: _of(row, "text"), panel="text", on=PANEL),
+        ),
+    )
 
 
-def _judged(verdict: str, text: str, meaning: str) -> str:
-    said = f"{verdict.upper()}: {text}" if verdict else text
-    return f"{meaning}. {said}" if said else meaning
+def _of(row: ErrorRow, name: str) -> str:
+    return "" if row[3] is None else str(getattr(row[3], name))
 
 
-def spots(found: Comparison) -> Grid:
-    """The worst spots in words; where none stands out the worst three, as chance leaves them."""
-    count = len(found.maps)
-    shown = [one for one in found.worst if one.sigma >= STANDS_OUT] or found.worst[:CHANCE]
-    lines = tuple((f"{k:>2}", figure(one.sigma), text(one, count)) for k, one in enumerate(shown, start=1))
-    return Grid(header=("", "sigma", "where it fails"), lines=lines, words=True)
+def _judged(one: StatedError | None) -> str:
+    if one is None:
+        return ""
+    said = f"{one.verdict.upper()}: {one.text}" if one.verdict else one.text
+    return f"{one.meaning}. {said}" if said else one.meaning
 
 
-def runs(maps: tuple[Map, ...]) -> Grid:
+def _thought(one: StatedError | None) -> str:
+    if one is None:
+        return ""
+    return f"{one.meaning}. {one.text[:1].upper()}{one.text[1:]}" if one.text else one.meaning
+
+
+def spots(found: Comparison) -> Table:
+    """The worst spots in words; on a terminal those that stand out, or else the worst three, as chance leaves them."""
+    rows = list(enumerate(found.worst, start=1))
+    return Table(
+        caption="The worst spots",
+        rows=rows,
+        shown=[row for row in rows if row[1].sigma >= STANDS_OUT] or rows[:CHANCE],
+        columns=(
+            Column("", lambda row: f"{row[0]}", words=True, on=PAGE),
+            Column("", lambda row: f"{row[0]:>2}", words=True, on=TERMINAL),
+            Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", figure), aligned=False),
+            Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=PAGE),
+            Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=PAGE),
+            Column("row", lambda row: row[1].row, words=True, on=PAGE),
+            Column("run", lambda row: row[1].run, words=True, on=PAGE),
+            Column("campaign", lambda row: row[1].data_set, words=True, on=PAGE),
+            Column("in words", lambda row: text(row[1], len(found.maps)), words=True, said="where it fails"),
+        ),
+    )
+
+
+def runs(found: Comparison) -> Table:
+    """Every run of every campaign."""
+    by_run = found.evaluation.plain.by_run
+    return Table(
+        caption="Runs",
+        rows=[(of, k, name) for of in found.maps for k, name in enumerate(of.runs)],
+        columns=(
+            Column("run", lambda row: row[2], words=True),
+            Column("campaign", lambda row: row[0].data_set, words=True),
+            Column("plain error", lambda row: by_run.get(f"{row[0].data_set}/{row[2]}"), ".3g", unit="%"),
+            Column("χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), ".3g"),
+            Column("worst cell", lambda row: float(row[0].sigma[row[1]].max()), ".3g", unit="σ"),
+        ),
+        on=PAGE,
+    )
+
+
+def _runs_by_campaign(maps: Sequence[Map]) -> Table:
     """Chi² per degree of freedom of every run of every data set, tolerances counted."""
-    names = list(dict.fromkeys(name for one in maps for name in one.runs))
-    by_name = [dict(zip(one.runs, one.misfit.mean(axis=1), strict=True)) for one in maps]
-    columns = [aligned(tuple(figure(of[name]) if name in of else NONE for of in by_name)) for name in names]
-    lines = tuple(zip((one.data_set for one in maps), *columns, strict=True))
-    return Grid(header=("chi² by run", *names), lines=lines)
+
+    def misfit_of(name: str) -> Column:
+        return Column(name, lambda row: figure(row[1][name]) if name in row[1] else NONE)
+
+    names = dict.fromkeys(name for one in maps for name in one.runs)
+    rows = [(one.data_set, dict(zip(one.runs, map(float, one.misfit.mean(axis=1)), strict=True))) for one in maps]
+    return Table(columns=[Column("chi² by run", lambda row: row[0], words=True), *map(misfit_of, names)], rows=rows, on=TERMINAL)
 
 
-def entries(found: Comparison) -> Grid:
+def entries(found: Comparison) -> Table:
     """The pairs of axes in which predicted and measured dynamic mass differ most."""
-    lines = [
-        (
-            f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}",
-            figure(one.sigma),
-            f"{figure(one.percent)} %",
-            f"{one.frequency:.2f}",
-        )
-        for one in worst_pairs(found.maps, COMPARISON_PAIRS)
-    ]
-    first, *rest = zip(*lines, strict=True)
-    return Grid(header=("dynamic mass", "sigma", "of it", "at [Hz]"), lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+    return Table(
+        columns=(
+            Column("dynamic mass", lambda one: f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}", words=True),
+            Column("sigma", lambda one: figure(one.sigma)),
+            Column("of it", lambda one: f"{figure(one.percent)} %"),
+            Column("at [Hz]", lambda one: one.frequency, ".2f"),
+        ),
+        rows=worst_pairs(found.maps, COMPARISON_PAIRS),
+        on=TERMINAL,
+    )
 
 
-def moved(found: Comparison) -> Grid:
-    """The most absurd tolerances."""
-    lines = [
-        (one.parameter.name, f"{one.z:+.1f}", f"{one.offset:+.3g} {_unit(one.parameter.unit)}".rstrip())
-        for one in found.absurd
-        if abs(one.z) >= min(ABSURD, abs(found.absurd[0].z))
-    ]
-    first, *rest = zip(*lines, strict=True)
-    return Grid(header=("absurd tolerances", "z", "moved by"), lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+def tolerances(found: Comparison) -> Table:
+    """The tolerances that a fit of everything moved farthest; on a terminal where they are absurd, the most absurd."""
+    worst = [one for one in found.absurd if abs(one.z) >= min(ABSURD, abs(found.absurd[0].z))]
+    return Table(
+        caption="Tolerances that the fit of everything moved farthest",
+        rows=found.absurd,
+        shown=worst if absurd(found.evaluation.fitted) else (),
+        columns=(
+            Column("tolerance", lambda one: one.parameter.name, words=True, said="absurd tolerances"),
+            Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
+            Column("moved by", lambda one: one.offset, "+.3g", on=PAGE),
+            Column("moved by", lambda one: f"{one.offset:+.3g} {_unit(one.parameter.unit)}".rstrip(), on=TERMINAL),
+            Column("unit", lambda one: one.parameter.unit, words=True, on=PAGE),
+        ),
+        note="One standard deviation of what was known beforehand is 1 z. Beyond 4 no careful laboratory has it.",
+    )
 
 
 def _unit(unit: str) -> str:
     return "" if unit == "1" else unit
 
 
-def facts(found: Comparison) -> Grid:
+def facts(found: Comparison) -> Table:
     """Classical measurements, predicted minus measured."""
-    lines = [
-        (
-            f"{one.name} [{one.unit}]",
-            rounded(one.measured, one.tolerance),
-            rounded(one.tolerance, one.tolerance),
-            rounded(one.predicted, one.tolerance),
-            f"{one.sigma:+.1f}",
-            f"{one.nominal_sigma:+.1f}",
-        )
-        for one in found.facts
-    ]
-    first, *rest = zip(*lines, strict=True)
-    header = ("classical measurements", "measured", "sd", "predicted", "sigma", "nominal")
-    return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+    return Table(
+        caption="Classical measurements beside the model",
+        rows=found.facts,
+        columns=(
+            Column("classical measurement", lambda one: one.name, words=True, on=PAGE),
+            Column("classical measurements", lambda one: f"{one.name} [{one.unit}]", words=True, on=TERMINAL),
+            Column("unit", lambda one: one.unit, words=True, on=PAGE),
+            Column("measured", lambda one: toleranced(one.measured, one.tolerance)),
+            Column("standard deviation", lambda one: toleranced(one.tolerance, one.tolerance), said="sd"),
+            Column("predicted", lambda one: toleranced(one.predicted, one.tolerance)),
+            Column("deviation", lambda one: one.sigma, "+.2f", unit="σ", said=("sigma", "+.1f")),
+            Column("nothing fitted", lambda one: one.nominal_sigma, "+.2f", unit="σ", said=("nominal", "+.1f")),
+        ),
+    )
 
 
 def notes(found: Comparison) -> Iterator[str]:
@@ -325,7 +434,7 @@ def answer(asked: CompareOptions, *, as_json: bool, folder: Path | None) -> None
     if as_json:
         click.echo(json_text(to_json(found)))
     else:
-        click.echo(page(title(found), grids(found), notes(found)), nl=False)
+        click.echo(document(found).text(), nl=False)
     if folder is not None:
         _write(found, folder, quiet=as_json)
 
@@ -449,28 +558,16 @@ def _select(what: str, group: str, chosen: int) -> Safe:
 def _worst(worst: Sequence[WorstPair]) -> Safe:
     from validation.report.charts.maps import LOADS, MOTIONS, entry
 
-    columns = [
-        Column(head="entry", words=True),
-        Column(head="campaign", words=True),
-        Column(head="load", words=True),
-        Column(head="base motion", words=True),
-        Column(head="at", unit="Hz"),
-        Column(head="deviation", unit="σ"),
-        Column(head="of the dynamic mass", unit="%"),
-    ]
-    rows: list[list[Cell]] = [
-        [
-            entry(one.load, one.motion),
-            one.data_set,
-            LOADS[one.load],
-            MOTIONS[one.motion],
-            number(one.frequency, ".2f"),
-            number(one.sigma, ".3g"),
-            number(one.percent, ".3g"),
-        ]
-        for one in worst
-    ]
-    return joined(table("The entries that differ most", columns, rows))
+    columns = (
+        Column("entry", lambda one: entry(one.load, one.motion), words=True),
+        Column("campaign", lambda one: one.data_set, words=True),
+        Column("load", lambda one: LOADS[one.load], words=True),
+        Column("base motion", lambda one: MOTIONS[one.motion], words=True),
+        Column("at", lambda one: one.frequency, ".2f", unit="Hz"),
+        Column("deviation", lambda one: one.sigma, ".3g", unit="σ"),
+        Column("of the dynamic mass", lambda one: one.percent, ".3g", unit="%"),
+    )
+    return Table(caption="The entries that differ most", columns=columns, rows=worst).html()
 
 
 # The sensors of every campaign on a map.
@@ -494,79 +591,11 @@ SCALE = "Pale: what chance reaches. From 4 sigma on it is no chance. Triangles: 
 
 def where_html(report: Report, figures: Figures) -> Safe:
     """The section."""
-    from validation.report.charts.crosscheck import four_errors
-
-    found = report.comparison
-    both = zip(found.maps, found.modes, strict=True)
-    return section(
-        "where",
-        "Where it fails",
-        _where_errors(found),
-        figures.placed(four_errors(found)),
-        _spots(found),
-        *(_maps(of, modes, k, figures) for k, (of, modes) in enumerate(both)),
-        parts_notes([SCALE]),
-        _where_runs(found),
-        _tolerances(found),
-        _facts(found),
-        parts_notes(notes(found)),
-    )
+    found = document(report.comparison)
+    return section("where", "Where it fails", *found.html(figures), parts_notes(found.notes))
 
 
-def _where_errors(found: Comparison) -> Safe:
-    columns = [
-        Column(head="error", words=True),
-        Column(head="size"),
-        Column(head="unit", words=True),
-        Column(head="verdict", words=True),
-        Column(head="what it means, and what is to be thought of it", words=True),
-    ]
-    of, (nominal, plain, fitted, held) = found.evaluation, found.errors
-    rows = [
-        _error(nominal.name, of.nominal.percent, "%", nominal),
-        _error(plain.name, of.plain.percent, "%", plain),
-        _error("fitted error, χ² per degree of freedom", misfit(of.fitted), "1", fitted),
-        _error("its price, the sum of z² of the tolerances", of.fitted.tolerance_z2, "1", None),
-        _error(held.name, None if of.held_out is None else of.held_out.percent, "%", held),
-    ]
-    return table("The four errors", columns, rows)
-
-
-def _error(name: str, size: float | None, unit: str, one: StatedError | None) -> list[Cell]:
-    if one is None:
-        return [name, number(size, ".4g"), unit, "", ""]
-    said = f"{one.meaning}. {one.text[:1].upper()}{one.text[1:]}" if one.text else one.meaning
-    return [name, number(size, ".4g"), unit, verdict(one.verdict), said]
-
-
-def _spots(found: Comparison) -> Safe:
-    columns = [
-        Column(head="", words=True),
-        Column(head="deviation", unit="σ"),
-        Column(head="of the reading", unit="%"),
-        Column(head="at", unit="Hz"),
-        Column(head="row", words=True),
-        Column(head="run", words=True),
-        Column(head="campaign", words=True),
-        Column(head="in words", words=True),
-    ]
-    rows: list[list[Cell]] = [
-        [
-            f"{k}",
-            number(one.sigma, ".3g"),
-            number(one.percent, ".3g"),
-            number(one.frequency, ".2f"),
-            one.row,
-            one.run,
-            one.data_set,
-            text(one, len(found.maps)),
-        ]
-        for k, one in enumerate(found.worst, start=1)
-    ]
-    return table("The worst spots", columns, rows)
-
-
-def _maps(of: Map, modes: tuple[NamedMode, ...], k: int, figures: Figures) -> Safe:
+def _maps(of: Map, modes: Sequence[NamedMode], k: int, figures: Figures) -> Safe:
     from validation.report.charts.maps import channel_map, pair_map
 
     group = f"map-{k}"
@@ -591,65 +620,3 @@ def _options(of: Map) -> Iterator[Safe]:
     yield tag("option", "the worst of all runs", value="worst", selected=True)
     for k, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True)):
         yield tag("option", run(name, axis), value=str(k))
-
-
-def _where_runs(found: Comparison) -> Safe:
-    columns = [
-        Column(head="run", words=True),
-        Column(head="campaign", words=True),
-        Column(head="plain error", unit="%"),
-        Column(head="χ² per degree of freedom"),
-        Column(head="worst cell", unit="σ"),
-    ]
-    by_run = found.evaluation.plain.by_run
-    rows: list[list[Cell]] = [
-        [
-            name,
-            of.data_set,
-            number(by_run.get(f"{of.data_set}/{name}"), ".3g"),
-            number(float(of.misfit[k].mean()), ".3g"),
-            number(float(of.sigma[k].max()), ".3g"),
-        ]
-        for of in found.maps
-        for k, name in enumerate(of.runs)
-    ]
-    return table("Runs", columns, rows)
-
-
-def _tolerances(found: Comparison) -> Safe:
-    columns = [
-        Column(head="tolerance", words=True),
-        Column(head="moved by", unit="z"),
-        Column(head="moved by"),
-        Column(head="unit", words=True),
-    ]
-    rows: list[list[Cell]] = [
-        [one.parameter.name, number(one.z, "+.2f"), number(one.offset, "+.3g"), one.parameter.unit] for one in found.absurd
-    ]
-    note = "One standard deviation of what was known beforehand is 1 z. Beyond 4 no careful laboratory has it."
-    return table("Tolerances that the fit of everything moved farthest", columns, rows, note=note)
-
-
-def _facts(found: Comparison) -> Safe:
-    columns = [
-        Column(head="classical measurement", words=True),
-        Column(head="unit", words=True),
-        Column(head="measured"),
-        Column(head="standard deviation"),
-        Column(head="predicted"),
-        Column(head="deviation", unit="σ"),
-        Column(head="nothing fitted", unit="σ"),
-    ]
-    rows: list[list[Cell]] = [
-        [
-            one.name,
-            one.unit,
-            toleranced(one.measured, one.tolerance),
-            toleranced(one.tolerance, one.tolerance),
-            toleranced(one.predicted, one.tolerance),
-            number(one.sigma, "+.2f"),
-            number(one.nominal_sigma, "+.2f"),
-        ]
-        for one in found.facts
-    ]
-    return joined(table("Classical measurements beside the model", columns, rows))

@@ -12,7 +12,7 @@ import math
 import re
 import unicodedata
 from base64 import b64encode
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from gzip import compress
 from html import escape, unescape
@@ -25,7 +25,7 @@ from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, Refe
 from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, TENSOR, Quantity, Row, Stated, rounded
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.table import Table as RichTable
 
     from validation.report.charts.style import Figure
 
@@ -91,11 +91,16 @@ MANY_DECIMALS = 12
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Grid:
-    """Header and lines of strings; the first column reads from the left, the last too when `words`, all else from the right."""
+    """Header and lines of strings; the first column reads from the left, the last too when `words`, all else from the right.
+
+    On a page it has its `caption`; without one it is for the terminal alone, as one `on` it.
+    """
 
     header: tuple[str, ...]
     lines: tuple[tuple[str, ...], ...]
     words: bool = False
+    caption: str = ""
+    on: str = ""
 
 
 def values(table: ReferenceTable) -> Grid:
@@ -247,20 +252,150 @@ def at_point(cell: str) -> tuple[str, str]:
     return whole, cell[len(whole) :]
 
 
-@dataclass(frozen=True, kw_only=True)
+PAGE, TERMINAL, PANEL = "page", "terminal", "panel"
+"""Printers that alone show what the others leave out."""
+
+
+@dataclass(frozen=True, eq=False)
 class Column:
-    """One column.
+    """One column of a table, whoever prints it.
 
     Attributes
     ----------
     head : its name
+    of : what stands in it, of a row: a text, a number or a cell
+    form : of a number
     unit : of its numbers; empty where they have none
     words : whether it is read from the left, as words are
+    said : its name on a terminal, where that is another; with the form of its numbers, or what makes a text of them
+    panel : under which name the browser's panel has it; empty where it has not
+    aligned : whether decimal points stand below each other on a terminal
+    on : the printer that alone shows it; empty for all
     """
 
     head: str
+    of: Callable[[Any], Any] = str
+    form: str = ".4g"
     unit: str = ""
     words: bool = False
+    said: str | tuple[str, str | Callable[[Any], str]] = ""
+    panel: str = ""
+    aligned: bool = True
+    on: str = ""
+
+    def cell(self, row: Any) -> Cell:
+        """On a page."""
+        value = self.of(row)
+        return value if isinstance(value, str | Number) else number(value, self.form)
+
+    def text(self, row: Any) -> str:
+        """On a terminal."""
+        value = self.of(row)
+        form = self.said[1] if isinstance(self.said, tuple) else self.form
+        if not isinstance(value, str) and callable(form):
+            return form(value)
+        shown = value if isinstance(value, str) else value.text if isinstance(value, Number) else number(value, str(form)).text
+        return shown if self.words else shown.replace("−", "-")
+
+    @property
+    def short(self) -> str:
+        """Its name on a terminal."""
+        return (self.said[0] if isinstance(self.said, tuple) else self.said) or self.head
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Table:
+    """Rows of a result, a column a figure: every printer takes it.
+
+    Attributes
+    ----------
+    caption : on a page
+    columns, rows : what stands in it
+    shown : the rows that a terminal shows; None for all
+    note : below it on a page
+    on : the printer that alone shows it; empty for all
+    """
+
+    caption: str = ""
+    columns: Sequence[Column]
+    rows: Sequence[Any]
+    shown: Sequence[Any] | None = None
+    note: str = ""
+    on: str = ""
+
+    def grid(self) -> Grid:
+        """For a terminal."""
+        columns = [one for one in self.columns if one.on not in (PAGE, PANEL)]
+        rows = self.rows if self.shown is None else self.shown
+        cells = [tuple(one.text(row) for row in rows) for one in columns]
+        lines = [
+            aligned(of) if k and one.aligned and not one.words else of
+            for k, (one, of) in enumerate(zip(columns, cells, strict=True))
+        ]
+        words = len(columns) > 1 and columns[-1].words
+        return Grid(header=tuple(one.short for one in columns), lines=tuple(zip(*lines, strict=True)), words=words)
+
+    def html(self) -> Safe:
+        """For a page; nothing where it has no rows."""
+        columns = [one for one in self.columns if one.on not in (TERMINAL, PANEL)]
+        return table(self.caption, columns, [[one.cell(row) for one in columns] for row in self.rows], note=self.note)
+
+    def panel(self) -> list[dict[str, Any]]:
+        """For the browser: a mapping a row."""
+        rows = self.rows if self.shown is None else self.shown
+        return [{one.panel: one.of(row) for one in self.columns if one.panel} for row in rows]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A figure of a page, drawn when it is printed; `caption` stands below it."""
+
+    figure: Callable[[], Figure]
+    caption: str = ""
+
+
+Block = Grid | Table | Drawn | Safe | Callable[["Figures"], Safe | None] | None
+"""A part of a document. What makes HTML by itself is for the page alone."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Document:
+    """What is said of a result, once for all who print it.
+
+    Attributes
+    ----------
+    title : on a terminal; a page has its headings from the table of contents
+    opening : paragraphs before everything else
+    blocks : in the order in which they are read
+    notes : sentences below
+    """
+
+    title: str = ""
+    opening: Sequence[str] = ()
+    blocks: Sequence[Block] = ()
+    notes: Sequence[str] = ()
+
+    def text(self, width: int | None = None) -> str:
+        """For a terminal, of `width` columns; None is `page_width`."""
+        shown = [one for one in self.blocks if isinstance(one, Grid | Table) and one.on != PAGE]
+        grids = [one.grid() if isinstance(one, Table) else one for one in shown]
+        return page(self.title, [one for one in grids if one.lines], self.notes, width, self.opening)
+
+    def html(self, figures: Figures) -> list[Safe]:
+        """For a page: its blocks, one behind the other; figures find their places among `figures`."""
+        return [made for one in self.blocks if (made := _html(one, figures))]
+
+
+def _html(one: Block, figures: Figures) -> Safe | None:
+    if one is None or isinstance(one, Safe):
+        return one
+    if isinstance(one, Drawn):
+        return figures.placed(one.figure(), one.caption)
+    if isinstance(one, Grid):
+        return of_grid(one.caption, one) if one.caption and one.on != TERMINAL else None
+    if isinstance(one, Table):
+        return one.html() if one.on != TERMINAL else None
+    return one(figures)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -672,12 +807,12 @@ def _piece(columns: list[tuple[str, ...]], words: bool) -> Grid:
     return Grid(header=header, lines=tuple(lines), words=words)
 
 
-def _table(grid: Grid) -> Table:
+def _table(grid: Grid) -> RichTable:
     from rich import box
-    from rich.table import Table
+    from rich.table import Table as RichTable
     from rich.text import Text
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)
     left = {0, len(grid.header) - 1} if grid.words else {0}
     columns = []
     for k, column in enumerate(zip(grid.header, *grid.lines, strict=True)):

@@ -1,24 +1,26 @@
 """The page, the JSON and the pictures of a comparison, and what is said of the four errors."""
 
 import json
-from dataclasses import replace
+import re
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from validation.compare import spots
+from validation.compare.compare import Comparison
 from validation.compare.spots import Spot
 from validation.estimation.result import Share
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
-from validation.output import json_text, to_json
+from validation.output import entry, json_text, to_json
 from validation.report import compare
 from validation.report.compare import draw
 from validation.report.document import page
 
 
 def _page(found, width: int = 132) -> str:
-    return page(compare.title(found), compare.grids(found), compare.notes(found), width)
+    return compare.document(found).text(width)
 
 
 EXPECTED = ExplainedError(measurement=1.0, with_modes=1.0)
@@ -43,7 +45,7 @@ the four errors
 
 
 def test_the_errors_are_printed_each_with_its_meaning_and_verdict(found) -> None:
-    assert page("the four errors", [compare.errors(found)], (), 110) == ERRORS
+    assert page("the four errors", [compare.errors(found).grid()], (), 110) == ERRORS
 
 
 def test_the_page_names_the_channel_first_and_what_was_weighed(found) -> None:
@@ -172,3 +174,22 @@ def test_a_spot_is_told_as_an_engineer_would() -> None:
 @pytest.mark.parametrize(("band", "said"), [((11.05, 13.2), "11-13 Hz"), ((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])
 def test_a_band_is_told_with_the_digits_that_tell_its_ends_apart(band: tuple[float, float], said: str) -> None:
     assert spots.band(band) == said
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Widened(Comparison):
+    """A comparison with one figure more."""
+
+    resonant: float = entry("error_at_resonances_percent", unit="%", default=12.5)
+
+
+def test_a_new_figure_is_one_field_and_one_row(found, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the result and of its document: terminal, page, JSON and the browser's panel have it then."""
+    wider = Widened(**vars(found))
+    rows = [*compare.error_rows(wider), ("error at resonances", wider.resonant, "%", None)]
+    monkeypatch.setattr(compare, "error_rows", lambda of: rows)
+    table = compare.errors(wider)
+    assert re.search(r"error at resonances +12\.5 %", compare.document(wider).text())
+    assert re.search(r"error at resonances.*data-value=\"12\.5\"", table.html())
+    assert {"name": "error at resonances", "figure": "12.5 %"}.items() <= table.panel()[-1].items()
+    assert list(to_json(wider))[-1] == "error_at_resonances_percent"
