@@ -17,8 +17,7 @@ from validation.cli import main
 from validation.flexible.dynamic_mass import apart, lines, reference_point
 from validation.report import flexible
 from validation.report.charts.style import DynamicMassCurve, side_by_side
-from validation.report.document import page
-from validation.report.flexible import lines_grid, peaks_table
+from validation.report.flexible import peaks_table
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -206,26 +205,6 @@ def test_a_peak_is_where_the_mode_is() -> None:
     assert peak.axis == 2
     assert peak.frequency == pytest.approx(12.0, abs=0.05)
     assert peak.magnitude == pytest.approx(50.0, rel=0.02)  # 1 / (2 zeta)
-
-
-GOLDEN = """\
-stone
-═════
-
- |H|        x [kg]   y [kg]   z [kg]   α [kg m²]   β [kg m²]   γ [kg m²]
- ───────────────────────────────────────────────────────────────────────
- rigid      12.000   12.000   12.000       0.500       0.600       0.250
- 4.00 Hz    12.000   12.000   12.000       0.500       0.600       0.250
- 18.00 Hz   12.000   12.000   12.000       0.500       0.600       0.250
- 32.00 Hz   12.000   12.000   12.000       0.500       0.600       0.250
-
-"""
-
-
-def test_a_small_table_reads_so() -> None:
-    rigid = np.diag([12.0, 12.0, 12.0, 0.5, 0.6, 0.25])
-    H = DynamicMass(frequency=lines((4.0, 32.0), 14.0), matrix=np.tile(rigid.astype(complex), (3, 1, 1)))
-    assert page("stone", [lines_grid(H, np.diag(rigid))], width=132) == GOLDEN
 
 
 def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -10,15 +10,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.modes import Modes
 from geometry import routes
 from geometry.articles import built_in
 from validation.cli import main
 from validation.flexible.model import Flexible, FlexibleOptions, another_body, flexible
 from validation.flexible.modes import movable
 from validation.reference.published import claims
-from validation.report.document import page
-from validation.report.flexible import grid, notes
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -26,16 +23,6 @@ Run = Callable[..., tuple[int, str, str]]
 @pytest.fixture(scope="module")
 def clumod() -> Flexible:
     return flexible("clumod-1", "beam", FlexibleOptions(count=12))
-
-
-def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
-    code, out, err = run("modes", "clumod-4", "--json")
-    said = json.loads(out)
-    assert (code, err) == (main.DONE, "")
-    assert (said["article"], said["model"]) == ("clumod-4", "beam")
-    assert len(said["frequency_hz"]) == len(said["damping_ratio"]) == len(said["effective_mass"]) == 20
-    assert {len(row) for row in said["effective_mass"]} == {6}
-    assert np.all(np.diff(said["frequency_hz"]) >= 0)
 
 
 def test_no_axis_carries_more_than_the_rigid_body(run: Run) -> None:
@@ -127,45 +114,6 @@ def test_of_a_file_it_is_said_first_whether_it_can_be_read_and_then_which_model_
         assert words in err
         assert "Use --model solid" in err
         assert "ends in .txt cannot be read" in run("modes", "notes.txt", "--model", model)[2]
-
-
-def modal_data() -> Flexible:
-    """Two modes of a body of 2 kg on a base of 1 kg, in round figures."""
-    frequency = np.array([5.0, 12.5])
-    omega = 2 * np.pi * frequency
-    participation = np.zeros((6, 2))
-    participation[0], participation[4] = [1.0, 0.5], [0.25, -0.5]
-    modes = Modes(
-        frequency=frequency,
-        damping_ratio=np.array([0.01, 0.02]),
-        participation=participation,
-        rigid_mass=np.diag([3.0, 3.0, 3.0, 1.0, 1.0, 0.5]),
-        residual=np.zeros((6, 6)),
-        reference_point=np.zeros(3),
-        shapes=np.zeros((0, 2)),
-        viscous=np.diag(2 * np.array([0.01, 0.02]) * omega),
-    )
-    return Flexible(article="bench", model="own", modes=modes)
-
-
-GOLDEN = """\
-bench: own model
-════════════════
-
- mode    f [Hz]   ζ [%]   x [kg]   y [kg]   z [kg]   α [kg m²]   β [kg m²]   γ [kg m²]   what moves
- ─────────────────────────────────────────────────────────────────────────────────────────────────────────
- 1        5.000    1.00    1.000    0        0           0           0.062       0
- 2       12.500    2.00    0.250    0        0           0           0.250       0
- Σ                         1.250    0        0           0           0.312       0       sum of 2 modes
- rigid                     3.000    3.000    3.000       1.000       1.000       0.500   the whole article
-
-  Base held. Effective masses about the article's origin: [kg] along x, y, z, [kg m²] about them (α, β, γ).
-"""
-
-
-def test_a_small_table_reads_so() -> None:
-    model = modal_data()
-    assert page("bench: own model", [grid(model)], notes(model), width=132) == GOLDEN
 
 
 def test_a_claim_in_print_fails_when_a_mode_is_elsewhere_and_is_open_without_enough_modes() -> None:
