@@ -12,13 +12,14 @@ from math import sqrt
 import numpy as np
 
 from geometry.frames import Array
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import FLOOR, unfitted
 from validation.estimation.likelihood import observed
 from validation.estimation.problem import FITTED, Offsets, Problem
 from validation.estimation.result import Evaluation, Fit
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
+from validation.study import Study
 
 SCATTER = 3.0
 """Standard deviations by which chi² per degree of freedom of a null may lie above what noise alone predicts: those of chi² itself
@@ -120,12 +121,12 @@ def _shares(problem: Problem) -> Iterator[Array]:
 Progress = Callable[[float], None]
 
 
-def errors(bench: FittedData, of: Candidate, progress: Progress | None = None) -> Evaluation:
+def errors(bench: Study, of: Candidate, progress: Progress | None = None) -> Evaluation:
     """Of the hypothesis `of`, whose fit is known; no configuration is held out."""
     return evaluate(bench.whole(of.effects), hold_out=bench.hold_out, fitted=of.fit, quick=True, progress=progress)
 
 
-def as_it_stands(bench: FittedData, offsets: Offsets) -> Evaluation:
+def as_it_stands(bench: Study, offsets: Offsets) -> Evaluation:
     """Of the model of `bench` where no fit of all tolerances makes sense: they stand at `offsets`."""
     found = unfitted(bench.problem(), FITTED, offsets)
     return evaluate(bench.whole(), hold_out=bench.hold_out, fitted=found, quick=True)

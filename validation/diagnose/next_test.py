@@ -15,7 +15,7 @@ from geometry.frames import Array
 from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import inverse, minimise
 from validation.diagnose.candidates import candidates, is_resonator, opened
-from validation.diagnose.diagnosis import Advice, Candidate, FittedData
+from validation.diagnose.diagnosis import Advice, Candidate
 from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effects_of, knowledge, lines_of, reading, template
 from validation.effects.catalogue import FAMILIES, Named
@@ -26,6 +26,7 @@ from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.problem import EFFECT, FITTED, Change, Conveyed, Fact, Lines, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
+from validation.study import Study as FittedData
 
 # How many nats a test is expected to give for the right one of two explanations, in closed form.
 #

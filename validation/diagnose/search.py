@@ -18,16 +18,17 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array
 from validation.diagnose.accept import ABSURD, GoodnessOfFit, excess, goodness_of_fit
 from validation.diagnose.candidates import aliases, is_resonator, reaches, screen
-from validation.diagnose.diagnosis import Candidate, FittedData, Screened
+from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, evidence_threshold
 from validation.estimation.cost import Cost, cost_of
-from validation.estimation.fit import BREAKDOWNS, child, fit, nearby
+from validation.estimation.fit import BREAKDOWNS, child, nearby
 from validation.estimation.problem import EFFECT, FITTED, Offsets, Parameter, Problem
 from validation.estimation.result import Fit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.prediction.effects import name
+from validation.study import Study as FittedData
 
 # A hypothesis fitted: all tolerances, and the effects with them.
 
@@ -51,8 +52,7 @@ def baseline(bench: FittedData, progress: RefittingProgress | None = None) -> Ca
     ------
     CheckFailed : its fit does not converge; an unconverged baseline makes any effect look decisive.
     """
-    problem = bench.problem()
-    return Candidate(effects=(), fit=fit(problem, FITTED, progress=progress), problem=problem)
+    return Candidate(effects=(), fit=bench.all_free(progress), problem=bench.problem())
 
 
 def roughly(bench: FittedData, at: Candidate, added: Added) -> Fit:

@@ -9,8 +9,7 @@ from numpy.testing import assert_allclose
 from identification.campaign import Processing
 from validation.cli import main
 from validation.diagnose.candidates import candidates
-from validation.diagnose.diagnose import bench
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.search import (
     baseline,
     can_be,
@@ -24,7 +23,7 @@ from validation.effects.catalogue import parse
 from validation.estimation.problem import EFFECT, Parameter
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.study import Data, read_data
+from validation.study import Data, Study, read_data
 
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
 """[rad/(N m)] Of the flange; it moves the torsion of mast and blade by fifty times what is declared of a frequency."""
@@ -47,30 +46,30 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Data]:
 
 
 @pytest.fixture(scope="module")
-def soft(simulated: tuple[Model, Data]) -> FittedData:
+def soft(simulated: tuple[Model, Data]) -> Study:
     """All lines of it."""
-    return bench(*simulated)
+    return Study.of(*simulated)
 
 
 @pytest.fixture(scope="module")
-def paid(soft: FittedData) -> Candidate:
+def paid(soft: Study) -> Candidate:
     """The model as it is, fitted to that: tolerances pay."""
     return baseline(soft)
 
 
 @pytest.fixture(scope="module")
-def torsion(soft: FittedData) -> Added:
+def torsion(soft: Study) -> Added:
     return next(one for one in candidates(soft, only=["joint-compliance"]) if one.named.id == TORSION)
 
 
 @pytest.fixture(scope="module")
-def stuck(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
+def stuck(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added where the tolerances stand."""
     return refitting_refitted(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
-def found(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
+def found(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added from where they are declared."""
     return restarted_from_priors(soft, paid, torsion)
 
@@ -86,7 +85,7 @@ def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_d
 
 def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(simulated: tuple[Model, Data]) -> None:
     model, data = simulated
-    sparse = bench(model, replace(data, campaigns=tuple(replace(one, processing=EVERY_FOURTH) for one in data.campaigns)))
+    sparse = Study.of(model, replace(data, campaigns=tuple(replace(one, processing=EVERY_FOURTH) for one in data.campaigns)))
     said: list[str] = []
     explained, rounds = searched(
         sparse, baseline(sparse), candidates(sparse, only=[TORSION]), lambda what, share: said.append(what)
@@ -98,7 +97,7 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(simulated: tupl
 
 
 @pytest.mark.proof
-def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: FittedData, found: Candidate) -> None:
+def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Study, found: Candidate) -> None:
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
     both = restarted_from_priors(soft, found, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
@@ -109,7 +108,7 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Fi
 
 @pytest.mark.proof
 def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
-    soft: FittedData, paid: Candidate, found: Candidate
+    soft: Study, paid: Candidate, found: Candidate
 ) -> None:
     again = tolerances_restarted(soft, found)
     assert again.fit.cost <= found.fit.cost + 1e-6
@@ -118,7 +117,7 @@ def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
 
 
 @pytest.mark.proof
-def test_from_home_a_size_that_had_not_come_through_does(soft: FittedData, stuck: Candidate) -> None:
+def test_from_home_a_size_that_had_not_come_through_does(soft: Study, stuck: Candidate) -> None:
     assert tolerances_restarted(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
