@@ -20,11 +20,12 @@ from geometry.frames import Array
 from identification.campaign import Campaign
 from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.search import baseline, fit_with
 from validation.effects.catalogue import parse
 from validation.model.model import Model
 from validation.prediction.series import predictions
+from validation.study import Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
@@ -63,12 +64,12 @@ def campaigns() -> tuple[Campaign, ...]:
 
 
 @cache
-def bench(step: int = 1) -> FittedData:
+def bench(step: int = 1) -> Study:
     """All data at every so many lines."""
     whole = predictions(MODEL, campaigns())
     lines: Array | None = None if step == 1 else np.asarray(whole[0].measured.frequency[::step])
     made = whole if lines is None else predictions(MODEL, campaigns(), lines=lines)
-    return FittedData(model=MODEL, campaigns=campaigns(), made=made)
+    return Study(model=MODEL, campaigns=campaigns(), made=made)
 
 
 @cache

@@ -41,6 +41,7 @@ from validation.history import add
 from validation.history.add import starting_sizes
 from validation.model.model import Model
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.study import Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.planted import planted, reaching
 from validation.virtual_test.simulate import VirtualTest, simulate
@@ -200,7 +201,8 @@ def added(name: str, made: Sequence[SeriesPrediction], before: Evaluation, known
 
     try:
         effect, left = add.read(name, known, words(), fixed=False)
-        chosen = add.candidate(effect, left, known, problem, allowed=True)
+        study = Study(model=known, made=tuple(one.with_effects(()) for one in made))
+        chosen = add.candidate(effect, left, study, allowed=True)
         start = starting_sizes(
             chosen.added, left, _fitted(problem(replace(known, effects=(chosen.added,)))), before.plain_fit.by_name
         )

@@ -1,32 +1,76 @@
-"""The data of a comparison: campaign folders and classical measurement files together, told apart and read.
+"""`Study`: a model and its data, opened once. `Options`: what a user asks of them. `Data`: what was read.
 
 What contradicts itself is refused before the first signal is read: the same folder twice, one article on two FMDs, files
-without any campaign. What a model has to do with them is `validation.model.model`.
+without any campaign. Spectra are made when a study is opened; the fit of all parameters and the four errors when somebody first
+asks for them, and then they are kept, whoever asks next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
+from typing import Self
 
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification import campaign_file
 from identification.campaign import METHODS, Campaign
 from validation.classical import files
-from validation.estimation.problem import Problem
-from validation.history.history import reminded
+from validation.estimation.evaluate import evaluate, named, without
+from validation.estimation.fit import fit
+from validation.estimation.problem import FITTED, Fact, Problem
+from validation.estimation.result import Evaluation, Fit
+from validation.history.history import HistoryPosition, history_position, reminded
 from validation.model import model_file
-from validation.model.model import Model, require_pair
-from validation.prediction.classical_facts import require_bodies
+from validation.model.model import Added, Model, require_pair
+from validation.model.setups import above_fmd
+from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
+from validation.prediction.series import SeriesPrediction, predictions
 
 TRUTH = ".truth.json"
 """Ending of what `massline simulate` writes beside its campaigns."""
 
 Progress = Callable[[str, float], None]
-"""Hears which folder is read, and the share of it."""
+"""Hears what is done now, and the share of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What is asked of a model and its data, as typed.
+
+    Attributes
+    ----------
+    model : path of the model file
+    data : campaign folders and measurement files; of `massline add` none for those that the ladder knows
+    hold_out : names of runs, campaigns and files that are predicted and never fitted; none for each run in turn
+    band : (low, high) [Hz]; None for what all runs drive
+    method : of `METHODS`, how spectra are made; None for the first of them, of `massline add` for the ladder's own
+    candidates : ids and families of effects that a diagnosis looks for; all where none is named
+    leave_out : those that it does not look for
+    effects_from : folders of the user's own effects
+    """
+
+    model: str
+    data: tuple[str, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    band: tuple[float, float] | None = None
+    method: str | None = METHODS[0]
+    candidates: tuple[str, ...] = ()
+    leave_out: tuple[str, ...] = ()
+    effects_from: tuple[str, ...] = ()
+
+    @property
+    def spectra(self) -> str:
+        """The method that is used."""
+        return self.method or METHODS[0]
+
+    @property
+    def path(self) -> Path:
+        """Of the model file."""
+        return Path(self.model)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,43 +174,6 @@ def _require_one_hardware(campaigns: Sequence[Campaign]) -> None:
                 )
 
 
-# What `massline compare` was asked, checked at the door.
-
-
-@dataclass(frozen=True, kw_only=True)
-class CompareOptions:
-    """The options as typed.
-
-    Attributes
-    ----------
-    model : path of the model file
-    data : campaign folders and measurement files
-    hold_out : names of runs, campaigns and files
-    band : [Hz]; None for that of the campaigns
-    method : of `METHODS`
-    """
-
-    model: str
-    data: tuple[str, ...]
-    hold_out: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    method: str = METHODS[0]
-
-
-def ready(asked: CompareOptions, progress: Callable[[str, float], None] | None = None) -> tuple[Model, Data]:
-    """The model and the data, read.
-
-    Raises
-    ------
-    BadInput : a band that is none, a model or data that cannot be used, or that do not belong together.
-    OSError : a file cannot be read.
-    """
-    require_band(asked.band)
-    with reminded(Path(asked.model)):
-        model = model_file.read(asked.model)
-    return model, read_data(asked.data, model, progress)
-
-
 def require_band(band: tuple[float, float] | None) -> None:
     """Refuse a band that ends before it begins."""
     if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
@@ -184,3 +191,180 @@ def resolved_names(problem: Problem, data: Data, names: Sequence[str]) -> tuple[
         of_file = [fact.name for fact in problem.facts if name in data.classical and fact.name.startswith(name)]
         found += of_file or [folders.get(Path(name).resolve(), name)]
     return tuple(found)
+
+
+def read(asked: Options, progress: Progress | None = None) -> tuple[Model, Data]:
+    """The model and the data that are `asked`.
+
+    Raises
+    ------
+    BadInput : a band that is none, a model or data that cannot be used, or that do not belong together.
+    OSError : a file cannot be read.
+    """
+    require_band(asked.band)
+    with reminded(asked.path):
+        model = model_file.read(asked.model)
+    return model, read_data(asked.data, model, progress)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Study:
+    """A model and its data, opened once, ready for any effects.
+
+    Attributes
+    ----------
+    model : whose laboratory and structure are held against the data, with the effects that it has
+    campaigns : as they were read
+    made : predictions of the campaigns by the model without effects, with the spectra
+    said : what weights and periods say, beside the model without effects
+    hold_out : names of runs, data sets and facts that no fit sees, as the engine knows them
+    asked : from which it was opened
+    """
+
+    model: Model
+    campaigns: tuple[Campaign, ...] = ()
+    made: tuple[SeriesPrediction, ...] = ()
+    said: tuple[ArticleFact, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    asked: Options = field(default_factory=lambda: Options(model=""))
+    _fits: list[Fit] = field(default_factory=list, init=False, repr=False)
+    _evaluations: list[Evaluation] = field(default_factory=list, init=False, repr=False)
+
+    @classmethod
+    def open(
+        cls,
+        model: str | Path | Model,
+        paths: Sequence[str | Path],
+        *,
+        hold_out: Sequence[str] = (),
+        band: tuple[float, float] | None = None,
+        method: str = METHODS[0],
+        progress: Progress | None = None,
+    ) -> Self:
+        """The model file `model`, or a model in memory, beside the campaign folders and measurement files `paths`.
+
+        Parameters
+        ----------
+        hold_out : names of runs, campaigns and files that are predicted and never fitted; each run in turn by default
+        band : (low, high) [Hz]; what all runs drive by default
+        method : of `METHODS`, how spectra are made
+        progress : hears what is done, and the share of it
+
+        Raises
+        ------
+        BadInput : a model or data that cannot be used, or that do not belong together; a name of `hold_out` that is none.
+        OSError : a file cannot be read.
+        """
+        data, source = tuple(map(str, paths)), model.source if isinstance(model, Model) else str(model)
+        asked = Options(model=source, data=data, hold_out=tuple(hold_out), band=band, method=method)
+        if isinstance(model, Model):
+            require_band(band)
+            return cls.of(model, read_data(data, model, progress), asked, progress)
+        return cls.of(*read(asked, progress), asked, progress)
+
+    @classmethod
+    def of(cls, model: Model, data: Data, asked: Options | None = None, progress: Progress | None = None) -> Self:
+        """A `model` and `data` that were read, as they were `asked`.
+
+        Raises
+        ------
+        BadInput : an unknown name among what is held out; whatever makes no spectra.
+        """
+        tell, asked = progress or (lambda what, share: None), asked or Options(model=model.source)
+        bare = replace(model, effects=())
+        made = predictions(
+            bare, data.campaigns, band=asked.band, method=asked.spectra, progress=lambda share: tell("spectra", share)
+        )
+        return cls.of_spectra(model, data, made, asked)
+
+    @classmethod
+    def of_spectra(cls, model: Model, data: Data, made: Sequence[SeriesPrediction], asked: Options) -> Self:
+        """The same from predictions by the `model` with any effects, whose spectra were made before.
+
+        Raises
+        ------
+        BadInput : an unknown name among what is held out.
+        """
+        bare = replace(model, effects=())
+        plain = tuple(one.with_effects(()) for one in made)
+        opened = cls(model=model, campaigns=data.campaigns, made=plain, said=facts(bare, data.classical), asked=asked)
+        whole = opened.whole()
+        names = resolved_names(whole, data, asked.hold_out)
+        if names:
+            without(whole, named(whole, names))  # refused before minutes are spent
+        return replace(opened, hold_out=names)
+
+    def by(self, model: Model) -> Self:
+        """The same data by a `model` of the same structure with other effects; spectra are not made again."""
+        return replace(self, model=model)
+
+    @cached_property
+    def predictions(self) -> tuple[SeriesPrediction, ...]:
+        """Of the campaigns, by the model with its effects."""
+        return tuple(one.with_effects(self.model.effects) for one in self.made)
+
+    def facts(self, effects: Sequence[Added]) -> tuple[Fact, ...]:
+        """What weights and periods say of a model with these `effects` alone."""
+        return tuple(one.with_effects(effects) for one in self.said)
+
+    def whole(self, effects: Sequence[Added] = ()) -> Problem:
+        """All data by the model with these `effects` on top of its own."""
+        every = (*self.model.effects, *effects)
+        made = tuple(one.with_effects(every) for one in self.made) if effects else self.predictions
+        return Problem(made, self.facts(every))
+
+    def problem(self, effects: Sequence[Added] = ()) -> Problem:
+        """What fits see of it: fewer lines, and nothing that is held out."""
+        thinned = self.whole(effects).thinned()
+        return without(thinned, named(thinned, self.hold_out)) if self.hold_out else thinned
+
+    def known(self) -> Problem:
+        """All lines of what is not held out."""
+        whole = self.whole()
+        return without(whole, named(whole, self.hold_out)) if self.hold_out else whole
+
+    def all_free(self, progress: Callable[[float], None] | None = None) -> Fit:
+        """The fit of all parameters of the model as it is, made once.
+
+        Raises
+        ------
+        CheckFailed : it does not converge; an unconverged fit makes any effect look decisive.
+        """
+        if not self._fits:
+            self._fits.append(fit(self.problem(), FITTED, progress=progress))
+        return self._fits[0]
+
+    def evaluation(self, progress: Callable[[float], None] | None = None) -> Evaluation:
+        """The four errors of the model as it is and the fits behind them, made once.
+
+        Raises
+        ------
+        CheckFailed : a fit that does not converge.
+        """
+        if not self._evaluations:
+            fitted = next(iter(self._fits), None)
+            found = evaluate(self.whole(), hold_out=self.hold_out, fitted=fitted, progress=progress)
+            self._fits[:], self._evaluations[:] = [found.fitted], [found]
+        return self._evaluations[0]
+
+    @property
+    def article(self) -> str:
+        """Whose inertia is identified: the model's own article where it was tested, else the first that stood on the FMD."""
+        tested = [one.tested.carried.standing.article for one in self.made]
+        own = above_fmd(self.model.article)
+        return own if own in tested else next((one for one in tested if one), "")
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Which lines of the data were left out, and why."""
+        return tuple(text for one in self.made for text in one.tested.remarks)
+
+    @property
+    def history(self) -> HistoryPosition:
+        """The model file and the ladder beside it, as they stand now.
+
+        Raises
+        ------
+        BadInput : there is no such file.
+        """
+        return history_position(self.asked.path)

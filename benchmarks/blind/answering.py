@@ -15,8 +15,7 @@ from pathlib import Path
 from benchmarks.blind.names import ANSWER, MODEL, SETTINGS, Json
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
-from validation.model import model_file
-from validation.study import read_data
+from validation.study import Study
 
 PARAMETERS = "parameters"
 """Of fits: hundreds of figures that no score asks for."""
@@ -33,14 +32,12 @@ def answered(folder: Path) -> Json:
 
 
 def _answered(folder: Path) -> Json:
-    from validation.diagnose.diagnose import bench, diagnosed
+    from validation.diagnose.diagnose import diagnosed
     from validation.report.diagnose import diagnosis_json
 
     asked: Json = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
     began = time.process_time()
-    model = model_file.read(folder / MODEL)
-    data = read_data([str(folder / name) for name in asked["data"]], model)
-    ready = bench(model, data, hold_out=tuple(asked["hold_out"]))
+    ready = Study.open(folder / MODEL, [folder / name for name in asked["data"]], hold_out=tuple(asked["hold_out"]))
     read = time.process_time()
     found = diagnosed(ready, leave_out=tuple(asked["leave_out"]))
     return {

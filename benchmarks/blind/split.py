@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -21,16 +21,13 @@ from benchmarks.blind.drawing.case import NULL, SERIES, SINGLE, Case
 from benchmarks.blind.drawing.draw import draw
 from benchmarks.blind.names import MODEL
 from benchmarks.blind.sealing import sealed
-from validation.diagnose import diagnose
 from validation.diagnose.candidates import candidates, screen
-from validation.diagnose.diagnosis import FittedData
 from validation.diagnose.search import baseline, fit_with
 from validation.effects.effect import evidence_threshold
 from validation.estimation.fit import nearby
 from validation.estimation.problem import FITTED, Problem
-from validation.model import model_file
 from validation.model.model import Added
-from validation.study import read_data
+from validation.study import Study
 
 WEAK = 2.0
 """Multiple of the detection limit at which effects are asked for."""
@@ -40,14 +37,14 @@ SURE = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Half(FittedData):
+class Half(Study):
     """A bench that sees every second line, the `odd` ones or the others."""
 
     odd: bool = False
 
     def problem(self, effects: Sequence[Added] = ()) -> Problem:
         """As a bench, with half of the lines."""
-        every = FittedData.problem(self, effects)
+        every = Study.problem(self, effects)
         lines = {one.measured.name: every.lines_of(one)[int(self.odd) :: 2] for one in every.predictions}
         return replace(every, lines=lines)
 
@@ -74,9 +71,9 @@ class Tried:
 def tried(case: Case, folder: Path) -> Tried:
     """Both ways on one `case`, simulated into `folder`."""
     sealed(case, folder)
-    model = model_file.read(folder / MODEL)
-    whole = diagnose.bench(model, read_data([str(folder / name) for name in case.articles], model), hold_out=case.hold_out)
-    first, other = (Half(**vars(whole), odd=odd) for odd in (False, True))
+    whole = Study.open(folder / MODEL, [folder / name for name in case.articles], hold_out=case.hold_out)
+    given = {one.name: getattr(whole, one.name) for one in fields(whole) if one.init}
+    first, other = (Half(**given, odd=odd) for odd in (False, True))
     base, menu = baseline(first), candidates(first)
     best = max((fit_with(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence)
     (effect,) = best.effects

@@ -858,7 +858,7 @@ def _title(bench: WindowState) -> str:
     desk: Any = bench.desk
     asked = desk.asked
     data = ", ".join(path.rsplit("/", 1)[-1] for path in asked.data)
-    return f"{asked.title or asked.model.rsplit('/', 1)[-1]}: {data}"
+    return f"{desk.title or asked.model.rsplit('/', 1)[-1]}: {data}"
 
 
 # Up and down the ladder, from the page.

@@ -40,7 +40,6 @@ from validation.classical import files
 from validation.classical.files import Reduction
 from validation.compare.compare import Comparison, of_evaluation
 from validation.compare.maps import Map, NamedMode, Pairs
-from validation.diagnose.diagnose import DiagnoseOptions
 from validation.diagnose.diagnosis import (
     Advice,
     Cause,
@@ -60,15 +59,13 @@ from validation.estimation.fit import unfitted
 from validation.estimation.problem import FITTED, PLAIN, Measured, Offsets, Parameter, Problem
 from validation.estimation.result import Evaluation, Fit, Share
 from validation.history import add, history
-from validation.history.add import JudgedData, grounded
-from validation.history.history import Conditions, Errors, HistoryPosition, Ladder, Source, Version, history_position, read_text
+from validation.history.add import AddedEffectOptions, conditions_of, grounded
+from validation.history.history import Errors, HistoryPosition, Ladder, Source, Version, history_position, read_text
 from validation.identify.check import summary
 from validation.identify.identify import REDUCED
 from validation.model import model_file
 from validation.model.model import Model
-from validation.model.setups import above_fmd
 from validation.output import json_text, require_ending, require_file, require_folder, to_json
-from validation.prediction.classical_facts import ArticleFact, facts
 from validation.prediction.dynamic_mass import BaseDrive
 from validation.prediction.series import SeriesPrediction, TestedCampaign, names, predictions, supported_dynamic_mass
 from validation.prediction.structure import mounted_article
@@ -76,8 +73,7 @@ from validation.report import compare, diagnose
 from validation.report.history import of_step
 from validation.report.page import ReportOptions, command_line, provenance
 from validation.report.parts import CampaignPart, Provenance, Report
-from validation.study import TRUTH, Data, only_files, read_data, require_band, resolved_names
-from validation.study import CompareOptions as ComparisonCompared
+from validation.study import TRUTH, Data, Options, Study, only_files, read_data, require_band
 
 # A model file and its ladder in another folder: what they say of other files by its path is said anew from there.
 #
@@ -185,41 +181,19 @@ LARGEST_VIEW = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class SessionOptions:
-    """What a window was opened with.
-
-    Attributes
-    ----------
-    model : path of the user's model file, absolute
-    data : campaign folders and measurement files, absolute; names of shipped measurements as they are
-    hold_out : runs, campaigns and files that are predicted and never fitted; empty for each run in turn
-    band : (low, high) [Hz]; None for what all runs drive
-    method : of `identification.campaign.METHODS`
-    effects_from : folders of the user's own effects, absolute
-    title : what the window shows above everything; not to be trusted as HTML
-    """
-
-    model: str
-    data: tuple[str, ...]
-    hold_out: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    method: str = METHODS[0]
-    effects_from: tuple[str, ...] = ()
-    title: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Session:
-    """A folder with a model and data that are worked on.
+    """A study in a folder: a copy of its model that is worked on, and what was found.
 
     Attributes
     ----------
     folder : absolute
-    asked : what it was begun with
+    asked : what it was begun with, all paths absolute but names of shipped measurements
+    title : what the window shows above everything; not to be trusted as HTML
     """
 
     folder: Path
-    asked: SessionOptions
+    asked: Options
+    title: str = ""
 
     @property
     def model(self) -> Path:
@@ -277,19 +251,18 @@ def begun(
         raise BadInput(source=str(folder), problem="it is there already and not empty", remedy="Name a new folder for the desk")
     require_band(band)
     _require_method(method)
-    asked = SessionOptions(
+    asked = Options(
         model=str(Path(model).resolve()),
         data=tuple(_absolute(path) for path in data),
         hold_out=tuple(_absolute(name) if _is_among(name, data) else name for name in hold_out),
         band=None if band is None else (float(band[0]), float(band[1])),
         method=method,
         effects_from=tuple(str(Path(one).resolve()) for one in effects_from),
-        title=title,
     )
-    made = Session(folder=where, asked=asked)
+    made = Session(folder=where, asked=asked, title=title)
     _load_effects(asked)
     copied(Path(asked.model), made.model)
-    write_text(where / STATE, json_text({"format": FORMAT, "kind": "massline desk", **_as_json(asked)}))
+    write_text(where / STATE, json_text({"format": FORMAT, "kind": "massline desk", **_as_json(made)}))
     return made
 
 
@@ -306,12 +279,12 @@ def opened(folder: str | Path) -> Session:
     if state.get("kind") != "massline desk" or state.get("format") != FORMAT:
         raise _damaged(where, "its desk.json is none of this program's")
     try:
-        asked = _asked(state)
+        asked, title = _asked(state), str(state["title"])
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(where, f"its desk.json lacks or misstates {error}") from None
     _load_effects(asked)
     read_text(where / "work" / "model.toml")
-    return Session(folder=where, asked=asked)
+    return Session(folder=where, asked=asked, title=title)
 
 
 def is_desk(folder: str | Path) -> bool:
@@ -351,7 +324,7 @@ def _is_among(name: str, data: Sequence[str | Path]) -> bool:
     return Path(name).exists() and Path(name).resolve() in {Path(one).resolve() for one in data}
 
 
-def _load_effects(asked: SessionOptions) -> None:
+def _load_effects(asked: Options) -> None:
     for folder in asked.effects_from:
         catalogue.load(folder)
 
@@ -361,7 +334,8 @@ def _require_method(method: str) -> None:
         raise BadInput(source="method", problem=f"no method is called {method!r}", remedy=f"Known are {', '.join(METHODS)}")
 
 
-def _as_json(asked: SessionOptions) -> dict[str, Any]:
+def _as_json(of: Session) -> dict[str, Any]:
+    asked = of.asked
     return {
         "model": asked.model,
         "data": list(asked.data),
@@ -369,20 +343,19 @@ def _as_json(asked: SessionOptions) -> dict[str, Any]:
         "band_hz": None if asked.band is None else list(asked.band),
         "method": asked.method,
         "effects_from": list(asked.effects_from),
-        "title": asked.title,
+        "title": of.title,
     }
 
 
-def _asked(state: dict[str, Any]) -> SessionOptions:
+def _asked(state: dict[str, Any]) -> Options:
     band = state["band_hz"]
-    return SessionOptions(
+    return Options(
         model=str(state["model"]),
         data=tuple(map(str, state["data"])),
         hold_out=tuple(map(str, state["hold_out"])),
         band=None if band is None else (float(band[0]), float(band[1])),
         method=str(state["method"]),
         effects_from=tuple(map(str, state["effects_from"])),
-        title=str(state["title"]),
     )
 
 
@@ -465,7 +438,7 @@ def made(of: Session, model: Model, progress: Progress | None = None) -> tuple[S
         model,
         data.campaigns,
         band=of.asked.band,
-        method=of.asked.method,
+        method=of.asked.spectra,
         progress=lambda share: tell("spectra", share),
     )
     keep(of, found)
@@ -555,70 +528,22 @@ def _files(path: Path) -> list[list[Any]]:
 # stay on the ladder with the offsets at which they ended; maps and words of the comparison follow from these in seconds.
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SessionData:
-    """What a desk compares, ready.
-
-    Attributes
-    ----------
-    model : the working copy
-    made : predictions by the model with its effects
-    facts : what weights and periods say
-    problem : all data, by that model
-    bench : by any model, as the ladder wants it
-    conditions : as a rung keeps them
-    """
-
-    model: Model
-    made: tuple[SeriesPrediction, ...]
-    facts: tuple[ArticleFact, ...]
-    problem: Problem
-    bench: JudgedData
-    conditions: Conditions
-
-    @property
-    def fitted(self) -> Problem:
-        """What fits see of it."""
-        thinned = self.problem.thinned()
-        return evaluate.without(thinned, evaluate.named(thinned, self.bench.hold_out)) if self.bench.hold_out else thinned
-
-
-def ground(of: Session, progress: Progress | None = None) -> SessionData:
-    """The model and the data of a desk.
+def study_of(of: Session, progress: Progress | None = None) -> Study:
+    """The working copy and the data, without their recordings.
 
     Raises
     ------
     BadInput : they cannot be used, or what is held out is none of them.
     OSError : a file cannot be read.
     """
-    model, asked = model_of(of), of.asked
+    model = model_of(of)
     series = made(of, model, progress)
-    classical = tuple(path for path in asked.data if not Path(path).is_dir())
-    said = facts(model, classical)  # read once: records are fitted on the way
-
-    def problem(other: Model) -> Problem:
-        own = tuple(fact.with_effects(other.effects) for fact in said)
-        return Problem(tuple(one.with_effects(other.effects) for one in series), own)
-
-    whole = problem(model)
-    names = resolved_names(
-        whole, Data(campaigns=tuple(one.tested.campaign for one in series), classical=classical), asked.hold_out
-    )
-    if names:
-        evaluate.without(whole, evaluate.named(whole, names))  # refused before minutes are spent
-    return SessionData(
-        model=model,
-        made=tuple(one for one in whole.predictions if isinstance(one, SeriesPrediction)),
-        facts=said,
-        problem=whole,
-        bench=JudgedData(problem=problem, hold_out=names, article=_article(model, series)),
-        conditions=Conditions(
-            data=history.sources(asked.data, of.model.parent), hold_out=names, band=asked.band, method=asked.method
-        ),
-    )
+    classical = tuple(path for path in of.asked.data if not Path(path).is_dir())
+    data = Data(campaigns=tuple(one.tested.campaign for one in series), classical=classical)
+    return Study.of_spectra(model, data, series, replace(of.asked, model=str(of.model)))
 
 
-def rung(of: Session, ready: SessionData, progress: Progress) -> Version:
+def rung(of: Session, ready: Study, progress: Progress) -> Version:
     """The rung on which the model stands, fitted and kept where it was not yet.
 
     Raises
@@ -627,7 +552,7 @@ def rung(of: Session, ready: SessionData, progress: Progress) -> Version:
     CheckFailed : a fit does not converge.
     """
     at = history_position(of.model)
-    found = at.rung if at.rung is not None and at.rung.stands_on(ready.conditions) else None
+    found = at.rung if at.rung is not None and at.rung.stands_on(conditions_of(ready)) else None
     if found is None:
         found = _grounded(at, ready, progress).rung
     if found is None:
@@ -635,14 +560,14 @@ def rung(of: Session, ready: SessionData, progress: Progress) -> Version:
     return found
 
 
-def _grounded(at: HistoryPosition, ready: SessionData, progress: Progress) -> HistoryPosition:
+def _grounded(at: HistoryPosition, ready: Study, progress: Progress) -> HistoryPosition:
     def tell(what: str, share: float) -> None:
         progress(what.removeprefix("the model before: "), share)
 
-    return grounded(at, ready.model, ready.bench, ready.conditions, tell)[0]
+    return grounded(at, ready, tell)[0]
 
 
-def comparison(ready: SessionData, at: Version, progress: Progress) -> Comparison:
+def comparison(ready: Study, at: Version, progress: Progress) -> Comparison:
     """What `validation.compare.compare` finds, from the fits of the rung `at` instead of fits of its own.
 
     Raises
@@ -653,18 +578,16 @@ def comparison(ready: SessionData, at: Version, progress: Progress) -> Compariso
     if at.errors is None:
         raise ValueError("`at` must have figures")
     evaluation = _evaluation(ready, at, at.errors)
-    return of_evaluation(
-        ready.model, ready.made, ready.facts, ready.problem, ready.fitted, evaluation, lambda share: progress("maps", share)
-    )
+    return of_evaluation(ready, ready.problem(), evaluation, lambda share: progress("maps", share))
 
 
-def _evaluation(ready: SessionData, at: Version, figures: Errors) -> Evaluation:
+def _evaluation(ready: Study, at: Version, figures: Errors) -> Evaluation:
     """The errors of a rung with the fits behind them, taken where they ended; shares of fitted data are told anew."""
-    known = ready.fitted
+    known, start = ready.problem(), ready.whole().start
     plain, fitted = _fit(known, PLAIN, at.plain_offsets, figures), _fit(known, FITTED, at.fitted_offsets, figures)
-    offsets = {**ready.problem.start, **plain.by_name}
+    offsets = {**start, **plain.by_name}
     return Evaluation(
-        nominal=evaluate.share(_squares(known, ready.problem.start)),
+        nominal=evaluate.share(_squares(known, start)),
         plain=evaluate.share(_squares(known, offsets)),
         held_out=_share(figures.held_out, figures),
         held_out_nominal=_share(figures.held_out_nominal, None),
@@ -686,13 +609,6 @@ def _squares(known: Problem, offsets: Offsets) -> list[Squares]:
 
 def _share(percent: float | None, figures: Errors | None) -> Share | None:
     return None if percent is None else Share(percent=percent, by_fold={} if figures is None else dict(figures.by_fold))
-
-
-def _article(model: Model, series: tuple[SeriesPrediction, ...]) -> str:
-    """Whose inertia is identified: the model's own article where it was tested, else the first that stood on the FMD."""
-    tested = [one.tested.carried.standing.article for one in series]
-    own = above_fmd(model.article)
-    return own if own in tested else next((one for one in tested if one), "")
 
 
 # The comparison of the model as it stands: worked out once, kept in the desk, and read again after a reload.
@@ -781,7 +697,7 @@ def compared(of: Session, progress: Progress | None = None) -> Compared:
     """
     tell = progress or (lambda what, share: None)
     text = read_text(of.model)
-    ready = ground(of, tell)
+    ready = study_of(of, tell)
     found = comparison(ready, rung(of, ready, tell), tell)
     folder = of.folder / "found" / digest(text)
     _write(found, [_loads(one.tested.campaign) for one in ready.made], folder)
@@ -858,21 +774,11 @@ def added(of: Session, effect: str, progress: Progress | None = None) -> Mapping
     ------
     BadInput, CheckFailed : see `validation.history.add.added`.
     """
-    asked = of.asked
-    step = add.added(
-        add.AddOptions(
-            model=of.model,
-            effect=effect,
-            data=asked.data,
-            hold_out=asked.hold_out,
-            band=asked.band,
-            method=asked.method,
-            effects_from=asked.effects_from,
-        ),
-        progress,
-    )
+    asked = AddedEffectOptions(effect=effect)
+    study, known = add.opened(replace(of.asked, model=str(of.model)), asked, progress)
+    step = add.added(study, asked, progress)
     compared(of, progress)
-    return of_step(step.at, step.before, step.after, step.said)
+    return of_step(step.at, step.before, step.after, (*known, *step.said))
 
 
 def ladder(of: Session) -> HistoryPosition:
@@ -1109,8 +1015,9 @@ def diagnosed(of: Session, candidates: Sequence[str] = (), progress: Progress | 
     CheckFailed : the model with all its tolerances does not converge.
     OSError : a file cannot be read or written.
     """
-    folder, asked, tell = of.found, _diagnosing_asked(of, candidates), progress or (lambda what, share: None)
+    folder, tell = of.found, progress or (lambda what, share: None)
     tell("reading", 0.0)
+    asked = replace(of.asked, model=str(of.model), candidates=tuple(candidates))
     bench = diagnose.prepared(asked)
     found = diagnose.diagnosis(asked, bench, tell)
     whole = {**diagnose.of_asked(asked, bench), **diagnose.diagnosis_json(found)}
@@ -1137,19 +1044,6 @@ def noun(of: Session) -> Diagnosis | None:
         return diagnosis(said, json.loads((of.found / BESIDE).read_text(encoding="utf-8")))
     except (OSError, ValueError, KeyError, TypeError):
         return None
-
-
-def _diagnosing_asked(of: Session, candidates: Sequence[str]) -> DiagnoseOptions:
-    asked = of.asked
-    return DiagnoseOptions(
-        model=Path(of.model),
-        data=asked.data,
-        hold_out=asked.hold_out,
-        band=asked.band,
-        method=asked.method,
-        candidates=tuple(candidates),
-        effects_from=asked.effects_from,
-    )
 
 
 # What is wrong with a model and data, all of it at once: each fault beside the file and the field that has it.
@@ -1590,7 +1484,7 @@ def reported(of: Session, to: str | Path, progress: Progress | None = None) -> P
         data_of(of, ready.model, tell),
         compared,
         provenance=signed(of, ready.model, diagnosed=found is not None),
-        how=How(band=asked.band, method=asked.method),
+        how=How(band=asked.band, method=asked.spectra),
         identified=() if at.rung is None else at.rung.bodies,
         diagnosis=found,
         not_diagnosed="" if found else "nobody asked for it",
@@ -1601,9 +1495,9 @@ def reported(of: Session, to: str | Path, progress: Progress | None = None) -> P
     return path
 
 
-def _compared(of: Session, tell: Progress) -> tuple[SessionData, Comparison]:
+def _compared(of: Session, tell: Progress) -> tuple[Study, Comparison]:
     """The comparison as a noun, from the fits of its rung."""
-    ready = ground(of, tell)
+    ready = study_of(of, tell)
     return ready, comparison(ready, rung(of, ready, tell), tell)
 
 
@@ -1626,7 +1520,7 @@ def signed(of: Session, model: Model, *, diagnosed: bool) -> Provenance:
     """
     asked = of.asked
     there = asked.model if Path(asked.model).is_file() else str(of.model)
-    question = ComparisonCompared(model=there, data=asked.data, hold_out=asked.hold_out, band=asked.band, method=asked.method)
+    question = replace(asked, model=there)
     made = provenance(ReportOptions(compared=question, diagnosis=diagnosed))
     typed = replace(
         question,

@@ -24,7 +24,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.sensors import ChannelTable
-from validation.app.session import Session, comparing_comparison, diagnosing_diagnosis, ground
+from validation.app.session import Session, comparing_comparison, diagnosing_diagnosis, study_of
 from validation.compare.maps import Operators, operators, through
 from validation.diagnose.diagnosis import Advice
 from validation.effects import practical_units
@@ -295,20 +295,21 @@ def desk_table(of: Session) -> Table:
     BadInput : model or data that cannot be used.
     CheckFailed : the model breaks down as it stands.
     """
-    ready, known = ground(of), comparing_comparison(of)
-    offsets = {**ready.problem.start, **({} if known is None else known.offsets)}
-    fitted = {one.measured.name: one.measured.runs for one in ready.fitted.predictions}
-    campaigns = tuple(one.tested.campaign for one in ready.made)
-    tested = tuple(_desk_ready(remembering(one), offsets, fitted.get(one.measured.name, ())) for one in ready.made)
+    ready, known = study_of(of), comparing_comparison(of)
+    made, whole = ready.predictions, ready.problem()
+    offsets = {**ready.whole().start, **({} if known is None else known.offsets)}
+    fitted = {one.measured.name: one.measured.runs for one in whole.predictions}
+    campaigns = tuple(one.tested.campaign for one in made)
+    tested = tuple(_desk_ready(remembering(one), offsets, fitted.get(one.measured.name, ())) for one in made)
     return Table(
         model=ready.model,
         tested=tested,
-        facts=ready.facts,
+        facts=tuple(one.with_effects(ready.model.effects) for one in ready.said),
         offsets=offsets,
         at=DRAWN if known is None else FITTED,
-        pace=_pace(ready.made, offsets),
+        pace=_pace(made, offsets),
         words=vocabulary(ready.model, campaigns),
-        known=ready.fitted,
+        known=whole,
     )
 
 

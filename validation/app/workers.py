@@ -24,9 +24,10 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
-from validation.app.session import Session, SessionOptions, digest, opened
+from validation.app.session import Session, digest, opened
 from validation.history.history import read_text
 from validation.output import json_text
+from validation.study import Options
 
 if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
@@ -228,7 +229,7 @@ def work(folder: str, kind: str, asked: dict[str, Any], watch: Connection) -> No
     signal.signal(signal.SIGTERM, _ended)
     threading.Thread(target=_end_with, args=(watch,), daemon=True).start()
     began = time.monotonic()
-    of = Session(folder=Path(folder), asked=SessionOptions(model="", data=()))  # what it was asked is read where a fault is told
+    of = Session(folder=Path(folder), asked=Options(model=""))  # what it was asked is read where a fault is told
     known = job(of)
     told = _Told(of, Job(kind=kind, asked=asked, before=known.before if known else ""))
     try:

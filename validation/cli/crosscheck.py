@@ -41,11 +41,11 @@ def compare_command(
     """
     from validation.output import require_folder
     from validation.report.compare import answer
-    from validation.study import CompareOptions
+    from validation.study import Options
 
     if out is not None:
         require_folder(out, "--out")
-    asked = CompareOptions(model=model, data=data, hold_out=hold_out, band=band, method=method)
+    asked = Options(model=model, data=data, hold_out=hold_out, band=band, method=method)
     answer(asked, as_json=as_json, folder=out)
 
 
@@ -91,21 +91,12 @@ def add_command(
 
     Exit code 0 whatever comes out; 1 when the model as it was cannot be fitted; 2 when the input cannot be used.
     """
-    from validation.history.add import AddOptions
+    from validation.history.add import AddedEffectOptions
     from validation.report.history import add
+    from validation.study import Options
 
-    asked = AddOptions(
-        model=model,
-        effect=effect,
-        data=data,
-        hold_out=hold_out,
-        band=band,
-        method=method,
-        effects_from=effects_from,
-        fixed=fixed,
-        alias_ok=alias_ok,
-    )
-    add(asked, as_json=as_json)
+    asked = Options(model=str(model), data=data, hold_out=hold_out, band=band, method=method, effects_from=effects_from)
+    add(asked, AddedEffectOptions(effect=effect, fixed=fixed, alias_ok=alias_ok), as_json=as_json)
 
 
 # `massline app`: the workbench in the browser.
@@ -228,17 +219,17 @@ def diagnose_command(
 
     Exit code 0 whatever it finds; 1 when the model with all its tolerances does not converge; 2 when the input cannot be used.
     """
-    from validation.diagnose.diagnose import DiagnoseOptions
     from validation.effects import catalogue
     from validation.output import require_folder
     from validation.report.diagnose import diagnosis_answer
+    from validation.study import Options
 
     if out is not None:
         require_folder(out, "--out")
     for folder in effects_from:
         catalogue.load(folder)
-    asked = DiagnoseOptions(
-        model=model,
+    asked = Options(
+        model=str(model),
         data=data,
         hold_out=hold_out,
         band=band,
@@ -361,9 +352,9 @@ def report_command(
     Exit code 0 whatever it finds; 1 when a fit does not converge or nothing is printed; 2 when the input cannot be used.
     """
     from validation.report.page import ReportOptions, answer
-    from validation.study import CompareOptions as Compared
+    from validation.study import Options
 
-    asked = Compared(model=model, data=data, hold_out=hold_out, band=band, method=method)
+    asked = Options(model=model, data=data, hold_out=hold_out, band=band, method=method)
     line = shlex.join(["massline", *sys.argv[1:]])
     answer(ReportOptions(compared=asked, diagnosis=not no_diagnosis, out=out, pdf=pdf, by=by, command=line))
 

@@ -13,8 +13,7 @@ from geometry.frames import Array
 from geometry.inertia import LOADS
 from validation.compare.maps import Map, NamedMode, Rig, doubt, mapped, named
 from validation.compare.spots import Spot, text, worst
-from validation.estimation import evaluate as estimation_evaluate
-from validation.estimation.evaluate import evaluate, residuals
+from validation.estimation.evaluate import residuals
 from validation.estimation.problem import Offsets, Problem
 from validation.estimation.result import Evaluation, Fit, Share
 from validation.estimation.verdicts import (
@@ -27,12 +26,11 @@ from validation.estimation.verdicts import (
     told,
     tolerances,
 )
-from validation.model.model import Model
 from validation.output import derived, entry, plain_unit, to_json, unwritten
 from validation.prediction import effects
-from validation.prediction.classical_facts import ArticleFact, facts
-from validation.prediction.series import SeriesPrediction, predictions
-from validation.study import Data, resolved_names
+from validation.prediction.classical_facts import ArticleFact
+from validation.prediction.series import SeriesPrediction
+from validation.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,54 +209,25 @@ Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
 
 
-def compared(
-    model: Model,
-    data: Data,
-    hold_out: Sequence[str] = (),
-    progress: Progress | None = None,
-    *,
-    band: tuple[float, float] | None = None,
-    method: str = "full-record",
-) -> Comparison:
-    """`model` beside `data`.
-
-    Parameters
-    ----------
-    hold_out : names of runs, campaigns and files that are predicted and never fitted; by default each run and configuration in
-        turn
-    band : (low, high) [Hz]; that of the campaigns by default
-    method : of `identification.campaign.METHODS`
+def compared(study: Study, progress: Progress | None = None) -> Comparison:
+    """The model of a `study` beside its data.
 
     Raises
     ------
-    BadInput : data and model that do not fit each other, a name of `hold_out` that is none.
     CheckFailed : a fit that does not converge.
     """
     tell = progress or (lambda what, share: None)
-    made = predictions(model, data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share))
-    said = facts(model, data.classical)
-    problem = Problem(made, said)
-    names = resolved_names(problem, data, hold_out)
-    known = (
-        estimation_evaluate.without(problem, estimation_evaluate.named(problem, names)) if names else problem
-    )  # refused before minutes are spent
-    evaluation = evaluate(problem, hold_out=names, progress=lambda share: tell("fitting", share))
-    return of_evaluation(model, made, said, problem, known.thinned(), evaluation, lambda share: tell("maps", share))
+    evaluation = study.evaluation(lambda share: tell("fitting", share))
+    return of_evaluation(study, study.known().thinned(), evaluation, lambda share: tell("maps", share))
 
 
-def of_evaluation(
-    model: Model,
-    made: Sequence[SeriesPrediction],
-    said: Sequence[ArticleFact],
-    problem: Problem,
-    fitted: Problem,
-    evaluation: Evaluation,
-    progress: Callable[[float], None],
-) -> Comparison:
-    """What an `evaluation` of `problem` says of `model`; `fitted` is what its fits saw."""
+def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progress: Callable[[float], None]) -> Comparison:
+    """What an `evaluation` of a `study` says of its model; `fitted` is what its fits saw."""
+    model, made, problem = study.model, study.predictions, study.whole()
     maps = mapped_all(made, problem, fitted, evaluation.plain_fit, progress)
     modes = tuple(modes_of(one, {**problem.start, **evaluation.plain_fit.by_name}) for one in made)
     spots = worst(maps, modes)
+    said = tuple(fact.with_effects(model.effects) for fact in study.said)
     return Comparison(
         title=model.title or model.article,
         source=model.source,

@@ -12,13 +12,14 @@ from math import sqrt
 import numpy as np
 
 from geometry.frames import Array
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import FLOOR, unfitted
 from validation.estimation.likelihood import observed
 from validation.estimation.problem import FITTED, Offsets, Problem
 from validation.estimation.result import Evaluation, Fit
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
+from validation.study import Study
 
 SCATTER = 3.0
 """[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
@@ -121,12 +122,12 @@ def _noise_shares(problem: Problem) -> Iterator[Array]:
 Progress = Callable[[float], None]
 
 
-def errors(data: FittedData, of: Candidate, progress: Progress | None = None) -> Evaluation:
+def errors(data: Study, of: Candidate, progress: Progress | None = None) -> Evaluation:
     """Of the candidate `of`, whose fit is known; no configuration is held out."""
     return evaluate(data.whole(of.effects), hold_out=data.hold_out, fitted=of.fit, quick=True, progress=progress)
 
 
-def errors_without_fit(data: FittedData, offsets: Offsets) -> Evaluation:
+def errors_without_fit(data: Study, offsets: Offsets) -> Evaluation:
     """Of the model of `data` where no fit of all tolerances makes sense: they stand at `offsets`."""
     found = unfitted(data.problem(), FITTED, offsets)
     return evaluate(data.whole(), hold_out=data.hold_out, fitted=found, quick=True)

@@ -18,7 +18,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.toml_file import nearest
 from validation.diagnose import pendulum
-from validation.diagnose.diagnosis import Candidate, Detectable, FittedData, Screened
+from validation.diagnose.diagnosis import Candidate, Detectable, Screened
 from validation.diagnose.pendulum import of_swings
 from validation.effects.catalogue import FAMILIES, Named, There, acts
 from validation.effects.effect import (
@@ -45,6 +45,7 @@ from validation.model.model import Added, vocabulary
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact
 from validation.prediction.series import SeriesPrediction
+from validation.study import Study as FittedData
 
 SIDES = (STRUCTURE, FORCES, ACCELERATIONS)
 """What one level of a linear test shows; mistakes and what depends on the level are tested before."""

@@ -1,4 +1,4 @@
-"""`diagnosed`: the whole way from data to an answer. `bench`: the data made ready for it.
+"""`diagnosed`: the whole way from a study to an answer.
 
 Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a converged baseline, screening, refits, acceptance or
 "unknown", and then what would settle it.
@@ -7,17 +7,15 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
-from identification.campaign import METHODS, Campaign
+from identification.campaign import Campaign
 from identification.quality import NORMAL_90
-from validation import study
 from validation.diagnose import accept, pendulum, search
 from validation.diagnose import candidates as diagnose_candidates
 from validation.diagnose.accept import errors, errors_without_fit, goodness_of_fit
@@ -34,7 +32,6 @@ from validation.diagnose.diagnosis import (
     Cause,
     Diagnosis,
     EffectEstimate,
-    FittedData,
     LevelDifference,
     ReportedStep,
     confirming,
@@ -57,18 +54,16 @@ from validation.effects.effect import (
     evidence_threshold,
 )
 from validation.estimation.fit import FLOOR
-from validation.estimation.problem import EFFECT, Fact
+from validation.estimation.problem import EFFECT
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
-from validation.prediction.classical_facts import facts
 from validation.prediction.effects import name
-from validation.prediction.series import predictions
-from validation.study import Data, resolved_names
+from validation.study import Data, Options, Study, read
 
 # What a diagnosis rests on beside the data: limits, lines, band and what was asked, for its settings.
 
 
-def of_bench(bench: FittedData) -> Mapping[str, object]:
+def of_bench(bench: Study) -> Mapping[str, object]:
     """Of the data: which lines, by which processing, and what no fit sees."""
     return {
         "version": version("massline"),
@@ -126,7 +121,7 @@ RIVALS = 2
 """[count] of explanations between which a test is looked for. By definition."""
 
 
-def answer(bench: FittedData, base: Candidate, found: Candidate, rounds: Sequence[SearchStep], progress: Progress) -> Diagnosis:
+def answer(bench: Study, base: Candidate, found: Candidate, rounds: Sequence[SearchStep], progress: Progress) -> Diagnosis:
     """The diagnosis that the `rounds` from `base` to `found` lead to."""
     progress("looking at what is left", 0.0)
     left = unexplained(_sparse(found))
@@ -192,7 +187,7 @@ def _alike(named: Sequence[Added], rounds: Sequence[SearchStep]) -> tuple[str, .
 
 
 def _advice(
-    bench: FittedData, verdict: str, best: SearchStep, found: Candidate, progress: Callable[[float], None]
+    bench: Study, verdict: str, best: SearchStep, found: Candidate, progress: Callable[[float], None]
 ) -> tuple[Advice, ...]:
     """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
     if verdict == AMBIGUOUS:
@@ -299,7 +294,7 @@ def _no_fit(one: SearchStep) -> str:
     return f"no candidate is worth a fit: {best.id} promises most, {promised:.1f} nats, where {asked:g} are asked for"
 
 
-def _settings(bench: FittedData, rounds: Sequence[SearchStep]) -> Mapping[str, object]:
+def _settings(bench: Study, rounds: Sequence[SearchStep]) -> Mapping[str, object]:
     problem = rounds[0].at.problem
     return {
         **of_bench(bench),
@@ -316,7 +311,7 @@ def _settings(bench: FittedData, rounds: Sequence[SearchStep]) -> Mapping[str, o
 
 
 def nonlinear_answer(
-    bench: FittedData,
+    bench: Study,
     levels: Sequence[LevelDifference],
     progress: Progress,
     *,
@@ -362,37 +357,8 @@ Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
 
 
-def bench(
-    model: Model,
-    data: Data,
-    *,
-    hold_out: Sequence[str] = (),
-    band: tuple[float, float] | None = None,
-    method: str = "full-record",
-    progress: Progress | None = None,
-) -> FittedData:
-    """`data` ready for `model` with any effects.
-
-    Raises
-    ------
-    BadInput : an unknown name in `hold_out`; whatever makes no spectra.
-    """
-    tell = progress or (lambda what, share: None)
-    made = predictions(
-        replace(model, effects=()), data.campaigns, band=band, method=method, progress=lambda share: tell("spectra", share)
-    )
-
-    said = facts(replace(model, effects=()), data.classical)  # read once: records are fitted on the way
-
-    def of_effects(effects: Sequence[Added]) -> tuple[Fact, ...]:
-        return tuple(fact.with_effects(effects) for fact in said)
-
-    ready = FittedData(model=model, campaigns=data.campaigns, made=made, facts=of_effects)
-    return replace(ready, hold_out=resolved_names(ready.whole(), data, tuple(hold_out)))
-
-
 def diagnosed(
-    of: FittedData, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
+    of: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
 ) -> Diagnosis:
     """What the model of a bench is missing.
 
@@ -409,13 +375,13 @@ def diagnosed(
     tell = progress or (lambda what, share: None)
     tell("looking for mistakes", 0.0)
     mistaken = [one for one in mistakes(of) if looked_for(one.named, (), leave_out)]
-    right = without_mistakes(of, mistaken)
+    right = without_mistakes(of, mistaken) if mistaken else of
     found = _linear_or_not(right, only, leave_out, tell)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, **of_question(only, leave_out)})
 
 
-def _linear_or_not(right: FittedData, only: Sequence[str], leave_out: Sequence[str], tell: Progress) -> Diagnosis:
+def _linear_or_not(right: Study, only: Sequence[str], leave_out: Sequence[str], tell: Progress) -> Diagnosis:
     """The diagnosis of data without mistakes: what two levels say, and where they say the same what a search finds."""
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != AMPLITUDE]
     menu = candidates(right, only=linear, leave_out=leave_out) if linear or not only else ()
@@ -445,48 +411,17 @@ OTHERWISE = {
 """By side of the catalogue, what to do about a candidate that no fit of spectra looks for."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class DiagnoseOptions:
-    """The options as typed.
-
-    Attributes
-    ----------
-    model : path of the model file
-    data : campaign folders and measurement files
-    hold_out : names of runs, campaigns and files
-    band : [Hz]; None for that of the campaigns
-    method : of `METHODS`
-    candidates : ids and families that are looked for; all where none is named
-    effects_from : folders of the user's own effects
-    """
-
-    model: Path
-    data: tuple[str, ...]
-    hold_out: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    method: str = METHODS[0]
-    candidates: tuple[str, ...] = ()
-    effects_from: tuple[str, ...] = ()
-
-    @property
-    def compared(self) -> study.CompareOptions:
-        """As `massline compare` is asked."""
-        return study.CompareOptions(
-            model=str(self.model), data=self.data, hold_out=self.hold_out, band=self.band, method=self.method
-        )
-
-
-def ready(asked: DiagnoseOptions, progress: Callable[[str, float], None] | None = None) -> tuple[Model, Data]:
+def ready(asked: Options, progress: Callable[[str, float], None] | None = None) -> tuple[Model, Data]:
     """The model and the data, read, and the candidates found to be such that these data could have them.
 
     Raises
     ------
-    BadInput : see `validation.study.ready`; too few runs; a candidate that nobody knows or that acts on nothing here.
+    BadInput : see `validation.study.read`; too few runs; a candidate that nobody knows or that acts on nothing here.
     OSError : a file cannot be read.
     """
     for text in asked.candidates:
         _require_family(text)
-    model, data = study.ready(asked.compared, progress)
+    model, data = read(asked, progress)
     require_runs(data.campaigns)
     for text in asked.candidates:
         _require_here(text, model, data.campaigns)
@@ -532,6 +467,6 @@ def _require_here(text: str, model: Model, campaigns: Sequence[Campaign]) -> Non
         require_target(model, campaigns, named, OPTION)
 
 
-def of_levels(asked: DiagnoseOptions) -> tuple[str, ...]:
+def of_levels(asked: Options) -> tuple[str, ...]:
     """The candidates that only two levels show."""
     return tuple(text for text in asked.candidates if FAMILIES[text.partition(":")[0].strip()].side == AMPLITUDE)

@@ -6,16 +6,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from identification.campaign import Campaign
 from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import MISTAKE as OF_MISTAKES
-from validation.estimation.evaluate import named, without
-from validation.estimation.problem import Fact, Parameter, Problem
+from validation.estimation.problem import Parameter, Problem
 from validation.estimation.result import Evaluation, Fit
 from validation.estimation.screening import ScoreTest
-from validation.model.model import Added, Model
-from validation.prediction.series import SeriesPrediction
+from validation.model.model import Added
 from validation.reference.statement import NONE
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
@@ -258,37 +255,7 @@ class Diagnosis:
         return self.advice[0].test if self.advice else ""
 
 
-# `Bench`: data that stand ready for any model of effects, and `Hypothesis`, such a model fitted to them.
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class FittedData:
-    """Data, ready for any effects.
-
-    Attributes
-    ----------
-    model : whose laboratory and structure are held against the data, with the effects that it has
-    campaigns : as they were read
-    made : predictions of the campaigns by the model without effects
-    facts : by effects, what weights and periods say
-    hold_out : names of runs, data sets and facts that no fit sees, as the engine knows them
-    """
-
-    model: Model
-    campaigns: tuple[Campaign, ...]
-    made: tuple[SeriesPrediction, ...]
-    facts: Callable[[Sequence[Added]], tuple[Fact, ...]] = lambda effects: ()
-    hold_out: tuple[str, ...] = ()
-
-    def whole(self, effects: Sequence[Added] = ()) -> Problem:
-        """All data by the model with these `effects` on top of its own."""
-        every = (*self.model.effects, *effects)
-        return Problem(tuple(one.with_effects(every) for one in self.made), self.facts(every))
-
-    def problem(self, effects: Sequence[Added] = ()) -> Problem:
-        """What fits see of it: fewer lines, and nothing that is held out."""
-        thinned = self.whole(effects).thinned()
-        return without(thinned, named(thinned, self.hold_out)) if self.hold_out else thinned
+# A model of effects fitted to the data of a study.
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -32,13 +32,13 @@ from validation.diagnose.diagnosis import (
     Cause,
     Diagnosis,
     EffectEstimate,
-    FittedData,
     confirming,
     headline,
 )
 from validation.effects.catalogue import Named
 from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction
+from validation.study import Study as FittedData
 
 # `Heard`: what every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
 #

@@ -15,7 +15,7 @@ from geometry.frames import Array
 from identification.self_calibration.elimination import Normal
 from identification.self_calibration.solve import inverse, minimise
 from validation.diagnose.candidates import candidates, is_resonator, with_candidates
-from validation.diagnose.diagnosis import Advice, Candidate, FittedData
+from validation.diagnose.diagnosis import Advice, Candidate
 from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effects_of, knowledge, lines_of, reading, template
 from validation.effects.catalogue import FAMILIES, Named
@@ -26,6 +26,7 @@ from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.problem import EFFECT, FITTED, Change, Conveyed, Fact, Lines, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
+from validation.study import Study as Study
 
 # How many nats a test is expected to give for the right one of two explanations, in closed form.
 #
@@ -253,7 +254,7 @@ class _Ground:
     precision: Array
 
 
-def imagined(data: FittedData, of: Candidate) -> tuple[Alternative, ...]:
+def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
     """In place of the last effect of a candidate: nothing, and the effects that come nearest of those it is mistaken for."""
     effect = of.effects[-1]
     if effect.fixed:
@@ -280,7 +281,7 @@ def _shares(one: Named, other: Named) -> bool:
     return all(first[kind] == second[kind] for kind in first.keys() & second.keys())
 
 
-def _ground(bench: FittedData, of: Candidate, menu: Sequence[Added]) -> _Ground:
+def _ground(bench: Study, of: Candidate, menu: Sequence[Added]) -> _Ground:
     admitted = {one.name: one.tolerance for one in bench.problem(of.effects[:-1]).free(FITTED)}
     problem = with_candidates(of.problem, menu)
     own = {one.name for one in of.fit.parameters}
@@ -382,7 +383,7 @@ class Forecast:
         return -len(self.apart), -min(self.gain, DECIDED), self.offer.hours, -self.gain
 
 
-def advised(data: FittedData, rivals: Sequence[Candidate], progress: Progress | None = None) -> tuple[Advice, ...]:
+def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None = None) -> tuple[Advice, ...]:
     """Tests that would tell `rivals` apart, the best first.
 
     Parameters
@@ -416,7 +417,7 @@ def advised(data: FittedData, rivals: Sequence[Candidate], progress: Progress | 
 
 
 def chosen(
-    data: FittedData,
+    data: Study,
     first: Knowledge,
     others: Sequence[Knowledge],
     names: Sequence[str],

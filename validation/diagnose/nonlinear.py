@@ -21,7 +21,7 @@ from geometry.frames import Array, rigid_transformation_6
 from identification.campaign import Recording
 from identification.quality import NORMAL_90
 from identification.self_calibration.elimination import eliminated, level_of_groups, smoothed_level
-from validation.diagnose.diagnosis import Cause, EffectEstimate, FittedData, LevelDifference
+from validation.diagnose.diagnosis import Cause, EffectEstimate, LevelDifference
 from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS, Vocabulary
 from validation.effects.effect import SizeSpec as OfFamily
@@ -29,6 +29,7 @@ from validation.effects.stages import ChannelResponse, MountedDynamicMass
 from validation.model.model import vocabulary
 from validation.prediction import dynamic_mass, effects
 from validation.prediction.series import SeriesPrediction, laboratory
+from validation.study import Study as FittedData
 
 # `RunsByLevel`: the runs of one campaign by how strongly they were driven, and what the weaker ones hold beyond the stronger
 # ones.

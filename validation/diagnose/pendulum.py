@@ -56,7 +56,6 @@ from validation.diagnose.diagnosis import (
     Candidate,
     Cause,
     EffectEstimate,
-    FittedData,
     Leftover,
 )
 from validation.effects.catalogue import FAMILIES, Named
@@ -68,6 +67,7 @@ from validation.estimation.problem import Problem
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, facts
+from validation.study import Study as FittedData
 
 # The answer on classical measurements in sentences.
 

@@ -20,16 +20,17 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array
 from validation.diagnose.accept import ABSURD, GoodnessOfFit, excess, goodness_of_fit
 from validation.diagnose.candidates import aliases, is_resonator, reaches, screen
-from validation.diagnose.diagnosis import Candidate, FittedData, Screened
+from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
 from validation.estimation.cost import Cost, cost_of
-from validation.estimation.fit import BREAKDOWNS, child, fit, nearby
+from validation.estimation.fit import BREAKDOWNS, child, nearby
 from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
 from validation.estimation.result import Fit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.prediction.effects import name
+from validation.study import Study as Study
 
 ROUGH_FIT_STRIDE = 3
 """[count] A rough fit takes every third line of the others. Set by the development draws of `make blind`."""
@@ -47,18 +48,17 @@ SIGNIFICANT = 2.0
 FitProgress = Callable[[float], None]
 
 
-def baseline(data: FittedData, progress: FitProgress | None = None) -> Candidate:
+def baseline(data: Study, progress: FitProgress | None = None) -> Candidate:
     """The model as it is.
 
     Raises
     ------
     CheckFailed : its fit does not converge; an unconverged baseline makes any effect look decisive.
     """
-    problem = data.problem()
-    return Candidate(effects=(), fit=fit(problem, FITTED, progress=progress), problem=problem)
+    return Candidate(effects=(), fit=data.all_free(progress), problem=data.problem())
 
 
-def rough_fit(data: FittedData, at: Candidate, added: Added) -> Fit:
+def rough_fit(data: Study, at: Candidate, added: Added) -> Fit:
     """`at` with the effect `added` as well, fitted over a coarse floor on few lines: for effects in which the model is nonlinear.
 
     The score test overrates these, so that the fit starts at its size and at a part of that.
@@ -71,13 +71,13 @@ def rough_fit(data: FittedData, at: Candidate, added: Added) -> Fit:
     return min((child(problem, FITTED, at.fit, begin, from_afar=True) for begin in begins), key=lambda fit: fit.cost)
 
 
-def refitted(data: FittedData, at: Candidate, begin: Fit) -> Candidate:
+def refitted(data: Study, at: Candidate, begin: Fit) -> Candidate:
     """`at` fitted again from where another fit ended, where that is cheaper."""
     found = nearby(at.problem, FITTED, begin.by_name)
     return at if found.cost >= at.fit.cost else recentred(data, replace(at, fit=found))
 
 
-def finished(data: FittedData, at: Candidate) -> Candidate:
+def finished(data: Study, at: Candidate) -> Candidate:
     """`at`, whose fit may be a trial, fitted to the end."""
     found = nearby(at.problem, FITTED, at.fit.by_name)
     return recentred(data, replace(at, fit=found)) if found.cost <= at.fit.cost + UNSEEN_STEP else at
@@ -96,7 +96,7 @@ def _spread(fit: Fit) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)))
 
 
-def fit_with(data: FittedData, at: Candidate, added: Added, *, begin: Fit | None = None) -> Candidate:
+def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = None) -> Candidate:
     """`at` with the effect `added` as well, all sizes free; it never costs more.
 
     Parameters
@@ -110,7 +110,7 @@ def fit_with(data: FittedData, at: Candidate, added: Added, *, begin: Fit | None
     return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
-def fit_in_place(data: FittedData, at: Candidate, rest: Candidate, added: Added) -> Candidate:
+def fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
     """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
     effects = (*rest.effects, added)
     problem = data.problem(effects)
@@ -119,7 +119,7 @@ def fit_in_place(data: FittedData, at: Candidate, rest: Candidate, added: Added)
     return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
 
 
-def _start(data: FittedData, added: Added) -> dict[str, float]:
+def _start(data: Study, added: Added) -> dict[str, float]:
     """An effect with an equation begins at its size; the fit knows where a tolerance stands already."""
     if FAMILIES[added.named.family].stage == OPENED or added.fixed:
         return {}
@@ -128,7 +128,7 @@ def _start(data: FittedData, added: Added) -> dict[str, float]:
     return {which: parameters[which].start for key in keys if (which := name(added.named, key)) in parameters}
 
 
-def recentred(data: FittedData, of: Candidate) -> Candidate:
+def recentred(data: Study, of: Candidate) -> Candidate:
     """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
     effects = tuple(sized_by(one, of.fit) for one in of.effects)
     problem = data.problem(effects)
@@ -167,7 +167,7 @@ def can_restart(added: Added) -> bool:
     return not (added.fixed or swings or is_resonator(added.named)) and len(added.named.fitted_sizes) == 1
 
 
-def restarted_from_priors(data: FittedData, at: Candidate, added: Added) -> Candidate:
+def restarted_from_priors(data: Study, at: Candidate, added: Added) -> Candidate:
     """`at` with the effect `added` as well, all tolerances restarted from their priors; it never costs more than `at`."""
     effects = (*at.effects, added)
     problem = data.problem(effects)
@@ -181,7 +181,7 @@ def restarted_from_priors(data: FittedData, at: Candidate, added: Added) -> Cand
     return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
 
 
-def tolerances_restarted(data: FittedData, at: Candidate) -> Candidate:
+def tolerances_restarted(data: Study, at: Candidate) -> Candidate:
     """`at`, all tolerances restarted from their priors; it never costs more.
 
     A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign.
@@ -277,7 +277,7 @@ def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
     return list(by_id.values())
 
 
-def in_band(data: FittedData, one: CandidateFit) -> bool:
+def in_band(data: Study, one: CandidateFit) -> bool:
     """Whether a resonator stayed in the band of the data; outside it is a spring or a mass."""
     return not is_resonator(one.added.named) or reaches(data, one.added.named)
 
@@ -309,7 +309,7 @@ tests/validation/diagnosing/test_backward_elimination.py."""
 
 
 def backward_elimination(
-    data: FittedData, at: Candidate, rounds: Sequence[SearchStep], progress: Progress
+    data: Study, at: Candidate, rounds: Sequence[SearchStep], progress: Progress
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
     """`at` without the effects that are not needed beside the others, each of these under the name that is best there.
 
@@ -337,9 +337,7 @@ def _ids(of: Candidate) -> tuple[str, ...]:
     return tuple(one.named.id for one in of.effects)
 
 
-def _reconsidered(
-    data: FittedData, at: Candidate, found: SearchStep, progress: Progress
-) -> tuple[Candidate, tuple[SearchStep, ...]]:
+def _reconsidered(data: Study, at: Candidate, found: SearchStep, progress: Progress) -> tuple[Candidate, tuple[SearchStep, ...]]:
     """`at` with the effect of step `found` under its best name, and the fits of that; or without it."""
     added = next(one for one in at.effects if one.named.id == found.added)
     try:
@@ -374,7 +372,7 @@ def _at_sizes_found(one: Added, found: Added) -> Added:
     return replace(one, named=replace(one.named, values=found.named.values)) if same else one
 
 
-def _without(data: FittedData, at: Candidate, added: Added) -> Candidate:
+def _without(data: Study, at: Candidate, added: Added) -> Candidate:
     """The fit of the other effects alone, from where it is with all."""
     left = tuple(one for one in at.effects if one.named.id != added.named.id)
     problem = data.problem(left)
@@ -450,7 +448,7 @@ Progress = Callable[[str, float], None]
 
 
 def stepwise_search(
-    data: FittedData, base: Candidate, menu: Sequence[Added], progress: Progress
+    data: Study, base: Candidate, menu: Sequence[Added], progress: Progress
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
     """The candidate that explains the data of `data` with the fewest effects of `menu`, and how it was found."""
     at, again = base, REFITS
@@ -478,7 +476,7 @@ def stepwise_search(
     return at, tuple(rounds)
 
 
-def _step(data: FittedData, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
+def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = goodness_of_fit(at.fit, at.problem), screen(data, at, menu)
     tried, gone = _fits_in_band(
@@ -500,7 +498,7 @@ def _step(data: FittedData, at: Candidate, menu: Sequence[Added], progress: Prog
 
 
 def _local_fits(
-    data: FittedData, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
+    data: Study, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
     """Fits of the best, until one is all that is needed."""
     tried: list[CandidateFit] = []
@@ -515,7 +513,7 @@ def _local_fits(
 
 
 def _rough_fits(
-    data: FittedData, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
+    data: Study, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
     """Rough fits of all that promise something, and of the best of these good ones."""
     rough, promising = [], _most_promising(found)
@@ -527,7 +525,7 @@ def _rough_fits(
 
 
 def _fits_in_band(
-    data: FittedData, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[CandidateFit]]
+    data: Study, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[CandidateFit]]
 ) -> tuple[list[CandidateFit], tuple[str, ...]]:
     """`fits` of the best, and of others in place of resonators that leave the band; and the ids of these resonators."""
     tried = fits(found)
@@ -541,7 +539,7 @@ def _fits_in_band(
 
 
 def _restarted_where_stuck(
-    data: FittedData,
+    data: Study,
     at: Candidate,
     here: GoodnessOfFit,
     tried: Sequence[CandidateFit],
@@ -607,7 +605,7 @@ def _same_resonator_elsewhere(tried: Sequence[CandidateFit]) -> list[Added]:
     return [_at_sizes(one.added, best.added) for one in same]
 
 
-def _rival_fit(data: FittedData, at: Candidate, added: Added, best: CandidateFit) -> CandidateFit:
+def _rival_fit(data: Study, at: Candidate, added: Added, best: CandidateFit) -> CandidateFit:
     """The fit of an alias of `best`; restarted from the priors where it falls far behind."""
     found = _fit_of(data, at, added)
     if found.evidence >= KEPT_SHARE * best.evidence or not can_restart(added):
@@ -628,11 +626,11 @@ def _is_decided(tried: Sequence[CandidateFit], one: Screened, found: Sequence[Sc
     return one.evidence < (1 - SCREENING_ERROR) * promised - SCREENING_MARGIN
 
 
-def _fit_of(data: FittedData, at: Candidate, added: Added, begin: Fit | None = None) -> CandidateFit:
+def _fit_of(data: Study, at: Candidate, added: Added, begin: Fit | None = None) -> CandidateFit:
     return candidate_fit(at, fit_with(data, at, added, begin=begin))
 
 
-def _restarted_if_absurd(data: FittedData, at: Candidate) -> Candidate:
+def _restarted_if_absurd(data: Study, at: Candidate) -> Candidate:
     """`at`; where a tolerance stands absurdly far off, with all of them once more from where they are declared."""
     if goodness_of_fit(at.fit, at.problem).largest < ABSURD:
         return at

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +15,7 @@ from geometry.atomic import probe
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.inertia import PARAMETERS
+from identification.campaign import Campaign
 from identification.request import jacobian, quantities
 from identification.self_calibration.problem import ten_matrices
 from identification.self_calibration.solve import inverse
@@ -24,7 +24,7 @@ from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
 from validation.estimation import evaluate as estimation_evaluate
 from validation.estimation.cost import cost_of
-from validation.estimation.evaluate import evaluate, named, without
+from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import fit, floor_of, start
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFYING, Offsets, Parameter, Prediction, Problem
 from validation.estimation.result import Evaluation, Fit, Share
@@ -50,13 +50,12 @@ from validation.history.verdict import Alias, names_of, sentence, verdict
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.model.model_file import with_effect
-from validation.model.setups import above_fmd
 from validation.prediction import effects
-from validation.prediction.classical_facts import facts, require_bodies
+from validation.prediction.classical_facts import require_bodies
 from validation.prediction.effects import name
 from validation.prediction.nuisances import full
-from validation.prediction.series import SeriesPrediction, predictions
-from validation.study import Data, read_data, require_band, resolved_names
+from validation.prediction.series import SeriesPrediction
+from validation.study import Options, Study, read_data, require_band
 
 # Where the fit of an effect begins that no fit finds from afar: a resonator by its frequency, a part by its modulus.
 #
@@ -191,17 +190,14 @@ def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Ad
     return Added(named=named, fixed=fixed or switch), left
 
 
-def candidate(
-    added: Added, left: Sequence[str], model: Model, problem: Callable[[Model], Problem], *, allowed: bool
-) -> AddedEffect:
-    """`added`, whose sizes were partly `left` open, as it can be fitted to the data of `problem`.
+def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool) -> AddedEffect:
+    """`added`, whose sizes were partly `left` open, as it can be fitted to the data of a `study`.
 
     Raises
     ------
     BadInput : it acts nowhere on these data; others of the model do exactly the same, and that is not `allowed`.
     """
-    before = problem(model).thinned()
-    after = problem(replace(model, effects=(*model.effects, added))).thinned()
+    before, after = study.whole().thinned(), study.whole([added]).thinned()
     _require_seen(before, after, added)
     free = history_verdict.freed(after)
     found = history_verdict.alias(free, added.named.id, names_of(free, added.named))
@@ -396,24 +392,6 @@ def _with_ten(effects: Sequence[Added]) -> tuple[Added, ...]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class JudgedData:
-    """Data, ready to hold a model against them.
-
-    Attributes
-    ----------
-    problem : by model, what is compared
-    hold_out : names of runs, data sets and facts as the engine knows them
-    article : whose inertia is identified; empty for none
-    remarks : which lines of the data were left out, and why
-    """
-
-    problem: Callable[[Model], Problem]
-    hold_out: tuple[str, ...] = ()
-    article: str = ""
-    remarks: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class EvaluatedModel:
     """A model and what came out.
 
@@ -429,8 +407,8 @@ class EvaluatedModel:
     body: Body | None
 
 
-def judged(bench: JudgedData, model: Model, parent: Version | None, progress: Progress | None = None) -> EvaluatedModel:
-    """`model` held against the data of `bench`.
+def judged(study: Study, parent: Version | None, progress: Progress | None = None) -> EvaluatedModel:
+    """The model of a `study` held against its data.
 
     Parameters
     ----------
@@ -441,15 +419,16 @@ def judged(bench: JudgedData, model: Model, parent: Version | None, progress: Pr
     CheckFailed : a fit without a parent does not converge.
     """
     tell = progress or (lambda what, share: None)
-    problem = bench.problem(model)
-    began = None if parent is None else _evaluation(parent, problem)
-    found = evaluate(problem, hold_out=bench.hold_out, parent=began, progress=lambda share: tell("fitting", share))
-    sized = replace(model, effects=tuple(sized_by(one, found.fitted) for one in model.effects))
-    after = bench.problem(sized)
-    nominal, held = _nominal(after, bench.hold_out)
-    whole = replace(found, nominal=nominal, held_out_nominal=held)
-    body = body_of(bench, after, found.plain_fit, lambda share: tell("identifying", share))
-    return EvaluatedModel(model=sized, evaluation=whole, body=body)
+    if parent is None:
+        found = study.evaluation(lambda share: tell("fitting", share))
+    else:
+        whole = study.whole()
+        began = _evaluation(parent, whole)
+        found = evaluate(whole, hold_out=study.hold_out, parent=began, progress=lambda share: tell("fitting", share))
+    sized = study.by(replace(study.model, effects=tuple(sized_by(one, found.fitted) for one in study.model.effects)))
+    nominal, held = _nominal(sized.whole(), study.hold_out)
+    body = body_of(sized, found.plain_fit, lambda share: tell("identifying", share))
+    return EvaluatedModel(model=sized.model, evaluation=replace(found, nominal=nominal, held_out_nominal=held), body=body)
 
 
 def rung_with(rung: Version, of: EvaluatedModel) -> Version:
@@ -582,14 +561,12 @@ def _nominal(problem: Problem, names: Sequence[str]) -> tuple[Share, Share | Non
     return estimation_evaluate.share(fitted), estimation_evaluate.share(held) if held else None
 
 
-def body_of(bench: JudgedData, problem: Problem, plain: Fit, progress: Callable[[float], None]) -> Body | None:
-    """Identified inertia of the article of a bench, by the model of `problem`, whose plain fit is `plain`; None without one."""
-    if not bench.article:
+def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body | None:
+    """Identified inertia of the article of a `study`, whose plain fit is `plain`; None without an article."""
+    if not study.article:
         return None
-    known = (
-        estimation_evaluate.without(problem, estimation_evaluate.named(problem, bench.hold_out)) if bench.hold_out else problem
-    )
-    return identified(known.thinned(), bench.article, at_offsets(kept_offsets(plain), known), progress)
+    known = study.known()
+    return identified(known.thinned(), study.article, at_offsets(kept_offsets(plain), known), progress)
 
 
 Progress = Callable[[str, float], None]
@@ -600,27 +577,18 @@ ALONE = "Without it no fit of these data converges, so that its errors have none
 
 
 @dataclass(frozen=True, kw_only=True)
-class AddOptions:
-    """The options of `massline add` as typed; None where the ladder's own are meant.
+class AddedEffectOptions:
+    """What `massline add` is asked beside a model and its data.
 
     Attributes
     ----------
-    model, effect : path and ``ID[=VALUE]``
-    data : campaign folders and measurement files; none for those that the ladder knows
-    hold_out, band, method : as of `massline compare`
-    effects_from : folders of the user's own effects
-    fixed : whether the effect stays at its size
+    effect : ``ID[=VALUE]``
+    fixed : whether it stays at its size
     alias_ok : whether an exact alias of what the model has may be added
     remarks : sentences that the rung's verdict ends with, of whoever asks for it
     """
 
-    model: Path
     effect: str
-    data: tuple[str, ...] = ()
-    hold_out: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    method: str | None = None
-    effects_from: tuple[str, ...] = ()
     fixed: bool = False
     alias_ok: bool = False
     remarks: Sequence[str] = ()
@@ -628,50 +596,99 @@ class AddOptions:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AddResult:
-    """What adding an effect came to."""
+    """What adding an effect came to.
+
+    Attributes
+    ----------
+    at : where the model file stands now
+    before, after : the rungs
+    said : sentences
+    study : the same data by the model with the effect
+    """
 
     at: HistoryPosition
     before: Version
     after: Version
     said: tuple[str, ...]
+    study: Study
 
 
-def added(asked: AddOptions, progress: Progress | None = None) -> AddResult:
-    """The rung that `asked` leads to, written; the rung below it is evaluated and kept first where it was not yet.
+def opened(asked: Options, effect: AddedEffectOptions, progress: Progress | None = None) -> tuple[Study, tuple[str, ...]]:
+    """The study that an `effect` is to be added to, where nothing is named with the data that the ladder knows; and what is to
+    be said of that.
 
     Raises
     ------
-    BadInput, CheckFailed : see `add`.
+    BadInput : something that was asked cannot be used.
     """
-    tell = progress or (lambda what, share: None)
     require_band(asked.band)
-    if asked.model.is_file():
-        probe(asked.model)  # what cannot be written at the end is said before minutes are spent
+    if asked.path.is_file():
+        probe(asked.path)  # what cannot be written at the end is said before minutes are spent
     for folder in asked.effects_from:
         catalogue.load(folder)
-    at = history_position(asked.model)
+    at = history_position(asked.path)
     with reminded(at.path):
         model = model_file.of_text(at.text, str(at.path))
     paths = _paths(asked, at)
-    data = read_data(paths, model, tell)
+    data = read_data(paths, model, progress)
     conditions, said = _conditions(asked, at, paths)
-    effect, left = read(asked.effect, model, _words(data), fixed=asked.fixed)
-    require_bodies(replace(model, effects=(*model.effects, effect)), data.campaigns)
-    rewritten(at.text, (effect,), str(at.path))  # a layout that cannot be changed is refused before minutes are spent
-    bench = bench_of(model, data, conditions, lambda share: tell("spectra", share))
-    conditions = replace(conditions, hold_out=bench.hold_out)  # names that mean the same from whatever folder
+    _effect(effect, at, model, data.campaigns)  # refused before spectra are made
+    whole = replace(asked, data=paths, hold_out=conditions.hold_out, band=conditions.band, method=conditions.method)
+    return Study.of(model, data, whole, progress), said
+
+
+def _effect(
+    asked: AddedEffectOptions, at: HistoryPosition, model: Model, campaigns: Sequence[Campaign]
+) -> tuple[Added, tuple[str, ...]]:
+    """The effect that is `asked`, and the keys of its sizes that are left open.
+
+    Raises
+    ------
+    BadInput : see `read`; no body is left with it; a layout of the model file that cannot be changed.
+    """
+    effect, left = read(asked.effect, model, _words(campaigns), fixed=asked.fixed)
+    require_bodies(replace(model, effects=(*model.effects, effect)), campaigns)
+    rewritten(at.text, (effect,), str(at.path))
+    return effect, left
+
+
+def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = None) -> AddResult:
+    """The rung that an effect leads to, written; the rung below it is evaluated and kept first where it was not yet.
+
+    Raises
+    ------
+    BadInput, CheckFailed : see `candidate` and `judged`.
+    """
+    tell = progress or (lambda what, share: None)
+    at = study.history
+    with reminded(at.path):
+        model = model_file.of_text(at.text, str(at.path))
+    if _sized(model) != _sized(study.model):  # the file went on since the study was opened
+        study = study.by(model)
+    effect, left = _effect(asked, at, model, study.campaigns)
     tell("looking for aliases", 0.0)
-    chosen = candidate(effect, left, model, bench.problem, allowed=asked.alias_ok)
-    at, known = _grounded(at, model, bench, conditions, tell, chosen)
+    chosen = candidate(effect, left, study, allowed=asked.alias_ok)
+    at, known = _grounded(at, study, tell, chosen)
     before = _rung_of(at)
-    chosen = _begun(chosen, model, bench, before, tell)
+    chosen = _begun(chosen, study, before, tell)
     parent = before if before.errors is not None else None
-    after = judged(bench, replace(model, effects=(*model.effects, chosen.added)), parent, tell)
-    rung = _next(at, before, after, chosen, asked, conditions)
+    after = judged(study.by(replace(model, effects=(*model.effects, chosen.added))), parent, tell)
+    rung = _next(at, before, after, chosen, asked, study)
     there = climbed(at, rung)
     new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
-    said = (*said, *bench.remarks, *known, *_left_alone(there, new), *history.conditions(there))
-    return AddResult(at=there, before=before, after=new, said=said)
+    said = (*study.left_out, *known, *_left_alone(there, new), *history.conditions(there))
+    return AddResult(at=there, before=before, after=new, said=said, study=study.by(after.model))
+
+
+def _sized(model: Model) -> list[tuple[str, dict[str, float], bool]]:
+    return [(one.named.id, dict(one.named.values), one.fixed) for one in model.effects]
+
+
+def conditions_of(study: Study) -> Conditions:
+    """What is held against what, as a rung keeps it."""
+    asked = study.asked
+    sources = history.sources(asked.data, asked.path.parent)
+    return Conditions(data=sources, hold_out=study.hold_out, band=asked.band, method=asked.spectra)
 
 
 def _left_alone(at: HistoryPosition, new: Version) -> tuple[str, ...]:
@@ -681,10 +698,10 @@ def _left_alone(at: HistoryPosition, new: Version) -> tuple[str, ...]:
     return (f"{at.path.name} was changed while the fit ran and is left as it is; `--go {new.number}` goes to the new rung",)
 
 
-def grounded(
-    at: HistoryPosition, model: Model, bench: JudgedData, conditions: Conditions, progress: Progress
-) -> tuple[HistoryPosition, tuple[str, ...]]:
-    """`at` on a rung that stands on `conditions`, evaluated and kept at once where there was none, and what is to be said."""
+def grounded(at: HistoryPosition, study: Study, progress: Progress) -> tuple[HistoryPosition, tuple[str, ...]]:
+    """`at` on a rung that stands on the data of a `study`, evaluated and kept at once where there was none, and what is to be
+    said."""
+    conditions = conditions_of(study)
     if at.rung is not None and at.rung.stands_on(conditions):
         return at, ()
     if at.rung is None or at.rung.errors is None:
@@ -692,27 +709,26 @@ def grounded(
     else:
         rung = Version(number=len(at.ladder.rungs), parent=at.rung.number, cause=OTHER_DATA, model=at.text)
         said = (f"rung {at.rung.number} stands on other data or settings: the model is held against these first",)
-    found = judged(bench, model, None, lambda what, share: progress(f"the model before: {what}", share))
-    return kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(model))), said
+    found = judged(study, None, lambda what, share: progress(f"the model before: {what}", share))
+    return kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(study.model))), said
 
 
 def _grounded(
-    at: HistoryPosition, model: Model, bench: JudgedData, conditions: Conditions, progress: Progress, chosen: AddedEffect
+    at: HistoryPosition, study: Study, progress: Progress, chosen: AddedEffect
 ) -> tuple[HistoryPosition, tuple[str, ...]]:
     """As `grounded`; where a mistake is to be taken out of data that nothing fits with it, the rung below has no figures."""
     try:
-        return grounded(at, model, bench, conditions, progress)
+        return grounded(at, study, progress)
     except CheckFailed as failed:
         if FAMILIES[chosen.added.named.family].side != MISTAKE or (at.rung is not None and at.rung.errors is not None):
             raise
-        waiting = kept(at, replace(next_rung(at), settings=_settings(model)))
+        waiting = kept(at, replace(next_rung(at), settings=_settings(study.model)))
         return waiting, (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)
 
 
-def _begun(chosen: AddedEffect, model: Model, bench: JudgedData, before: Version, progress: Progress) -> AddedEffect:
+def _begun(chosen: AddedEffect, study: Study, before: Version, progress: Progress) -> AddedEffect:
     """`chosen` with the sizes at which its fit begins; data that are held out do not say where."""
-    problem = bench.problem(replace(model, effects=(*model.effects, chosen.added))).thinned()
-    known = without(problem, named(problem, bench.hold_out)) if bench.hold_out else problem
+    known = study.problem([chosen.added])
     at = starting_sizes(
         chosen.added, chosen.left, known, before.plain_offsets, lambda share: progress("looking where it is", share)
     )
@@ -727,7 +743,7 @@ def _rung_of(at: HistoryPosition) -> Version:
 
 
 def _next(
-    at: HistoryPosition, before: Version, of: EvaluatedModel, chosen: AddedEffect, asked: AddOptions, conditions: Conditions
+    at: HistoryPosition, before: Version, of: EvaluatedModel, chosen: AddedEffect, asked: AddedEffectOptions, study: Study
 ) -> Version:
     """The rung of the effect that was added, with its verdict."""
     text = rewritten(at.text, of.model.effects, str(at.path))
@@ -737,8 +753,8 @@ def _next(
         cause=ADDED,
         effect=chosen.added.named.id,
         model=text,
-        conditions=conditions,
-        settings={**_settings(of.model), **_said_of(asked, chosen)},
+        conditions=conditions_of(study),
+        settings={**_settings(of.model), **_said_of(asked, chosen, study.asked.effects_from)},
     )
     rung = rung_with(bare, of)
     old, new = before.errors, rung.errors
@@ -752,17 +768,17 @@ def _settings(model: Model) -> dict[str, object]:
     return {"article": model.article, "kind": model.kind}
 
 
-def _said_of(asked: AddOptions, chosen: AddedEffect) -> dict[str, object]:
+def _said_of(asked: AddedEffectOptions, chosen: AddedEffect, effects_from: Sequence[str]) -> dict[str, object]:
     alias = chosen.alias
     return {
         "asked": asked.effect,
         "fixed": chosen.added.fixed,
-        "effects_from": list(asked.effects_from),
+        "effects_from": list(effects_from),
         "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
     }
 
 
-def _paths(asked: AddOptions, at: HistoryPosition) -> tuple[str, ...]:
+def _paths(asked: Options, at: HistoryPosition) -> tuple[str, ...]:
     """Where the data are: as named, else where the ladder knows them."""
     below = _with_data(at)
     if asked.data or below is None:
@@ -771,13 +787,13 @@ def _paths(asked: AddOptions, at: HistoryPosition) -> tuple[str, ...]:
     return history.paths(below.conditions, at.path.parent, str(history.path_beside(at.path)))
 
 
-def _require_data(asked: AddOptions) -> None:
+def _require_data(asked: Options) -> None:
     if not asked.data:
         problem = "there is no data: the model has no ladder yet that knows any"
         raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
 
 
-def _conditions(asked: AddOptions, at: HistoryPosition, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
+def _conditions(asked: Options, at: HistoryPosition, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
     """What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said."""
     below = _with_data(at)
     known = Conditions() if below is None else below.conditions
@@ -798,30 +814,9 @@ def _with_data(at: HistoryPosition) -> Version | None:
     return next((one for one in reversed(path) if one.conditions.data), None)
 
 
-def _words(data: Data) -> Vocabulary:
+def _words(campaigns: Sequence[Campaign]) -> Vocabulary:
     """Channels of these campaigns; places and parts are those of whatever article, as in a model file."""
-    channels = [channel for campaign in data.campaigns for channel in campaign.table.channels]
+    channels = [channel for campaign in campaigns for channel in campaign.table.channels]
     accelerometers = [one.name for one in channels if one.quantity == "acceleration"]
     forces = [one.name for one in channels if one.quantity != "acceleration"]
     return Vocabulary(accelerometers=tuple(dict.fromkeys(accelerometers)), forces=tuple(dict.fromkeys(forces)), places=None)
-
-
-def bench_of(model: Model, data: Data, conditions: Conditions, progress: Callable[[float], None]) -> JudgedData:
-    """`data` ready for `model` with any effects, as a rung that stands on `conditions` wants them."""
-    made = predictions(
-        replace(model, effects=()), data.campaigns, band=conditions.band, method=conditions.method, progress=progress
-    )
-
-    def problem(of: Model) -> Problem:
-        return Problem(tuple(one.with_effects(of.effects) for one in made), facts(of, data.classical))
-
-    hold_out = resolved_names(problem(model), data, conditions.hold_out)
-    left_out = tuple(text for one in made for text in one.tested.remarks)
-    return JudgedData(problem=problem, hold_out=hold_out, article=_article(model, made), remarks=left_out)
-
-
-def _article(model: Model, made: tuple[SeriesPrediction, ...]) -> str:
-    """Whose inertia is identified: the model's own article where it was tested, else the first that stood on the FMD."""
-    tested = [one.tested.carried.standing.article for one in made]
-    own = above_fmd(model.article)
-    return own if own in tested else next((one for one in tested if one), "")

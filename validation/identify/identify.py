@@ -499,7 +499,7 @@ class UsedLines:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Study:
+class DrawnBandStudy:
     """The band study: results of Eqs. 9 to 11 over start and stop frequency.
 
     Attributes
@@ -556,7 +556,7 @@ class IdentificationFindings:
     spectra: Spectra | None = None
     crossed: CrossMotion | None = None
     residuals: DrawnResiduals | None = None
-    study: Study | None = None
+    study: DrawnBandStudy | None = None
     checks: tuple[Finding, ...] = ()
     losses: tuple[Loss, ...] = ()
     doubts: tuple[str, ...] = ()
@@ -591,7 +591,7 @@ def studied(found: Identification, progress: Callable[[float], None]) -> BandStu
     return study(used, fitted=whole, floor=CHAIN_ERROR, progress=lambda share: progress(FITTED + (1 - FITTED) * share))
 
 
-def maps(found: Identification, of: BandStudy, frame: Pose) -> Study:
+def maps(found: Identification, of: BandStudy, frame: Pose) -> DrawnBandStudy:
     """The study as it is drawn: of the article in `frame`, seen from F, the FMD taken off as the plain way did."""
     parameters, rigid = of.map(), found.request.modes == 0
     whole = parameters[0, -1, 0] if rigid else of.fitted.parameters
@@ -605,7 +605,7 @@ def maps(found: Identification, of: BandStudy, frame: Pose) -> Study:
         what = f"{count} elastic terms"
         drawn = {what: _reported(elastic - fmd, frame), **drawn}
         known = {what: _half_widths(elastic - fmd, spread[:, :, of.counts.index(count)], frame), **known}
-    return Study(start=of.starts, stop=of.stops, maps=drawn, half_widths=known, chosen=of.fitted.band)
+    return DrawnBandStudy(start=of.starts, stop=of.stops, maps=drawn, half_widths=known, chosen=of.fitted.band)
 
 
 def _reported(parameters: Array, frame: Pose) -> Array:

@@ -40,7 +40,7 @@ from validation.report.document import (
 )
 from validation.report.parts import CampaignPart, Report, picture, section, verdict
 from validation.report.parts import notes as parts_notes
-from validation.study import CompareOptions, ready
+from validation.study import Options, Study, read
 
 if TYPE_CHECKING:
     from validation.report.charts.style import Figure
@@ -422,7 +422,7 @@ RESULT = "compare.json"
 """The file of a comparison in its folder."""
 
 
-def answer(asked: CompareOptions, *, as_json: bool, folder: Path | None) -> None:
+def answer(asked: Options, *, as_json: bool, folder: Path | None) -> None:
     """Compare what is `asked`, print it, and write JSON and pictures into `folder` (None: nowhere).
 
     Raises
@@ -439,7 +439,7 @@ def answer(asked: CompareOptions, *, as_json: bool, folder: Path | None) -> None
         _write(found, folder, quiet=as_json)
 
 
-def comparison(asked: CompareOptions, *, quiet: bool = True) -> Comparison:
+def comparison(asked: Options, *, quiet: bool = True) -> Comparison:
     """The comparison that `asked` leads to.
 
     Raises
@@ -447,9 +447,9 @@ def comparison(asked: CompareOptions, *, quiet: bool = True) -> Comparison:
     BadInput, CheckFailed : see `answer`.
     """
     with stages("reading", quiet=quiet) as told:
-        model, data = ready(asked, told)
+        model, data = read(asked, told)
     with stages("comparing", quiet=quiet) as told:
-        return compared(model, data, asked.hold_out, told, band=asked.band, method=asked.method)
+        return compared(Study.of(model, data, asked, told), told)
 
 
 def _write(found: Comparison, folder: Path, *, quiet: bool) -> None:

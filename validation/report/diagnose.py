@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
 from validation.diagnose.classical import MeasurementComparison, MeasurementInput, Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
-from validation.diagnose.diagnose import DiagnoseOptions, of_levels, ready
+from validation.diagnose.diagnose import of_levels, ready
 from validation.diagnose.diagnosis import (
     AMBIGUOUS,
     MISSING,
@@ -31,7 +31,6 @@ from validation.diagnose.diagnosis import (
     Detectable,
     Diagnosis,
     EffectEstimate,
-    FittedData,
     Leftover,
     LevelDifference,
     ReportedStep,
@@ -81,7 +80,7 @@ from validation.report.document import (
 from validation.report.history import of_ladder
 from validation.report.parts import Report, paragraphs, section
 from validation.report.parts import notes as parts_notes
-from validation.study import only_files
+from validation.study import Options, Study, only_files
 
 EVIDENCE, ERRORS = "diagnose-evidence.png", "diagnose-errors.png"
 
@@ -369,7 +368,7 @@ NO_MORE = "what was found is in the model already"
 TOO_LONG = "{rounds} diagnoses in a row found something: look at the ladder before going on"
 
 Progress = Callable[[str, float], None]
-Diagnose = Callable[[FittedData], Diagnosis]
+Diagnose = Callable[[Study], Diagnosis]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -399,7 +398,7 @@ class DiagnosisListener:
     progress: Progress = lambda what, share: None
 
 
-def climb(asked: DiagnoseOptions, bench: FittedData, diagnose: Diagnose, heard: DiagnosisListener | None = None) -> Climb:
+def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisListener | None = None) -> Climb:
     """Climb the ladder of the model that is `asked`.
 
     Parameters
@@ -421,9 +420,9 @@ def climb(asked: DiagnoseOptions, bench: FittedData, diagnose: Diagnose, heard: 
         ended = ENDED.get(found.verdict, "").format(asked=asked_for(found))
         more = new(found, bench.model)
         for cause in more:
-            rung, below = _added(asked, cause, found, told.progress)
+            rung, below = _added(bench, cause, found, told.progress)
             if not is_worth_adding(rung) and rung.gain is not None:
-                undone(history_position(asked.model))
+                undone(history_position(asked.path))
                 ended = NOT_WORTH.format(effect=cause.id, below=below)
                 break
             rungs.append(rung)
@@ -431,8 +430,8 @@ def climb(asked: DiagnoseOptions, bench: FittedData, diagnose: Diagnose, heard: 
         if not ended and (not more or len(rounds) >= MOST_ROUNDS):
             ended = TOO_LONG.format(rounds=len(rounds)) if more else NO_MORE
         if ended:
-            return Climb(rounds=tuple(rounds), rungs=tuple(rungs), ended=ended, at=history_position(asked.model))
-        bench = replace(bench, model=model_file.read(str(asked.model)))
+            return Climb(rounds=tuple(rounds), rungs=tuple(rungs), ended=ended, at=history_position(asked.path))
+        bench = bench.by(model_file.read(asked.model))
 
 
 def new(found: Diagnosis, model: Model) -> tuple[Cause, ...]:
@@ -445,19 +444,11 @@ def new(found: Diagnosis, model: Model) -> tuple[Cause, ...]:
     return wrong if found.verdict == MISTAKE and wrong else more
 
 
-def _added(asked: DiagnoseOptions, cause: Cause, found: Diagnosis, progress: Progress) -> tuple[Version, int]:
+def _added(study: Study, cause: Cause, found: Diagnosis, progress: Progress) -> tuple[Version, int]:
     """The rung of `cause`, and the number of the one below."""
     step = add.added(
-        add.AddOptions(
-            model=asked.model,
-            effect=str(cause.named),
-            data=asked.data,
-            hold_out=asked.hold_out,
-            band=asked.band,
-            method=asked.method,
-            effects_from=asked.effects_from,
-            remarks=_alike(cause, found),
-        ),
+        study,
+        add.AddedEffectOptions(effect=str(cause.named), remarks=_alike(cause, found)),
         lambda what, share: progress(f"adding {cause.id}: {what}", share),
     )
     return step.after, step.before.number
@@ -773,7 +764,7 @@ RESULT = "diagnose.json"
 """The file of a diagnosis in its folder."""
 
 
-def answer(asked: DiagnoseOptions, files: Sequence[str], *, auto: bool, as_json: bool, folder: Path | None) -> None:
+def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, folder: Path | None) -> None:
     """Diagnose by the measurement `files` alone, print it, and write JSON into `folder` (None: nowhere).
 
     Raises
@@ -781,22 +772,22 @@ def answer(asked: DiagnoseOptions, files: Sequence[str], *, auto: bool, as_json:
     BadInput : a model or a file that cannot be used, or an option that asks for a campaign.
     """
     _require_nothing_of_spectra(asked, auto=auto)
-    with reminded(asked.model):
-        model = model_file.read(str(asked.model))
+    with reminded(asked.path):
+        model = model_file.read(asked.model)
     with stages("diagnosing", quiet=as_json) as told:
         found = only_classical(model, files, lambda share: told("effects", share), only=asked.candidates)
-    whole = {"model": str(asked.model), "data": list(files), **classical_json(found)}
+    whole = {"model": asked.model, "data": list(files), **classical_json(found)}
     if as_json:
         click.echo(json_text(whole))
     else:
-        named = title(asked.model.name, files)
+        named = title(asked.path.name, files)
         click.echo(page(named, grids(found), notes(found), opening=opening(found)), nl=False)
     if folder is not None:
         write_text(folder / RESULT, json_text(whole) + "\n")
         click.echo(f"massline: wrote {folder / RESULT}.", err=True)
 
 
-def _require_nothing_of_spectra(asked: DiagnoseOptions, *, auto: bool) -> None:
+def _require_nothing_of_spectra(asked: Options, *, auto: bool) -> None:
     """Refuse options that mean nothing without a campaign.
 
     Raises
@@ -813,7 +804,7 @@ def _require_nothing_of_spectra(asked: DiagnoseOptions, *, auto: bool) -> None:
 # Where an unknown effect shows: the map of what is left once everything that was accepted acts.
 
 
-def draw_left(found: Diagnosis, bench: FittedData, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
+def draw_left(found: Diagnosis, bench: Study, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
     """Write a map of each campaign into `folder`: channels and loads in sigmas, at the plain fit with what was accepted."""
     whole = bench.whole([Added(named=one.named) for one in found.accepted])
     known = without(whole, named(whole, bench.hold_out)) if bench.hold_out else whole
@@ -1065,7 +1056,7 @@ def _share(of: Share | None) -> str:
 # `massline diagnose` from options to output: read, diagnose, show; with `--auto`, climb.
 
 
-def diagnosis_answer(asked: DiagnoseOptions, *, auto: bool, as_json: bool, folder: Path | None) -> None:
+def diagnosis_answer(asked: Options, *, auto: bool, as_json: bool, folder: Path | None) -> None:
     """Diagnose what is `asked`, print it, and write JSON and pictures into `folder` (None: nowhere); where `auto`, climb.
 
     Raises
@@ -1077,8 +1068,8 @@ def diagnosis_answer(asked: DiagnoseOptions, *, auto: bool, as_json: bool, folde
     if files := only_files(asked.data):
         answer(asked, files, auto=auto, as_json=as_json, folder=folder)
         return
-    if auto and asked.model.is_file():
-        probe(asked.model)  # what cannot be written at the end is said before minutes are spent
+    if auto and asked.path.is_file():
+        probe(asked.path)  # what cannot be written at the end is said before minutes are spent
     bench = prepared(asked, quiet=as_json)
     found, more = (_climbed if auto else _diagnosed)(asked, bench, as_json=as_json)
     whole = {**of_asked(asked, bench), **diagnosis_json(found), **more}
@@ -1088,7 +1079,7 @@ def diagnosis_answer(asked: DiagnoseOptions, *, auto: bool, as_json: bool, folde
         write(found, bench, whole, folder, quiet=as_json)
 
 
-def prepared(asked: DiagnoseOptions, *, quiet: bool = True) -> FittedData:
+def prepared(asked: Options, *, quiet: bool = True) -> Study:
     """The bench that `asked` leads to.
 
     Raises
@@ -1097,23 +1088,23 @@ def prepared(asked: DiagnoseOptions, *, quiet: bool = True) -> FittedData:
     """
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
-        made = diagnose.bench(model, data, hold_out=asked.hold_out, band=asked.band, method=asked.method, progress=told)
+        made = Study.of(model, data, asked, told)
     for text in of_levels(asked):
         require_levels(made, text)
     return made
 
 
-def diagnosis(asked: DiagnoseOptions, bench: FittedData, progress: Progress | None = None) -> Diagnosis:
+def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) -> Diagnosis:
     """What is missing on `bench`.
 
     Raises
     ------
     CheckFailed : a baseline that does not converge.
     """
-    return diagnose.diagnosed(bench, only=asked.candidates, progress=progress)
+    return diagnose.diagnosed(bench, only=asked.candidates, leave_out=asked.leave_out, progress=progress)
 
 
-def _diagnosed(asked: DiagnoseOptions, bench: FittedData, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+def _diagnosed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
     """The diagnosis, printed; there is nothing more to say in JSON."""
     with stages("diagnosing", quiet=as_json) as told:
         found = diagnosis(asked, bench, told)
@@ -1122,7 +1113,7 @@ def _diagnosed(asked: DiagnoseOptions, bench: FittedData, *, as_json: bool) -> t
     return found, {}
 
 
-def _climbed(asked: DiagnoseOptions, bench: FittedData, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
     """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
     pages = 0
 
@@ -1145,21 +1136,21 @@ def _climbed(asked: DiagnoseOptions, bench: FittedData, *, as_json: bool) -> tup
     return found.rounds[0], automatic_json(found)
 
 
-def text(asked: DiagnoseOptions, bench: FittedData, found: Diagnosis) -> str:
+def text(asked: Options, bench: Study, found: Diagnosis) -> str:
     """The page of a diagnosis."""
-    named = diagnosis_title(asked.model.name, data_sets(bench))
+    named = diagnosis_title(asked.path.name, data_sets(bench))
     return page(named, diagnosis_grids(found), diagnosis_notes(found), opening=diagnosis_opening(found))
 
 
-def data_sets(bench: FittedData) -> tuple[str, ...]:
+def data_sets(bench: Study) -> tuple[str, ...]:
     """Names of the campaigns."""
     return tuple(one.measured.name for one in bench.made)
 
 
-def of_asked(asked: DiagnoseOptions, bench: FittedData) -> dict[str, Any]:
+def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
     """What was asked, as JSON."""
     return {
-        "model": str(asked.model),
+        "model": asked.model,
         "data": list(asked.data),
         "campaigns": list(data_sets(bench)),
         "hold_out": list(asked.hold_out),
@@ -1169,7 +1160,7 @@ def of_asked(asked: DiagnoseOptions, bench: FittedData) -> dict[str, Any]:
     }
 
 
-def write(found: Diagnosis, bench: FittedData, whole: dict[str, Any], folder: Path, *, quiet: bool) -> None:
+def write(found: Diagnosis, bench: Study, whole: dict[str, Any], folder: Path, *, quiet: bool) -> None:
     """`diagnose.json` and the pictures, into `folder`; of what is left over a map of each campaign, too."""
 
     write_text(folder / RESULT, json_text(whole) + "\n")

@@ -35,7 +35,8 @@ from validation.report.parts import Report, paragraphs, section
 from validation.report.parts import notes as parts_notes
 
 if TYPE_CHECKING:
-    from validation.history.add import AddOptions
+    from validation.history.add import AddedEffectOptions
+    from validation.study import Options
 
 
 # What `massline add`, `massline ladder` and `massline undo` print with ``--json``; keys end in their unit.
@@ -276,24 +277,26 @@ def notes(at: HistoryPosition) -> Iterator[str]:
     yield from conditions(at)
 
 
-def add(asked: AddOptions, *, as_json: bool) -> None:
-    """Add what is `asked`, and print the errors before and after.
+def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
+    """Add an `effect` to the model that is `asked`, and print the errors before and after.
 
     Raises
     ------
     BadInput : something that was asked cannot be used.
     CheckFailed : a fit of the model as it was does not converge.
     """
-    from validation.history.add import added
+    from validation.history.add import added, opened
     from validation.history.verdict import sentence
 
-    with stages(f"adding {asked.effect}", quiet=as_json) as told:
-        step = added(asked, told)
+    with stages(f"adding {effect.effect}", quiet=as_json) as told:
+        study, known = opened(asked, effect, told)
+        step = added(study, effect, told)
+    said = (*known, *step.said)
     if as_json:
-        click.echo(json_text(of_step(step.at, step.before, step.after, step.said)))
+        click.echo(json_text(of_step(step.at, step.before, step.after, said)))
         return
-    title = f"{asked.model.name}: {step.after.effect} added, rung {step.after.number} on rung {step.before.number}"
-    click.echo(page(title, ladder_of_step(step.before, step.after), (*step.after.verdict, *map(sentence, step.said))), nl=False)
+    title = f"{asked.path.name}: {step.after.effect} added, rung {step.after.number} on rung {step.before.number}"
+    click.echo(page(title, ladder_of_step(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
 
 
 def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) -> None:

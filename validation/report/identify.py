@@ -29,11 +29,10 @@ from identification.request import QUANTITIES as CLASSICAL_QUANTITIES
 from identification.request import Request
 from validation.compare.compare import Comparison
 from validation.flexible.model import Flexible
-from validation.history import history
-from validation.history.add import bench_of, body_of
+from validation.history.add import body_of, conditions_of
 from validation.history.history import Body, Conditions, HistoryPosition
 from validation.identify import identify
-from validation.identify.identify import IdentificationFindings, IdentifyOptions, Reported, Study, UsedLines
+from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported, UsedLines
 from validation.identify.identify import identified as identification_identified
 from validation.identify.pretest import PretestFindings, PretestOptions, coarse_lines, findings, largest_share
 from validation.model.model import Model
@@ -67,7 +66,7 @@ from validation.report.parts import notes as parts_notes
 from validation.report.reference import drawing_of, drawn
 from validation.report.scenes.motion import MovingBody
 from validation.report.scenes.sensors import draw as sensor_map_draw
-from validation.study import CompareOptions, Data
+from validation.study import Study
 
 PRODUCT = 1e3
 """Products are shown in g m²: as a share of a product that is almost zero their deviation says nothing."""
@@ -199,7 +198,7 @@ def _residuals(found: IdentificationFindings, residuals: identify.DrawnResiduals
     identification.draw_residuals(f"{_stack(found)}: what redundant channels disagree by", residuals, path, note)
 
 
-def _stability(found: IdentificationFindings, study: Study, what: str, path: Path) -> None:
+def _stability(found: IdentificationFindings, study: DrawnBandStudy, what: str, path: Path) -> None:
     maps = [_map(study, what, found.result, k) for k in range(len(QUANTITIES))]
     counts, *_ = study.maps
     at = np.asarray(np.isfinite(study.maps[what]).any(axis=(0, 2)))
@@ -221,7 +220,7 @@ def _alone(found: IdentificationFindings) -> str:
     return f"{found.article} alone, FMD taken off" if found.article != _stack(found) else found.article
 
 
-def _map(study: Study, what: str, chosen: Reported, k: int) -> identification.BandMap:
+def _map(study: DrawnBandStudy, what: str, chosen: Reported, k: int) -> identification.BandMap:
     quantity, value = QUANTITIES[k], chosen.values[k]
     kind = "mm" if 1 <= k <= 3 else "g m²" if k >= 7 else "%"
     scale = {"mm": 1e3, "g m²": PRODUCT, "%": 100 / abs(value)}[kind]
@@ -361,7 +360,7 @@ def _identification_lines(lines: UsedLines) -> dict[str, Any]:
     }
 
 
-def _study(study: Study) -> dict[str, Any]:
+def _study(study: DrawnBandStudy) -> dict[str, Any]:
     return {
         "start_hz": study.start.tolist(),
         "stop_hz": study.stop.tolist(),
@@ -1187,30 +1186,25 @@ Progress = Callable[[str, float], None]
 
 
 def identified(
-    asked: CompareOptions, model: Model, data: Data, comparison: Comparison, at: HistoryPosition | None, progress: Progress
+    study: Study, comparison: Comparison, at: HistoryPosition | None, progress: Progress
 ) -> tuple[tuple[Body, ...], str]:
     """Of the rung on which the model stands, where that stands on the same data; else of a fit. None of a model without effects
     that no rung has, and none where there is a reason, which is told.
 
     Parameters
     ----------
-    comparison : of `model` and `data`, as `asked`
+    comparison : of the `study`
 
     Raises
     ------
     OSError : a file cannot be read.
     """
-    conditions = Conditions(
-        data=history.sources(asked.data, Path(asked.model).parent), hold_out=asked.hold_out, band=asked.band, method=asked.method
-    )
-    if at is not None and _is_of(at, conditions, comparison):
+    if at is not None and _is_of(at, conditions_of(study), comparison):
         return (() if at.rung is None else at.rung.bodies), ""
-    if not model.effects:
+    if not study.model.effects:
         return (), ""
     try:
-        bench = bench_of(model, data, conditions, lambda share: progress("spectra", share))
-        plain = comparison.evaluation.plain_fit
-        body = body_of(bench, bench.problem(model), plain, lambda share: progress("identifying", share))
+        body = body_of(study, comparison.evaluation.plain_fit, lambda share: progress("identifying", share))
     except (BadInput, CheckFailed) as error:
         return (), str(error)
     return ((body,), "") if body is not None else ((), "no article stood on the FMD")

@@ -21,6 +21,7 @@ import click
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput, CheckFailed
 from identification.campaign import METHODS
+from validation import study as validation_study
 from validation.classical.files import Reduction, read
 from validation.compare.compare import Comparison, compared
 from validation.compare.spots import text
@@ -43,8 +44,7 @@ from validation.report.document import Column, Figures, Safe, joined, table, tag
 from validation.report.identify import campaign_part
 from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, section, verdict
 from validation.report.reference import article_part
-from validation.study import CompareOptions as Compared
-from validation.study import Data, ready
+from validation.study import Data, Options, Study
 
 # Where everything comes from: versions, settings, inputs with their digests, the model, and the command line.
 
@@ -578,7 +578,7 @@ class ReportOptions:
     command : the command line
     """
 
-    compared: Compared
+    compared: Options
     diagnosis: bool = True
     out: Path | None = None
     pdf: bool = False
@@ -633,20 +633,21 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
     """
     question = asked.compared
     with stages("reading", quiet=quiet) as told:
-        model, data = ready(question, told)
+        model, data = validation_study.read(question, told)
         at = history_position(Path(question.model)) if Path(question.model).is_file() else None
     with stages("comparing", quiet=quiet) as told:
-        comparison = compared(model, data, question.hold_out, told, band=question.band, method=question.method)
+        study = Study.of(model, data, question, told)
+        comparison = compared(study, told)
     with stages("diagnosing", quiet=quiet) as told:
-        found, why = _diagnosis(asked, model, data, told) if asked.diagnosis else (None, NOT_ASKED)
+        found, why = _diagnosis(study, told) if asked.diagnosis else (None, NOT_ASKED)
     with stages("identifying and drawing", quiet=quiet) as told:
-        bodies, missing = identify.identified(question, model, data, comparison, at, told)
+        bodies, missing = identify.identified(study, comparison, at, told)
         return assembled(
             model,
             data,
             comparison,
             provenance=provenance(asked),
-            how=How(band=question.band, method=question.method),
+            how=How(band=question.band, method=question.spectra),
             identified=bodies,
             not_identified=missing,
             diagnosis=found,
@@ -656,15 +657,11 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
         )
 
 
-def _diagnosis(
-    asked: ReportOptions, model: Model, data: Data, told: Callable[[str, float], None]
-) -> tuple[Diagnosis | None, str]:
+def _diagnosis(study: Study, told: Callable[[str, float], None]) -> tuple[Diagnosis | None, str]:
     """What is missing; or None, and why nothing can be said."""
-    question = asked.compared
     try:
-        require_runs(data.campaigns)
-        bench = diagnose.bench(model, data, hold_out=question.hold_out, band=question.band, method=question.method, progress=told)
-        return diagnose.diagnosed(bench, progress=told), ""
+        require_runs(study.campaigns)
+        return diagnose.diagnosed(study, progress=told), ""
     except (BadInput, CheckFailed) as error:
         return None, str(error)
 
@@ -684,7 +681,7 @@ def provenance(asked: ReportOptions) -> Provenance:
         versions=_versions(asked),
         inputs=inputs((question.model, *question.data, *_own_effects())),
         settings={
-            "method": question.method,
+            "method": question.spectra,
             "band_hz": question.band or "what all runs drive",
             "held out": question.hold_out or "each run in turn",
             "effects of the user's own": [f"{name} ({source})" for name, source in SOURCES.items()],
@@ -693,12 +690,12 @@ def provenance(asked: ReportOptions) -> Provenance:
     )
 
 
-def command_line(of: Compared, *, effects_from: Sequence[str] = (), diagnosis: bool = True) -> str:
+def command_line(of: Options, *, effects_from: Sequence[str] = (), diagnosis: bool = True) -> str:
     """What is typed for a report of `of`."""
     words = ["massline", "report", of.model, *of.data]
     words += [word for name in of.hold_out for word in ("--hold-out", name)]
     words += [] if of.band is None else ["--band", *(f"{end:g}" for end in of.band)]
-    words += [] if of.method == METHODS[0] else ["--method", of.method]
+    words += [] if of.spectra == METHODS[0] else ["--method", of.spectra]
     words += [word for folder in effects_from for word in ("--effects-from", folder)]
     return shlex.join([*words, *([] if diagnosis else [NOT_ASKED])])
 

@@ -12,16 +12,14 @@ from validation.app import scene3d, session
 from validation.app.scene3d import MapCell
 from validation.app.session import Session
 from validation.compare.compare import compared
-from validation.model import model_file
 from validation.output import to_json
-from validation.study import read_data
+from validation.study import Study
 
 
 @pytest.fixture(scope="module")
 def found(worked: Any) -> Any:
     """What `massline compare` finds of the same."""
-    model = model_file.read(worked.desk.model)
-    return compared(model, read_data(worked.desk.asked.data, model))
+    return compared(Study.open(worked.desk.model, worked.desk.asked.data))
 
 
 def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
@@ -37,7 +35,7 @@ def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
 
 def test_a_fit_that_did_not_converge_is_said(worked: Any) -> None:
     """In the words of the command, of both fits."""
-    ready = session.ground(worked.desk)
+    ready = session.study_of(worked.desk)
     at = session.rung(worked.desk, ready, lambda what, share: None)
     assert at.errors is not None
     lost = replace(at, errors=replace(at.errors, converged=False))

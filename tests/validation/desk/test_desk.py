@@ -25,7 +25,7 @@ def test_a_desk_is_opened_as_it_was_begun(block: Series, tmp_path: Path) -> None
     assert opened(tmp_path / "d") == made
     assert made.asked.band == (8.0, 12.0)
     assert made.asked.hold_out == ("z",)
-    assert made.asked.title == "<b>"
+    assert made.title == "<b>"
 
 
 def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(

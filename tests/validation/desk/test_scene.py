@@ -24,8 +24,9 @@ def desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session:
 @pytest.fixture(scope="module")
 def found(desk: Session) -> Compared:
     """As much of a comparison as shapes ask for, of the model as drawn."""
-    ready = session.ground(desk)
-    modes = tuple(modes_of(one, ready.problem.start) for one in ready.made)
+    ready = session.study_of(desk)
+    start = ready.whole().start
+    modes = tuple(modes_of(one, start) for one in ready.predictions)
     loads = ({},) * len(modes)
     named = [one.measured.name for one in ready.made]
 
@@ -34,7 +35,7 @@ def found(desk: Session) -> Compared:
         def campaigns(self) -> tuple[str, ...]:
             return tuple(named)
 
-    return Known(summary={}, maps=(), modes=modes, offsets=ready.problem.start, loads=loads)
+    return Known(summary={}, maps=(), modes=modes, offsets=start, loads=loads)
 
 
 def test_sensors_stand_where_the_campaign_says(desk: Session) -> None:
@@ -106,7 +107,7 @@ def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, na
     assert heard[-1] == 1.0  # nothing was simulated again
     assert not any(one.grave for one in faults(made.model, made.data))
     desk = begun(tmp_path / "d", made.model, made.data, hold_out=made.hold_out, band=made.band, title=made.title)
-    assert session.opened(desk.folder).asked.title == slow.title
+    assert session.opened(desk.folder).title == slow.title
     assert not any("truth" in path for path in made.data)
 
 

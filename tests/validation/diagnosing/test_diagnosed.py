@@ -7,7 +7,7 @@ import pytest
 
 from validation.cli import main
 from validation.diagnose import diagnose
-from validation.diagnose.diagnose import bench, diagnosed
+from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import (
     AMBIGUOUS,
     MISSING,
@@ -17,19 +17,18 @@ from validation.diagnose.diagnosis import (
     Cause,
     Diagnosis,
     EffectEstimate,
-    FittedData,
     LevelDifference,
 )
 from validation.effects.catalogue import parse
 from validation.model import model_file
-from validation.study import read_data
+from validation.study import Options, Study, read_data
 
 GAIN = "force-gain:fmd-z2"
 ASKED = ("force-gain", "cell-stiffness")
 
 FAST = ("--octaves-per-minute", "60", "--band", "5", "20", "--rate", "256", "--model", "rigid")
 
-Made = Callable[..., FittedData]
+Made = Callable[..., Study]
 
 
 @pytest.fixture(scope="module")
@@ -42,11 +41,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     model = model_file.read(str(file))
 
     @cache
-    def of(*effects: str) -> FittedData:
+    def of(*effects: str) -> Study:
         campaign = folder / f"cuboid-{len(list(folder.iterdir()))}"
         options = ("--seed", "3", "--tolerances", "0.3", *FAST, *(word for one in effects for word in ("--effect", one)))
         assert main.run(["simulate", "fmd+cuboid", "--out", str(campaign), *options]) == main.DONE
-        return bench(model, read_data([str(campaign)], model), hold_out=("z",))
+        return Study.of(model, read_data([str(campaign)], model), Options(model=model.source, hold_out=("z",)))
 
     return of
 

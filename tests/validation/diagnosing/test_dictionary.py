@@ -8,9 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, _shape, reaches, smallest_mass
-from validation.diagnose.diagnosis import FittedData
 from validation.effects.catalogue import parse
 from validation.estimation.screening import ScoreTest
+from validation.study import Study
 
 FREQUENCY = np.linspace(4.0, 32.0, 57)
 
@@ -58,4 +58,4 @@ def test_what_the_data_do_not_tell_has_no_smallest_mass() -> None:
 def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f: float, there: bool) -> None:
     made = SimpleNamespace(measured=SimpleNamespace(frequency=FREQUENCY))
     named = parse(f"slosh:mast-top=m:0.1,f:{f},zeta:0.01")
-    assert reaches(cast(FittedData, SimpleNamespace(made=(made,))), named) is there
+    assert reaches(cast(Study, SimpleNamespace(made=(made,))), named) is there

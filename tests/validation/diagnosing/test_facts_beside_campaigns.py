@@ -9,14 +9,13 @@ from numpy.testing import assert_allclose
 
 from validation.classical.pendulum import rope_amplitude_factor, rope_pendulum
 from validation.diagnose.candidates import candidates, screen
-from validation.diagnose.diagnose import bench
-from validation.diagnose.diagnosis import Candidate, FittedData, Screened
+from validation.diagnose.diagnosis import Candidate, Screened
 from validation.diagnose.pendulum import advised, against, contradictions
 from validation.diagnose.search import baseline, fit_with
 from validation.effects.catalogue import parse
 from validation.estimation.result import Fit
 from validation.model.model import Added, Model
-from validation.study import Data
+from validation.study import Data, Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import VirtualTest, simulate
 
@@ -25,7 +24,7 @@ BALANCE = 0.05
 
 MODEL = Model(source="model.toml", title="", article="fmd+cuboid", cell_stiffness=np.array((4e8, 4e8, 2e9)))
 
-Made = Callable[..., FittedData]
+Made = Callable[..., Study]
 
 
 @pytest.fixture(scope="module")
@@ -48,11 +47,11 @@ def body() -> tuple[float, float]:
 def made(test_of_cuboid: VirtualTest, tmp_path: Path) -> Made:
     """``made(text of a file, ...)``: the campaign and these files on a bench."""
 
-    def of(*texts: str) -> FittedData:
+    def of(*texts: str) -> Study:
         paths = [tmp_path / f"file-{k}.toml" for k in range(len(texts))]
         for path, text in zip(paths, texts, strict=True):
             path.write_text(text, encoding="utf-8")
-        return bench(MODEL, Data(campaigns=(test_of_cuboid.campaign,), classical=tuple(map(str, paths))))
+        return Study.of(MODEL, Data(campaigns=(test_of_cuboid.campaign,), classical=tuple(map(str, paths))))
 
     return of
 
@@ -82,14 +81,14 @@ def by_id(found: tuple[Screened, ...]) -> dict[str, Screened]:
 @pytest.fixture(scope="module")
 def fitted(test_of_cuboid: VirtualTest) -> Fit:
     """Of the campaign. Facts do not move it: no free parameter of the model as it is weighs anything on a balance."""
-    return baseline(bench(MODEL, Data(campaigns=(test_of_cuboid.campaign,)))).fit
+    return baseline(Study.of(MODEL, Data(campaigns=(test_of_cuboid.campaign,)))).fit
 
 
-def standing(of: FittedData, fitted: Fit) -> Candidate:
+def standing(of: Study, fitted: Fit) -> Candidate:
     return Candidate(effects=(), fit=fitted, problem=of.problem())
 
 
-def of_mass(of: FittedData, fitted: Fit) -> Screened:
+def of_mass(of: Study, fitted: Fit) -> Screened:
     return by_id(screen(of, standing(of, fitted), candidates(of, only=("rigid-inertia:m",))))["rigid-inertia:m"]
 
 

@@ -9,12 +9,13 @@ import pytest
 
 from geometry.errors import CheckFailed
 from identification.campaign import UNITS
-from validation.diagnose.diagnosis import Cause, FittedData
+from validation.diagnose.diagnosis import Cause
 from validation.diagnose.mistakes import mistakes
 from validation.effects.catalogue import Named, parse_all
 from validation.effects.effect import COVER, FMD, TABLE
 from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.study import Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import simulate
@@ -24,7 +25,7 @@ LINES = np.linspace(5.0, 10.0, 26)
 CUBOID = "fmd+disc+cuboid"
 CHANNELS = (*TABLE, *COVER, *FMD)
 
-Tested = Callable[..., FittedData]
+Tested = Callable[..., Study]
 
 
 def made(*texts: str, name: str = "cuboid") -> SeriesPrediction:
@@ -40,9 +41,9 @@ def right() -> SeriesPrediction:
     return made()
 
 
-def bench(*made: SeriesPrediction, effects: Sequence[Named] = ()) -> FittedData:
+def bench(*made: SeriesPrediction, effects: Sequence[Named] = ()) -> Study:
     model = replace(MODEL, effects=tuple(Added(named=one, fixed=True) for one in effects))
-    return FittedData(model=model, campaigns=tuple(one.tested.campaign for one in made), made=made)
+    return Study(model=model, campaigns=tuple(one.tested.campaign for one in made), made=made)
 
 
 def wrong(one: SeriesPrediction, *texts: str) -> SeriesPrediction:

@@ -9,18 +9,18 @@ import pytest
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Recording
-from validation.diagnose.diagnosis import FittedData
 from validation.diagnose.nonlinear import differing_levels, nonlinear, require_levels
 from validation.effects.catalogue import parse_all
 from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.study import Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import VirtualTest, simulate
 
 MODEL = Model(source="model.toml", title="a laboratory", article="fmd+clumod-1", cell_stiffness=np.array((4e8, 4e8, 2e9)))
 LINES = np.linspace(5.0, 30.0, 126)
 
-Made = Callable[..., FittedData]
+Made = Callable[..., Study]
 
 
 @pytest.fixture(scope="module")
@@ -31,16 +31,16 @@ def tested() -> VirtualTest:
 
 
 @pytest.fixture(scope="module")
-def linear(tested: VirtualTest) -> FittedData:
+def linear(tested: VirtualTest) -> Study:
     """What it measured, and a model that knows none of what was drawn."""
-    return FittedData(model=MODEL, campaigns=(tested.campaign,), made=predictions(MODEL, [tested.campaign], lines=LINES))
+    return Study(model=MODEL, campaigns=(tested.campaign,), made=predictions(MODEL, [tested.campaign], lines=LINES))
 
 
 def effects(*texts: str, fixed: bool = False) -> tuple[Added, ...]:
     return tuple(Added(named=one, fixed=fixed) for one in parse_all(texts))
 
 
-def bent(of: FittedData, text: str) -> FittedData:
+def bent(of: Study, text: str) -> Study:
     """`of` with readings that the catalogue's equation has changed, every run as it was driven."""
     return replace(
         of, campaigns=tuple(replace(one, recordings={}) for one in of.campaigns), made=tuple(_bent(one, text) for one in of.made)
@@ -57,13 +57,13 @@ def _bent(one: SeriesPrediction, text: str) -> SeriesPrediction:
     return replace(one, tested=replace(one.tested, measured=replace(one.measured, values=values)))
 
 
-def saturated(test: VirtualTest, channel: str, share: float) -> FittedData:
+def saturated(test: VirtualTest, channel: str, share: float) -> Study:
     """Records in which one channel rounds off its peaks, sample by sample."""
     campaign = test.campaign
     peaks = {one.axis: np.abs(campaign.recordings[one.name].channel(channel)).max() for one in reversed(campaign.runs)}
     recordings = {one.name: _saturated(campaign.recordings[one.name], channel, share, peaks[one.axis]) for one in campaign.runs}
     made = replace(campaign, recordings=recordings)
-    return FittedData(model=MODEL, campaigns=(made,), made=predictions(MODEL, [made], lines=LINES))
+    return Study(model=MODEL, campaigns=(made,), made=predictions(MODEL, [made], lines=LINES))
 
 
 def _saturated(of: Recording, channel: str, share: float, peak: float) -> Recording:
@@ -73,19 +73,19 @@ def _saturated(of: Recording, channel: str, share: float, peak: float) -> Record
     return replace(of, values=values)
 
 
-def test_linear_runs_answer_alike(linear: FittedData) -> None:
+def test_linear_runs_answer_alike(linear: Study) -> None:
     assert differing_levels(linear) == ()
 
 
-def test_no_model_is_asked_where_all_six_axes_were_driven(linear: FittedData) -> None:
+def test_no_model_is_asked_where_all_six_axes_were_driven(linear: Study) -> None:
     wrong = replace(linear, model=replace(MODEL, effects=effects("rigid-inertia:m=20", "force-gain:fmd-z2=0.3")))
     assert differing_levels(wrong) == ()
     told, as_told = (differing_levels(bent(one, "friction:flange:x=2")) for one in (linear, wrong))
     assert [one.sigma for one in as_told] == pytest.approx([one.sigma for one in told], rel=1e-9)
 
 
-def test_a_single_axis_at_two_levels_is_enough(linear: FittedData, tested: VirtualTest) -> None:
-    def alone(of: FittedData) -> FittedData:
+def test_a_single_axis_at_two_levels_is_enough(linear: Study, tested: VirtualTest) -> None:
+    def alone(of: Study) -> Study:
         return replace(of, made=tuple(one.on(("z", "z-at-0.5")) for one in of.made))
 
     assert differing_levels(alone(linear)) == ()
@@ -93,7 +93,7 @@ def test_a_single_axis_at_two_levels_is_enough(linear: FittedData, tested: Virtu
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
-def test_friction_is_named_with_its_axis_and_slip_force(linear: FittedData, axis: str) -> None:
+def test_friction_is_named_with_its_axis_and_slip_force(linear: Study, axis: str) -> None:
     slipping = bent(linear, f"friction:flange:{axis}=3")
     found = differing_levels(slipping)
     assert [one.axis for one in found] == [axis]
@@ -104,7 +104,7 @@ def test_friction_is_named_with_its_axis_and_slip_force(linear: FittedData, axis
     np.testing.assert_allclose(best.sizes[0].value, 3.0, rtol=0.03)  # noise, and inputs that a nominal model tells
 
 
-def test_a_gap_is_named_with_its_cell_and_preload(linear: FittedData) -> None:
+def test_a_gap_is_named_with_its_cell_and_preload(linear: Study) -> None:
     lifting = bent(linear, "gap:3=15")
     found = differing_levels(lifting)
     assert set(found[0].channels[:4]) == {"fmd-z1", "fmd-z2", "fmd-z3", "fmd-z4"}  # the others take over what it drops
@@ -124,12 +124,12 @@ def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested: Vi
     )  # of the fundamental; the peak in time is bent as well, and noisy
 
 
-def test_what_the_model_knows_of_an_amplitude_is_no_difference(linear: FittedData) -> None:
+def test_what_the_model_knows_of_an_amplitude_is_no_difference(linear: Study) -> None:
     slipping = bent(linear, "friction:flange:x=3")
     assert differing_levels(replace(slipping, model=replace(MODEL, effects=effects("friction:flange:x=3", fixed=True)))) == ()
 
 
-def test_one_level_is_refused_where_two_are_needed(linear: FittedData) -> None:
+def test_one_level_is_refused_where_two_are_needed(linear: Study) -> None:
     single = replace(linear, made=tuple(one.on(("x", "y", "z", "alpha", "beta", "gamma")) for one in linear.made))
     assert differing_levels(single) == ()
     require_levels(linear)

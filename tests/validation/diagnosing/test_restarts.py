@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose
 
 from validation.cli import main
 from validation.diagnose.candidates import candidates
-from validation.diagnose.diagnose import bench
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.search import (
     baseline,
     can_restart,
@@ -21,7 +20,7 @@ from validation.effects.catalogue import parse
 from validation.estimation.problem import EFFECT, Parameter
 from validation.model import model_file
 from validation.model.model import Added
-from validation.study import read_data
+from validation.study import Study, read_data
 
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
 """[rad/(N m)] Of the flange; it moves the torsion of mast and blade by fifty times what is declared of a frequency."""
@@ -30,35 +29,35 @@ DRIVEN = ("--octaves-per-minute", "60", "--band", "4", "32", "--seed", "5")
 
 
 @pytest.fixture(scope="module")
-def soft(tmp_path_factory: pytest.TempPathFactory) -> FittedData:
+def soft(tmp_path_factory: pytest.TempPathFactory) -> Study:
     """Clumod with one blade on a flange that gives, and a model that does not know."""
     folder = tmp_path_factory.mktemp("afresh")
     model, campaign = folder / "model.toml", folder / "blade"
     assert main.run(["model", "fmd+clumod-1", "--out", str(model)]) == main.DONE
     assert main.run(["simulate", "fmd+clumod-1", "--out", str(campaign), *DRIVEN, "--effect", f"{TORSION}={SIZE}"]) == main.DONE
     known = model_file.read(str(model))
-    return bench(known, read_data([str(campaign)], known))
+    return Study.of(known, read_data([str(campaign)], known))
 
 
 @pytest.fixture(scope="module")
-def paid(soft: FittedData) -> Candidate:
+def paid(soft: Study) -> Candidate:
     """The model as it is, fitted to that: tolerances pay."""
     return baseline(soft)
 
 
 @pytest.fixture(scope="module")
-def torsion(soft: FittedData) -> Added:
+def torsion(soft: Study) -> Added:
     return next(one for one in candidates(soft, only=["joint-compliance"]) if one.named.id == TORSION)
 
 
 @pytest.fixture(scope="module")
-def stuck(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
+def stuck(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added where the tolerances stand."""
     return fit_with(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
-def found(soft: FittedData, paid: Candidate, torsion: Added) -> Candidate:
+def found(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
     """The effect added from where they are declared."""
     return restarted_from_priors(soft, paid, torsion)
 
@@ -72,7 +71,7 @@ def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_d
     assert found.fit.cost < min(stuck.fit.cost, paid.fit.cost) - 1000
 
 
-def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: FittedData, paid: Candidate) -> None:
+def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Study, paid: Candidate) -> None:
     said: list[str] = []
     explained, rounds = stepwise_search(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
     assert f"trying {TORSION} afresh" in said
@@ -82,7 +81,7 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: FittedDat
 
 
 @pytest.mark.proof
-def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: FittedData, found: Candidate) -> None:
+def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Study, found: Candidate) -> None:
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
     both = restarted_from_priors(soft, found, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
@@ -93,7 +92,7 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Fi
 
 @pytest.mark.proof
 def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
-    soft: FittedData, paid: Candidate, found: Candidate
+    soft: Study, paid: Candidate, found: Candidate
 ) -> None:
     again = tolerances_restarted(soft, found)
     assert again.fit.cost <= found.fit.cost + 1e-6
@@ -102,7 +101,7 @@ def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
 
 
 @pytest.mark.proof
-def test_from_home_a_size_that_had_not_come_through_does(soft: FittedData, stuck: Candidate) -> None:
+def test_from_home_a_size_that_had_not_come_through_does(soft: Study, stuck: Candidate) -> None:
     assert tolerances_restarted(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 

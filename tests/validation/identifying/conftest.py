@@ -20,7 +20,7 @@ from identification.dynamic_mass import CrossMotion
 from identification.elastic.model import ElasticTerms, dynamic_mass
 from identification.request import Identified, Request, Tare
 from identification.spectra.line_spectra import Spectra
-from validation.identify.identify import DrawnResiduals, IdentificationFindings, Study, UsedLines, reported
+from validation.identify.identify import DrawnBandStudy, DrawnResiduals, IdentificationFindings, UsedLines, reported
 
 INPUTS = ("noise", "force-gain", "accelerometer-position", "tare")
 FREQUENCY = np.linspace(4.0, 32.0, 141)
@@ -151,7 +151,7 @@ def found(clumod: Inertia, terms: ElasticTerms) -> IdentificationFindings:
             axes=MOTIONS,
         ),
         residuals=DrawnResiduals(frequency=FREQUENCY, runs=MOTIONS, channels=("a", "b", "c"), share=shared),
-        study=Study(
+        study=DrawnBandStudy(
             start=start, stop=stop, maps={"3 elastic terms": study, "no elastic terms": 1.03 * study}, chosen=(4.0, 32.0)
         ),
         checks=(

@@ -17,11 +17,10 @@ from validation.cli import main
 from validation.compare.compare import compared
 from validation.estimation.result import Evaluation, Fit, Share
 from validation.history import add
-from validation.history.add import EvaluatedModel, JudgedData, judged
+from validation.history.add import EvaluatedModel, judged
 from validation.history.history import Version, history_position
-from validation.model.model import Model
 from validation.report import identify
-from validation.study import CompareOptions, ready
+from validation.study import Study
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -51,10 +50,10 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def _interrupted(patch: pytest.MonkeyPatch) -> None:
     """The command, ended by Ctrl-C when the fit of the effect begins."""
 
-    def only_before(bench: Any, model: Any, parent: Any, progress: Any = None) -> Any:
+    def only_before(study: Any, parent: Any, progress: Any = None) -> Any:
         if parent is not None:
             raise KeyboardInterrupt
-        return judged(bench, model, parent, progress)
+        return judged(study, parent, progress)
 
     with patch.context() as inner:
         inner.setattr(add, "judged", only_before)
@@ -131,7 +130,7 @@ def test_undo_brings_back_every_byte_and_ladder_goes_up_again(made: Path, run: R
     assert made.read_bytes() == after
 
 
-def no_fit(bench: JudgedData, model: Model, parent: Version | None, progress: object = None) -> EvaluatedModel:
+def no_fit(study: Study, parent: Version | None, progress: object = None) -> EvaluatedModel:
     """What a rung of any figures is made of, in no time."""
     none = Fit(
         parameters=(), offsets=np.zeros(0), covariance=np.zeros((0, 0)), cost=0.0, chi2=1.0, degrees_of_freedom=1,
@@ -139,7 +138,7 @@ def no_fit(bench: JudgedData, model: Model, parent: Version | None, progress: ob
     )  # fmt: skip
     share = Share(percent=1.0)
     found = Evaluation(nominal=share, plain=share, held_out=None, held_out_nominal=None, plain_fit=none, fitted=none)
-    return EvaluatedModel(model=model, evaluation=found, body=None)
+    return EvaluatedModel(model=study.model, evaluation=found, body=None)
 
 
 @pytest.mark.parametrize("effect", ["polarity:fmd-z1", "channel-swap:fmd-z1:fmd-z2"])
@@ -162,11 +161,11 @@ def test_an_effect_without_a_size_is_added_to_a_bare_model(
 def test_a_mistake_is_taken_out_of_data_that_nothing_fits_with_it(once: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of swapped channels no fit converges: the rung below has no figures, and any other effect is still refused."""
 
-    def judged_or_failed(bench: JudgedData, model: Model, parent: Version | None, progress: object = None) -> EvaluatedModel:
-        if not model.effects:
+    def judged_or_failed(study: Study, parent: Version | None, progress: object = None) -> EvaluatedModel:
+        if not study.model.effects:
             raise CheckFailed("the fit does not converge")
         assert parent is None
-        return no_fit(bench, model, parent)
+        return no_fit(study, parent)
 
     shutil.copytree(once / "cuboid", "cuboid")
     shutil.copy(once / "before.toml", "model.toml")
@@ -211,21 +210,22 @@ def test_a_report_has_the_inertia_of_the_rung_and_without_a_ladder_finds_the_sam
 
     def quiet(what: str, share: float) -> None: ...
 
-    asked = CompareOptions(model="model.toml", data=("cuboid",))
-    model, data = ready(asked, quiet)
-    found = compared(model, data, (), quiet)
+    study = Study.open("model.toml", ["cuboid"])
+    found = compared(study, quiet)
     at = history_position(made)
-    (kept,), _ = identify.identified(asked, model, data, found, at, quiet)
+    assert at.rung is not None
+    (kept,), _ = identify.identified(study, found, at, quiet)
     (here,) = at.rung.bodies
     assert kept is here
-    (fitted,), _ = identify.identified(asked, model, data, found, None, quiet)
+    (fitted,), _ = identify.identified(study, found, None, quiet)
     assert_allclose((fitted.values - here.values) / here.deviation, 0.0, atol=0.01)
     assert_allclose(fitted.half_width, here.half_width, rtol=0.01)
-    elsewhere = replace(asked, band=(9.0, 15.0))  # the rung stands on other lines, and does not speak for these
-    (other,), _ = identify.identified(elsewhere, model, data, found, at, quiet)
+    # the rung stands on other lines than these, and does not speak for them
+    elsewhere = Study.open("model.toml", ["cuboid"], band=(9.0, 15.0))
+    (other,), _ = identify.identified(elsewhere, found, at, quiet)
     assert other is not here
-    bare = replace(model, effects=())
-    assert identify.identified(elsewhere, bare, data, found, at, quiet) == ((), "")
+    bare = elsewhere.by(replace(elsewhere.model, effects=()))
+    assert identify.identified(bare, found, at, quiet) == ((), "")
 
 
 def test_an_edit_by_hand_is_said(made: Path, run: Run) -> None:

@@ -20,7 +20,7 @@ from validation.history.history import Body, Errors, HistoryPosition, Ladder, Ve
 from validation.report import identify, reference
 from validation.report.page import ReportOptions, reported, write
 from validation.report.parts import Report
-from validation.study import CompareOptions as Compared
+from validation.study import Options
 
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 
@@ -60,9 +60,9 @@ class Series:
         return str(self.campaign), str(self.scale)
 
     @property
-    def asked(self) -> Compared:
+    def asked(self) -> Options:
         """As `massline compare` is asked, the z-sweep held out."""
-        return Compared(model=str(self.model), data=self.data, hold_out=("z",))
+        return Options(model=str(self.model), data=self.data, hold_out=("z",))
 
 
 @pytest.fixture(scope="session")

@@ -9,13 +9,14 @@ import pytest
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose
 from identification.campaign import Campaign, Recording, Run
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.effects.catalogue import parse
 from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR, direct, fitted
 from validation.estimation.problem import FITTED
 from validation.model.model import RIGID, Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.study import Study
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import NOISE, Plan
 from validation.virtual_test.shaker import middles_of_cells
@@ -25,7 +26,7 @@ SEAT = Pose(position=np.array([0.0, 0.0, 0.0445]))
 NOISY = {"acceleration": 1e-3, "force": 0.05}
 
 Measure = Callable[..., SeriesPrediction]
-MakeBench = Callable[..., FittedData]
+MakeBench = Callable[..., Study]
 Explain = Callable[..., Candidate]
 
 
@@ -88,11 +89,11 @@ def added(text: str) -> Added:
 def bench(measure: Measure) -> MakeBench:
     """``bench(planted, article, ...)``: the data of these articles with an effect planted in them."""
 
-    def make(planted: str, *articles: str, seed: int = 3) -> FittedData:
+    def make(planted: str, *articles: str, seed: int = 3) -> Study:
         made = [measure(one, (added(planted),) if planted else (), seed) for one in articles]
         read = [replace(one.measured, name=name) for one, name in zip(made, articles, strict=True)]
         called = [replace(one, tested=replace(one.tested, measured=of)) for one, of in zip(made, read, strict=True)]
-        return FittedData(model=model(), campaigns=tuple(one.tested.campaign for one in called), made=tuple(called))
+        return Study(model=model(), campaigns=tuple(one.tested.campaign for one in called), made=tuple(called))
 
     return make
 
@@ -101,7 +102,7 @@ def bench(measure: Measure) -> MakeBench:
 def explained() -> Explain:
     """``explained(bench, text)``: the fit of all tolerances and of the effect that `text` names."""
 
-    def make(of: FittedData, text: str) -> Candidate:
+    def make(of: Study, text: str) -> Candidate:
         effects = (added(text),) if text else ()
         problem = of.problem(effects)
         cost = cost_of(problem, problem.free(FITTED), FLOOR)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import rotation_about
 from validation.diagnose.candidates import aliases, alike
-from validation.diagnose.diagnosis import Candidate, FittedData
+from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.next_test import advised, following, imagined, told
 from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, knowledge, template
@@ -20,22 +20,23 @@ from validation.estimation.fit import FLOOR, direct, fitted
 from validation.estimation.problem import FITTED, Problem
 from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction
+from validation.study import Study
 
-Pair = tuple[FittedData, Candidate, Candidate]
+Pair = tuple[Study, Candidate, Candidate]
 
 OFFSET, SHIFT = "mounting-offset:x=0.01", "rigid-inertia:mx=0.1"
 GAIN, CELL = "force-gain:fmd-z2=0.03", "cell-stiffness:2z=0.1"
 
 
 @pytest.fixture(scope="module")
-def aside(bench: Callable[..., FittedData], explained: Callable[..., Candidate]) -> Pair:
+def aside(bench: Callable[..., Study], explained: Callable[..., Candidate]) -> Pair:
     """A Cuboid that stands 10 mm beside its place, or whose centre of gravity does."""
     data = bench(OFFSET, "fmd+cuboid")
     return data, explained(data, OFFSET), explained(data, SHIFT)
 
 
 @pytest.fixture(scope="module")
-def loud(bench: Callable[..., FittedData], explained: Callable[..., Candidate]) -> Pair:
+def loud(bench: Callable[..., Study], explained: Callable[..., Candidate]) -> Pair:
     """A load-cell channel that reads 3 % too much, or whose cell is stiffer than the others."""
     data = bench(GAIN, "fmd+cuboid")
     return data, explained(data, GAIN), explained(data, CELL)
@@ -137,7 +138,7 @@ def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_lik
 
 
 def test_where_nothing_helps_that_is_said_with_what_would(
-    bench: Callable[..., FittedData], explained: Callable[..., Candidate]
+    bench: Callable[..., Study], explained: Callable[..., Candidate]
 ) -> None:
     data = bench("", "fmd")
     pair = [explained(data, text) for text in ("force-gain:fmd-z1=0", "force-gain:fmd-z2=0")]

@@ -3,9 +3,9 @@
 import numpy as np
 
 from benchmarks.blind.split import SURE, Half, Tried, told
-from validation.diagnose.diagnosis import FittedData
 from validation.model.model import Model
 from validation.prediction.series import predictions
+from validation.study import Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
 
@@ -17,7 +17,7 @@ def of(planted: str, over: float, unseen: float) -> Tried:
 def test_two_halves_share_no_line_and_are_all_lines_together() -> None:
     campaign = simulate(Plan(article="fmd+cuboid", seed=1, octaves_per_minute=120.0, quiet=0.3, ringing=1e-3)).campaign
     model = Model(source="here", title="a block", article="fmd+cuboid")
-    whole = FittedData(model=model, campaigns=(campaign,), made=predictions(model, [campaign]))
+    whole = Study(model=model, campaigns=(campaign,), made=predictions(model, [campaign]))
     halves = [Half(**vars(whole), odd=odd).problem() for odd in (False, True)]
     (name,) = halves[0].lines
     even, odd = (half.lines[name] for half in halves)

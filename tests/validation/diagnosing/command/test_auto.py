@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from validation.diagnose.diagnose import DiagnoseOptions
-from validation.diagnose.diagnosis import Diagnosis, FittedData
+from validation.diagnose.diagnosis import Diagnosis
 from validation.effects.catalogue import parse
 from validation.history import add
 from validation.history.add import rewritten
@@ -19,6 +18,7 @@ from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.model.model_file import text as model_text
 from validation.report import diagnose as report_diagnose
+from validation.study import Options, Study
 
 Made = Callable[[str], Diagnosis]
 
@@ -42,18 +42,19 @@ class Laboratory:
     interrupted: str = ""
     seen: list[tuple[str, ...]] = field(default_factory=list)
 
-    def diagnose(self, bench: FittedData) -> Diagnosis:
+    def diagnose(self, bench: Study) -> Diagnosis:
         self.seen.append(tuple(one.named.id for one in bench.model.effects))
         return self.found[len(self.seen) - 1]
 
-    def added(self, asked: add.AddOptions, progress: Any = None) -> add.AddResult:
+    def added(self, study: Study, asked: add.AddedEffectOptions, progress: Any = None) -> add.AddResult:
         """As `massline add`: the rung below is kept first, and is there when the fit is interrupted."""
-        at = history_position(asked.model)
+        at = history_position(self.path)
         at = at if at.rung is not None else kept(at, replace(next_rung(at), errors=ERRORS))
         named = parse(asked.effect)
         if named.id == self.interrupted:
             raise KeyboardInterrupt
-        text = rewritten(at.text, (Added(named=named),), str(asked.model))
+        assert at.rung is not None
+        text = rewritten(at.text, (Added(named=named),), str(self.path))
         rung = Version(
             number=len(at.ladder.rungs),
             parent=at.rung.number,
@@ -65,11 +66,11 @@ class Laboratory:
             verdict=tuple(asked.remarks),
         )
         there = climbed(at, rung)
-        return add.AddResult(at=there, before=at.rung, after=rung, said=())
+        return add.AddResult(at=there, before=at.rung, after=rung, said=(), study=study)
 
     def climb(self) -> report_diagnose.Climb:
-        bench = FittedData(model=model_file.read(str(self.path)), campaigns=(), made=())
-        return report_diagnose.climb(DiagnoseOptions(model=self.path, data=("one",)), bench, self.diagnose)
+        bench = Study(model=model_file.read(str(self.path)), campaigns=(), made=())
+        return report_diagnose.climb(Options(model=str(self.path), data=("one",)), bench, self.diagnose)
 
     @property
     def effects(self) -> list[str]:

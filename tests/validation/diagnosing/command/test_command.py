@@ -12,11 +12,12 @@ import pytest
 
 from geometry.errors import CheckFailed
 from validation.cli import main
-from validation.diagnose.diagnosis import VERDICTS, Diagnosis, FittedData
+from validation.diagnose.diagnosis import VERDICTS, Diagnosis
 from validation.model import model_file
 from validation.model.model import Model
 from validation.model.model_file import text as model_text
 from validation.report import diagnose
+from validation.study import Study
 
 Run = Callable[..., tuple[int, str, str]]
 Made = Callable[[str], Diagnosis]
@@ -30,8 +31,8 @@ def answers(monkeypatch: pytest.MonkeyPatch, run: Run) -> Callable[[Diagnosis], 
         Path(name).mkdir()
     monkeypatch.setattr(diagnose, "draw_left", lambda found, bench, folder, progress: (folder / "left.png",))
 
-    def prepared(asked: Any, *, quiet: bool = True) -> FittedData:
-        return FittedData(model=model_file.read(str(asked.model)), campaigns=(), made=())
+    def prepared(asked: Any, *, quiet: bool = True) -> Study:
+        return Study(model=model_file.read(str(asked.model)), campaigns=(), made=())
 
     def set_to(found: Diagnosis) -> None:
         monkeypatch.setattr(diagnose, "prepared", prepared)
@@ -83,7 +84,7 @@ def test_what_is_left_of_an_unknown_effect_is_drawn_too(answers, made: Made, run
 def test_a_baseline_that_does_not_converge_is_refused_with_its_reason(
     answers, made: Made, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(asked: Any, bench: FittedData, progress: Any = None) -> Diagnosis:
+    def fails(asked: Any, bench: Study, progress: Any = None) -> Diagnosis:
         raise CheckFailed("the baseline does not converge: the FMD's mass ended at its bound")
 
     answers(made("missing"))
@@ -97,7 +98,7 @@ def test_a_baseline_that_does_not_converge_is_refused_with_its_reason(
 def test_an_interruption_is_said_and_leaves_the_model_alone(
     answers, made: Made, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(asked: Any, bench: FittedData, progress: Any = None) -> Diagnosis:
+    def interrupted(asked: Any, bench: Study, progress: Any = None) -> Diagnosis:
         raise KeyboardInterrupt
 
     answers(made("missing"))

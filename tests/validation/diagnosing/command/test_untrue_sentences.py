@@ -10,25 +10,15 @@ from typing import Any
 import pytest
 
 from validation.diagnose import diagnose, diagnosis, mistakes
-from validation.diagnose.diagnosis import (
-    MISSING,
-    NONLINEAR,
-    NOTHING,
-    SEVERAL,
-    UNKNOWN,
-    VERDICTS,
-    Advice,
-    Diagnosis,
-    FittedData,
-    ReportedStep,
-)
+from validation.diagnose.diagnosis import MISSING, NONLINEAR, NOTHING, SEVERAL, UNKNOWN, VERDICTS, Advice, Diagnosis, ReportedStep
 from validation.effects.catalogue import parse
 from validation.model.model import Model
 from validation.report import diagnose as report_diagnose
 from validation.report.diagnose import advice, diagnosis_json, effect
+from validation.study import Study
 
 Made = Callable[[str], Diagnosis]
-BENCH = FittedData(model=Model(source="model.toml", title="m", article="fmd+cuboid"), campaigns=(), made=())
+BENCH = Study(model=Model(source="model.toml", title="m", article="fmd+cuboid"), campaigns=(), made=())
 
 
 def quiet(what: str, share: float) -> None:
