@@ -46,7 +46,7 @@ DOORS = {
     "pyyeti": "fem/user_model/nastran.py",
     "pyvista": "validation/report/scenes/scene.py",
     "matplotlib": "validation/report/scenes/scene.py",
-    "plotly": "validation/report/charts/style.py",
+    "plotly": "validation/report/charts/interactive.py",
     "trame": "validation/app/server.py",
 }
 """Who may import what: the module that is the door to each library."""

@@ -24,7 +24,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.estimation.evaluate import evaluate
 from validation.estimation.problem import Problem
 from validation.estimation.result import Evaluation
-from validation.report.charts.style import said_about
+from validation.report.charts.static import said_about
 
 STORY = ("aliases", "climbing", "data", "pictures", "readings", "tables")
 

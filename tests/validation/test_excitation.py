@@ -23,7 +23,7 @@ from validation.excite.rig import RigModes, Run, mounted, rig_modes
 from validation.flexible.model import Flexible, FlexibleOptions
 from validation.flexible.modes import node_displacement
 from validation.report.charts.excitation import _few_decades
-from validation.report.charts.style import new_figure
+from validation.report.charts.static import new_figure
 from validation.report.flexible import Moved
 from validation.report.scenes import turntable
 from validation.report.scenes.scene import DrawnBody

@@ -12,7 +12,7 @@ from fem.exudyn import rope_pendulum
 from fem.exudyn.rope_pendulum import Watch
 from validation.classical.swing import Words, setup
 from validation.reference.reference import ArticleOptions
-from validation.report.charts.style import said_about
+from validation.report.charts.static import said_about
 from validation.report.scenes import pendulum, scene
 
 Run = Callable[..., tuple[int, str, str]]

@@ -29,11 +29,11 @@ from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.history.history import Body, HistoryPosition, Version
-from validation.report.charts import maps, style
-from validation.report.charts.crosscheck import EVIDENCE_ACCEPTED, EVIDENCE_ALIKE, EVIDENCE_LESS, EVIDENCE_TOO_MUCH_LEFT, place
+from validation.report.charts import interactive, maps
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
+from validation.report.charts.interactive import escaped
 from validation.report.charts.maps import phase
-from validation.report.charts.style import escaped
+from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
 from validation.report.scenes import turntable
 from validation.report.scenes.turntable import Turn, Turntable
 
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 def as_state(figure: Any) -> dict[str, Any]:
-    """A figure of `validation.report.charts.style` as JSON values; arrays stay packed, which plotly.js reads."""
+    """A figure of `validation.report.charts.interactive` as JSON values; arrays stay packed, which plotly.js reads."""
     made: dict[str, Any] = json.loads(figure.to_json(validate=False))
     return made
 
@@ -768,7 +768,7 @@ def _ranking(found: Mapping[str, Any]) -> list[dict[str, Any]]:
                 first[one["id"]], step_of[one["id"]] = one, number
     order = list(first.values())[:SHOWN]
     nats = np.array([one["evidence_nats"] if one["evidence_nats"] is not None else np.inf for one in order], dtype=float)
-    finite = place(np.minimum(nats, 1e9))
+    finite = signed_log(np.minimum(nats, 1e9))
     most = max(float(finite.max(initial=0.0)), 1e-9)
     causes = [_cause(one, found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
     return [one | {"step": step_of.get(one["id"])} for one in causes]
@@ -793,12 +793,10 @@ def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str],
 def _standing(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str]) -> tuple[str, str]:
     alike = one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1
     if one["id"] in accepted:
-        return (
-            EVIDENCE_ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")
-        ), "doubt" if alike else "good"
+        return (ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")), "doubt" if alike else "good"
     if alike:
-        return EVIDENCE_ALIKE, "doubt"
-    return (EVIDENCE_LESS, "faint") if one["as_where_nothing_is_missing"] else (EVIDENCE_TOO_MUCH_LEFT, "bad")
+        return ALIKE, "doubt"
+    return (LESS, "faint") if one["as_where_nothing_is_missing"] else (TOO_MUCH_LEFT, "bad")
 
 
 def _interval(one: Mapping[str, Any]) -> dict[str, Any] | None:
@@ -928,7 +926,7 @@ async def first(bench: WindowState) -> None:
 async def _warmed(bench: WindowState) -> None:
     """Have the libraries of figures and pictures there before the first one is waited for; the page itself comes first."""
     await asyncio.sleep(WARMS_AFTER)
-    await asyncio.to_thread(style.template, False)
+    await asyncio.to_thread(interactive.template, False)
     await bench.drawn(turntable.ready)
 
 

@@ -406,7 +406,7 @@ async def _plotly(_: web.Request) -> web.Response:
 @cache
 def _library() -> bytes:
     """plotly.js, of the version to which the figures belong."""
-    from validation.report.charts.style import library
+    from validation.report.charts.interactive import library
 
     return library().encode()
 

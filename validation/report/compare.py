@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,13 +16,13 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
 from validation.compare.compare import Comparison, WorstPair, compared, worst_pairs
 from validation.compare.maps import Map, NamedMode, Pairs
-from validation.compare.spots import SENSED, run, text
-from validation.estimation.verdicts import ABSURD, MISFIT, STANDS_OUT, StatedError, absurd, expected_z2, figure, misfit
+from validation.compare.spots import run, text
+from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, figure, misfit
 from validation.identify.identify import UsedLines
 from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
-from validation.report.charts import crosscheck
+from validation.report.charts import crosscheck, maps, spec
 from validation.report.charts.style import MEASURED, DynamicMassCurve, chosen
 from validation.report.document import (
     PAGE,
@@ -43,7 +43,7 @@ from validation.report.parts import notes as parts_notes
 from validation.study import Options, Study, read
 
 if TYPE_CHECKING:
-    from validation.report.charts.style import Figure
+    from validation.report.charts.static import Figure
 
 
 # The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes,
@@ -283,7 +283,7 @@ def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
 PAIRS = 6
 
 NOTE = "Deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let expect. "
-THRESHOLD = f"Beyond {crosscheck.THRESHOLD:g} (black bar of the scale) it is no chance. Triangles: modes of the model."
+THRESHOLD = f"Beyond {spec.CHANCE:g} (black bar of the scale) it is no chance. Triangles: modes of the model."
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -302,37 +302,16 @@ def draw(found: Comparison, folder: Path) -> tuple[Path, ...]:
         made.append(folder / f"{file_name(f'compare-{name}')}.png")
         return made[-1]
 
-    _errors(found, to("errors"))
+    crosscheck.draw_errors(crosscheck.errors_of(found), to("errors"))
     _runs(found, to("runs"))
     for of, modes in zip(found.maps, found.modes, strict=True):
         draw_channels(of, modes, to(f"{of.data_set}-channels"))
         if of.pairs is not None:
-            _pairs(of.pairs, modes, to(f"{of.data_set}-pairs"))
+            note = f"Predicted beside measured, about F; sigma as in the maps of the channels. {THRESHOLD}"
+            maps.draw_pairs(of.pairs, modes, to(f"{of.data_set}-pairs"), note)
     if any(of.pairs is not None for of in found.maps):
         _dynamic_mass(found, to("dynamic-mass"))
     return tuple(made)
-
-
-def _errors(found: Comparison, path: Path) -> None:
-    of = found.evaluation
-    nominal, plain, fitted, held = found.errors
-    bars = [
-        crosscheck.DrawnError(name="nominal", percent=of.nominal.percent, verdict=nominal.verdict),
-        crosscheck.DrawnError(name="plain", percent=of.plain.percent, verdict=plain.verdict),
-    ]
-    if of.held_out is not None:
-        bars.append(crosscheck.DrawnError(name="held out, plain", percent=of.held_out.percent, verdict=held.verdict))
-    price = of.fitted.tolerance_z2 / max(expected_z2(of.fitted), 1.0)
-    prices = [
-        crosscheck.DrawnError(name="chi² per degree of freedom", percent=misfit(of.fitted), verdict=_chi2(found)),
-        crosscheck.DrawnError(name="z² of the tolerances", percent=price, verdict="failed" if absurd(of.fitted) else "good"),
-    ]
-    note = f"Fitted: {fitted.text}."
-    crosscheck.draw_errors(f"{found.title}: the four errors", bars, found.explained.measurement, prices, path, note)
-
-
-def _chi2(found: Comparison) -> str:
-    return "failed" if misfit(found.evaluation.fitted) > MISFIT else "good"
 
 
 def _runs(found: Comparison, path: Path) -> None:
@@ -344,56 +323,17 @@ def _runs(found: Comparison, path: Path) -> None:
             at = (a, columns.index(name))
             sigma[at] = of.sigma[k].max()
             percent[at] = found.evaluation.plain.by_run.get(f"{of.data_set}/{name}", np.nan)
-    drawn = crosscheck.DrawnRuns(rows=found.data_sets, columns=columns, sigma=sigma, percent=percent)
-    crosscheck.draw_runs(
-        f"{found.title}: runs", drawn, path, "The worst cell of each run in sigmas, and its plain error in per cent."
-    )
+    note = "The worst cell of each run in sigmas, and its plain error in per cent."
+    maps.draw_runs(f"{found.title}: runs", found.data_sets, columns, sigma, percent, path, note)
 
 
 def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path) -> None:
     """Write the map of channels and loads over frequency, a panel a run."""
-    rows = tuple(SENSED.get(name, name) for name in of.rows)
-    sigma = np.where(np.isfinite(of.expected), of.sigma, np.nan)
-    maps = [
-        crosscheck.ResidualMap(
-            title=run(name, axis),
-            frequency=of.frequency,
-            rows=rows,
-            sigma=sigma[k],
-            modes=_frequencies(modes),
-            rules=_rules(of),
-        )
-        for k, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))
-    ]
-    note = NOTE + THRESHOLD
-    crosscheck.draw_maps(f"{of.data_set}: channels and loads", maps, path, note)
+    maps.draw_channels(of, modes, path, NOTE + THRESHOLD)
 
 
 def _frequencies(modes: Sequence[NamedMode]) -> tuple[float, ...]:
     return tuple(one.frequency for one in modes)
-
-
-def _rules(of: Map) -> tuple[int, ...]:
-    """Between channels of different kinds, told by the first part of their names, and the loads."""
-    kinds = [name.partition("-")[0] for name in of.rows[: of.channels]]
-    changes = [k for k in range(1, len(kinds)) if kinds[k] != kinds[k - 1]] if len(set(kinds)) <= 4 else []
-    return (*changes, *([of.channels] if of.channels < len(of.rows) else []))
-
-
-def _pairs(of: Pairs, modes: Sequence[NamedMode], path: Path) -> None:
-    pairs = [(i, j) for i in range(6) for j in range(6)]
-    rows = tuple(f"{SIGNS[i]}{SIGNS[j]}" for i, j in pairs)
-    sigma = crosscheck.ResidualMap(
-        title="in sigmas",
-        frequency=of.frequency,
-        rows=rows,
-        sigma=of.sigma.reshape(len(of.frequency), 36),
-        modes=_frequencies(modes),
-        rules=(6, 12, 18, 24, 30),
-    )
-    percent = replace(sigma, title="in per cent of the dynamic mass", sigma=of.percent.reshape(len(of.frequency), 36))
-    note = f"Predicted beside measured, about F; sigma as in the maps of the channels. {THRESHOLD}"
-    crosscheck.draw_pairs(f"{of.campaign}: dynamic mass, load and base motion", sigma, percent, path, note)
 
 
 def _dynamic_mass(found: Comparison, path: Path) -> None:

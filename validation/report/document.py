@@ -27,7 +27,7 @@ from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, T
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
-    from validation.report.charts.style import Figure
+    from validation.report.charts.static import Figure
 
 
 # HTML that cannot be broken into: whatever is not `Safe` is escaped on its way in.
@@ -530,18 +530,18 @@ class Figures:
 
     def packed(self) -> Safe:
         """The library and all figures, each packed once."""
-        from validation.report.charts import style
+        from validation.report.charts import interactive
 
-        templates = f'{{"light":{style.template_json(False)},"dark":{style.template_json(True)}}}'
+        templates = f'{{"light":{interactive.template_json(False)},"dark":{interactive.template_json(True)}}}'
         figures = ",".join(f"{json.dumps(name)}:{text}" for name, text in self._json.items())
         whole = f'{{"templates":{templates},"figures":{{{figures}}}}}'
-        return Safe(_script("packed-library", style.library()) + _script("packed-figures", whole))
+        return Safe(_script("packed-library", interactive.library()) + _script("packed-figures", whole))
 
     def __len__(self) -> int:
         return len(self._json)
 
     def _keep(self, name: str, figure: Figure) -> None:
-        from validation.report.charts.style import figure_json
+        from validation.report.charts.interactive import figure_json
 
         self._json[name] = figure_json(figure)
 

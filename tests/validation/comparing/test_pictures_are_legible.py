@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from geometry.dynamic_mass import DynamicMass
-from validation.report.charts import crosscheck, history, style
+from validation.report.charts import crosscheck, history, static, style
+from validation.report.charts.spec import BarChart, BarPanel, Bars
 from validation.report.charts.style import MEASURED, DynamicMassCurve
 
 
@@ -18,14 +19,14 @@ from validation.report.charts.style import MEASURED, DynamicMassCurve
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The figures that were finished."""
     figures: list[Any] = []
-    finish = style.finish
+    finish = static.finish
 
     def finished(figure: Any, *arguments: Any) -> None:
         finish(figure, *arguments)
         figure.canvas.draw()
         figures.append(figure)
 
-    for module in (crosscheck, style, history):
+    for module in (static, style, history):
         monkeypatch.setattr(module, "finish", finished)
     return figures
 
@@ -88,8 +89,11 @@ def test_everything_stays_on_the_page(drawn: list[Any], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["cuboid on the FMD", "the long name of an article with sixty letters in it, on the FMD"])
 def test_the_legend_of_the_errors_stands_below_the_title(name: str, drawn: list[Any], tmp_path: Path) -> None:
-    bars = [crosscheck.DrawnError(name=one, percent=1.0) for one in ("nominal", "plain", "held out, plain")]
-    crosscheck.draw_errors(f"{name}: the four errors", bars, 0.9, bars[:2], tmp_path / "errors.png")
+    rows = ("nominal", "plain", "plain, held out")
+    bars = Bars(name="errors", rows=rows, values=(1.0, 1.0, 1.0), words=("1 %",) * 3, roles="good")
+    panel = BarPanel(label="%", rows=rows, bars=(bars,), limit=0.9)
+    chart = BarChart(title=f"{name}: the four errors", panels=(panel, panel), legend={"good": "good"}, limit="expected")
+    crosscheck.draw_errors(chart, tmp_path / "errors.png")
     figure = drawn[0]
     (legend,) = figure.legends
     title = next(text for text in figure.texts if text.get_text().startswith(name))

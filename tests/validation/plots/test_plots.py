@@ -16,7 +16,7 @@ from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
 from validation.history.history import Body, Errors, HistoryPosition, Ladder, Version
 from validation.identify.identify import UsedLines
-from validation.report.charts import crosscheck, history, identification, maps, style
+from validation.report.charts import crosscheck, history, identification, interactive, maps, spec
 
 F = np.linspace(4.0, 32.0, 57)
 MODE = NamedMode(name="first <mast> mode", frequency=12.0, damping_ratio=0.01)
@@ -110,9 +110,9 @@ LINES = UsedLines(frequency=F, condition=1 + F / 10, limit=3.0, kept=(F < 20).as
 @pytest.mark.parametrize("name", FIGURES)
 def test_dark_differs_from_light_by_the_template_alone(name: str) -> None:
     light, dark = FIGURES[name](False), FIGURES[name](True)
-    assert style.figure_json(light) == style.figure_json(dark)
+    assert interactive.figure_json(light) == interactive.figure_json(dark)
     assert light.layout.template.layout.paper_bgcolor != dark.layout.template.layout.paper_bgcolor
-    assert '"template"' not in style.figure_json(light)
+    assert '"template"' not in interactive.figure_json(light)
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -125,7 +125,7 @@ def test_every_panel_says_its_units(name: str) -> None:
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_names_from_files_are_no_markup(name: str) -> None:
-    text = style.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
+    text = interactive.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
     assert not [one for one in ("<b>", "<mast>", "<i>", "<u>", "<s>") if one in text]
 
 
@@ -187,7 +187,7 @@ def test_a_map_of_pairs_names_load_first_and_motion_second() -> None:
 
 
 def test_levels_follow_the_bounds_of_the_scale() -> None:
-    found = maps.levels(np.array([0.0, 0.99, 1.0, 3.9, 4.0, 99.0, 100.0, 1e6, np.nan]))
+    found = interactive.levels(np.array([0.0, 0.99, 1.0, 3.9, 4.0, 99.0, 100.0, 1e6, np.nan]))
     assert_allclose(found, [0, 0, 1, 3, 4, 8, 9, 9, np.nan])
 
 
@@ -195,7 +195,7 @@ def test_thinning_keeps_every_peak() -> None:
     frequency = np.linspace(0, 1, 1000)
     values = np.zeros((1000, 2))
     values[613, 1] = 9.0
-    thin = style.worst(frequency, values, most=100)
+    thin = interactive.worst(frequency, values, most=100)
     assert len(thin.middle) == len(thin.values) == len(thin.at) == 100
     assert thin.values[:, 1].max() == 9.0
     column = thin.values[:, 1].argmax()
@@ -207,7 +207,7 @@ def test_thinning_keeps_every_peak() -> None:
 def test_a_line_that_nothing_checks_hides_no_other(most: int) -> None:
     values = np.ones((1000, 2))
     values[501, 0], values[[500, 502], 0], values[:, 1] = 80.0, np.nan, np.nan
-    thin = style.worst(np.arange(1000.0), values, most=most)
+    thin = interactive.worst(np.arange(1000.0), values, most=most)
     assert np.nanmax(thin.values[:, 0]) == 80.0
     assert thin.at[np.nanargmax(thin.values[:, 0]), 0] == 501.0
     assert np.isnan(thin.values[:, 1]).all()
@@ -230,7 +230,7 @@ def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size() -> Non
 
 def test_the_axis_of_evidence_is_linear_then_logarithmic_and_never_turns_back() -> None:
     nats = np.array([-1000.0, -10.0, -3.0, 0.0, 5.0, 10.0, 100.0, 1000.0])
-    assert_allclose(crosscheck.place(nats), [-30, -10, -3, 0, 5, 10, 20, 30])
+    assert_allclose(spec.signed_log(nats), [-30, -10, -3, 0, 5, 10, 20, 30])
 
 
 def test_the_ladder_follows_the_way_and_puts_branches_aside() -> None:
@@ -256,11 +256,11 @@ def test_lines_that_were_left_out_are_marked() -> None:
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 0.05), (1.5, 1.9), (-3.0, -0.5), (0.0, 5.0), (-0.001, 0.001)])
 def test_a_logarithmic_axis_has_round_ticks_within_itself(low: float, high: float) -> None:
-    ticks = style.decades(low, high)["tickvals"]
+    ticks = interactive.decades(low, high)["tickvals"]
     assert 2 <= len(ticks) <= 12
     assert all(low - 1e-9 <= log10(tick) <= high + 1e-9 for tick in ticks)
 
 
 def test_templates_are_json_and_differ() -> None:
-    assert style.template_json(False) != style.template_json(True)
-    assert "heatmap" in style.template_json(False)
+    assert interactive.template_json(False) != interactive.template_json(True)
+    assert "heatmap" in interactive.template_json(False)

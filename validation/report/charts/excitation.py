@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from geometry.frames import Array
-from validation.report.charts.style import CURVES, FAINT, INK, PAPER, Axes, finish, grid_lines, new_figure, require_format
+from validation.report.charts.spec import CURVES, FAINT, INK, PAPER
+from validation.report.charts.static import Axes, finish, grid_lines, new_figure, require_format
 
 COLUMNS, FEWER = 1400, 300
 """Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one signal, several."""
@@ -141,7 +142,7 @@ class Sheet:
 
 
 def draw_sheet(sheet: Sheet, path: Path, about: str = "") -> None:
-    """Write `sheet` as a picture. A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+    """Write `sheet` as a picture. A PNG carries the words `about`, which `static.said_about` reads again.
 
     Raises
     ------

@@ -14,27 +14,10 @@ from geometry.frames import Array
 from identification.quality import sizes
 from validation.history.history import Body, Errors, HistoryPosition, Version
 from validation.reference.statement import COG, QUANTITIES, inertia_of
-from validation.report.charts.style import ASIDE as THEME_ASIDE
-from validation.report.charts.style import (
-    DPI,
-    FAINT,
-    FURTHER,
-    INK,
-    LEGEND_ROOM,
-    PAPER,
-    PREDICTED,
-    THEME_MEASURED,
-    TITLE_ROOM,
-    Axes,
-    decades,
-    dressed,
-    escaped,
-    finish,
-    grid_lines,
-    legend_above,
-    new_figure,
-    require_format,
-)
+from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
+from validation.report.charts.spec import COLOURS as PALETTE
+from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.static import DPI, Axes, finish, grid_lines, new_figure, require_format
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -380,7 +363,7 @@ PANELS = (
 )
 """What shares a unit, by index in `QUANTITIES`."""
 
-COLOURS = (THEME_MEASURED, PREDICTED, FURTHER, "#9a6fd0", THEME_ASIDE)
+COLOURS = (PALETTE["measured"][1], PALETTE["predicted"][1], PALETTE["further"][1], "#9a6fd0", PALETTE["aside"][1])
 
 
 def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
@@ -452,9 +435,9 @@ Error = tuple[str, str, Callable[[Errors], float | None]]
 """Name, colour, and the figure."""
 
 UPPER: tuple[Error, ...] = (
-    ("nominal", THEME_ASIDE, lambda of: of.nominal),
-    ("plain, fitted data", PREDICTED, lambda of: of.plain),
-    ("plain, held out", THEME_MEASURED, lambda of: of.held_out),
+    ("nominal", PALETTE["aside"][1], lambda of: of.nominal),
+    ("plain, fitted data", PALETTE["predicted"][1], lambda of: of.plain),
+    ("plain, held out", PALETTE["measured"][1], lambda of: of.held_out),
 )
 LOWER: tuple[Error, ...] = (
     ("χ² per degree of freedom", "#1f9d61", lambda of: of.chi2_per_dof),

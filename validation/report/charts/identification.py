@@ -12,23 +12,9 @@ import numpy as np
 from geometry.frames import Array
 from identification.spectra.peak_hold import SweepBias
 from validation.identify.identify import DrawnResiduals, UsedLines
-from validation.report.charts.style import (
-    ASIDE,
-    CURVES,
-    FAINT,
-    INK,
-    PAPER,
-    PREDICTED,
-    THRESHOLD,
-    Axes,
-    decades,
-    dressed,
-    finish,
-    grid_lines,
-    new_figure,
-    require_format,
-    save,
-)
+from validation.report.charts.interactive import decades, dressed
+from validation.report.charts.spec import ASIDE, COLOURS, CURVES, FAINT, INK, PAPER, PREDICTED
+from validation.report.charts.static import Axes, finish, grid_lines, new_figure, require_format, save
 from validation.report.scenes.motion import DPI, MovingBody, blank, colour_map, displaced, write
 from validation.report.scenes.scene import colours, fitted, off_screen
 
@@ -555,12 +541,12 @@ def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> Figure
 
     kept = np.asarray(lines.kept) > 0
     said = f"condition number{' of ' + name if name else ''}"
-    look = {"line": {"color": PREDICTED, "width": 1.8}, "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>"}
+    look = {"line": {"color": COLOURS[PREDICTED][1], "width": 1.8}, "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>"}
     figure = go.Figure(go.Scatter(x=lines.frequency, y=lines.condition, mode="lines", name="condition number", **look))
     if not kept.all():
-        out = {"mode": "markers", "marker": {"color": ASIDE, "size": 5}, "name": "left out"}
+        out = {"mode": "markers", "marker": {"color": COLOURS[ASIDE][1], "size": 5}, "name": "left out"}
         figure.add_trace(go.Scatter(x=lines.frequency[~kept], y=lines.condition[~kept], **out))
-    figure.add_hline(lines.limit, line={"dash": "dash", "color": THRESHOLD})
+    figure.add_hline(lines.limit, line={"dash": "dash", "color": COLOURS["limit"][1]})
     note = {
         "text": f"limit {lines.limit:g}: worse lines are left out",
         "xanchor": "right",

@@ -1,9 +1,9 @@
-"""Measured and predicted dynamic mass over frequency: magnitude above phase, any of the 36 entries."""
+"""Where a model fails, in sigmas: channels and loads, pairs of axes, runs; and measured beside predicted dynamic mass."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -15,26 +15,19 @@ from geometry.frames import Array
 from validation.compare.maps import Map, NamedMode, Pairs
 from validation.compare.spots import SENSED, run
 from validation.estimation.problem import Measured
-from validation.report.charts.style import (
-    ASIDE,
-    BOUNDS,
-    FURTHER,
-    INK,
-    LEGEND_ROOM,
-    PREDICTED,
-    THEME_MEASURED,
-    THRESHOLD,
-    TITLE_ROOM,
+from validation.report.charts import interactive
+from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
+from validation.report.charts.interactive import modes as marked_modes
+from validation.report.charts.spec import ASIDE, BOUNDS, COLOURS, CURVES, FURTHER, INK, MEASURED, PAPER, PREDICTED, HeatMap
+from validation.report.charts.static import (
     Axes,
-    decades,
-    dressed,
-    escaped,
+    colour_bar,
     finish,
     grid_lines,
-    legend_above,
+    heat_map,
     new_figure,
     require_format,
-    worst,
+    sigmas,
 )
 
 if TYPE_CHECKING:
@@ -108,7 +101,7 @@ def overlay(
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.68, 0.32], vertical_spacing=0.04)
     _entry(figure, pairs, (load, motion), 1, 1, modes, further)
     if marked is not None:
-        figure.add_vline(marked, line={"color": THRESHOLD, "width": 1.5, "dash": "dash"})
+        figure.add_vline(marked, line={"color": COLOURS["limit"][1], "width": 1.5, "dash": "dash"})
     title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
     how: dict[str, Any] = {"hovermode": "x unified", "uirevision": escaped(f"{pairs.campaign} {load} {motion}")}
     room = LEGEND_ROOM + (SECOND_ROW if further else 0)
@@ -170,8 +163,8 @@ def _entry(
     low, high = magnitude_range([measured, np.abs(predicted) + WIDE * expected, predicted, *others.values()])
     band = _band(go, f, predicted, expected, 10**low, legend)
     figure.add_traces(band, rows=row, cols=column)
-    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": THEME_MEASURED, "size": 4.5}})]
-    named += [("predicted", predicted, {"mode": "lines", "line": {"color": PREDICTED, "width": 2}})]
+    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": COLOURS[MEASURED][1], "size": 4.5}})]
+    named += [("predicted", predicted, {"mode": "lines", "line": {"color": COLOURS[PREDICTED][1], "width": 2}})]
     named += [(name, H, _further(k)) for k, (name, H) in enumerate(others.items())]
     for name, H, look in named:
         said = {"name": escaped(name), "legendgroup": escaped(name), **look, **_lines(f)}
@@ -179,7 +172,9 @@ def _entry(
         phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
         figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)
     if inside := [one for one in modes if f[0] <= one.frequency <= f[-1]]:
-        figure.add_trace(_modes(go, inside, 10 ** (high - 0.04 * (high - low)), legend), row, column)
+        of_modes: dict[str, Any] = {"name": "modes of the model", "legendgroup": "modes", "showlegend": legend}
+        named_modes = [(one.name, one.frequency) for one in inside]
+        figure.add_trace(marked_modes(named_modes, 10 ** (high - 0.04 * (high - low)), 10, **of_modes), row, column)
     figure.update_xaxes(range=[float(f[0]), float(f[-1])], showticklabels=False, row=row, col=column)
     figure.update_xaxes(range=[float(f[0]), float(f[-1])], title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
     figure.update_yaxes(title_text=f"|H| [{unit(load, motion)}]", **decades(low, high), row=row, col=column)
@@ -230,22 +225,10 @@ def _phase(H: ComplexArray, bottom: float) -> Array:
 
 
 def _further(k: int) -> dict[str, Any]:
-    return {"mode": "lines", "line": {"color": (FURTHER, ASIDE)[k % 2], "width": 2, "dash": ("dash", "dot")[k // 2 % 2]}}
-
-
-def _modes(go: Any, modes: Sequence[NamedMode], height: float, legend: bool) -> Any:
-    return go.Scatter(
-        x=[one.frequency for one in modes],
-        y=[height] * len(modes),
-        text=[escaped(one.name) for one in modes],
-        mode="markers",
-        marker={"symbol": "triangle-down", "size": 10, "color": ASIDE},
-        cliponaxis=False,
-        name="modes of the model",
-        legendgroup="modes",
-        showlegend=legend,
-        hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
-    )
+    return {
+        "mode": "lines",
+        "line": {"color": COLOURS[(FURTHER, ASIDE)[k % 2]][1], "width": 2, "dash": ("dash", "dot")[k // 2 % 2]},
+    }
 
 
 def _lines(f: Array) -> dict[str, Any]:
@@ -264,7 +247,7 @@ def _short(values: Array) -> Any:
 # Accelerances of a test beside those of models: at every drive point the reading there, and the error of all readings.
 
 
-COLOURS = ("#9aa0a6", "#d9541e", "#1f8a4c", "#2456c4", "#8e6fc0", "#c9a227")
+MODELS = (COLOURS[ASIDE][0], CURVES[1], CURVES[2], CURVES[0], *CURVES[3:])
 SMOOTHED = 0.2
 """[Hz] to either side over which errors are averaged."""
 
@@ -313,14 +296,14 @@ def _readings(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run:
     f, values = measured.frequency, measured.values[run]
     channel = int(np.argmax(np.abs(values[-len(f) // 10 :]).mean(axis=0)))
     axes.loglog(f, np.abs(values[:, channel]), color=INK, linewidth=4, alpha=0.25, label="measured")
-    for model, colour in zip(models, COLOURS, strict=False):
+    for model, colour in zip(models, MODELS, strict=False):
         axes.loglog(f, np.abs(model.rows[run][:, channel]), color=colour, linewidth=1.2, label=model.name)
     _dress(axes, f)
 
 
 def _errors(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
     f, values = measured.frequency, measured.values[run]
-    for model, colour in zip(models, COLOURS, strict=False):
+    for model, colour in zip(models, MODELS, strict=False):
         error = np.sum(np.abs(values - model.rows[run]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
         axes.loglog(f, 100 * np.sqrt(_smoothed(f, error)), color=colour, linewidth=1.2)
     _dress(axes, f)
@@ -343,114 +326,147 @@ def _dress(axes: Axes, f: Array) -> None:
     grid_lines(axes)
 
 
-# Where a model fails, in sigmas over frequency: channels and loads of a run, or the 36 pairs of axes. A cell can be clicked.
-#
-# A click tells the middle of its column as `x`, the name of its row as `y` (one of `labels` or of `PAIRS`), and as `customdata`
-# the worst of the lines that share the cell: [σ, its frequency in Hz].
+# Maps of sigmas: channels and loads of a run, the 36 pairs of axes, and runs of campaigns.
 
 
 PAIRS = tuple(f"{load}{motion}" for load in SIGNS for motion in SIGNS)
 """Rows of a map of pairs: load, then base motion; entry 6 i + j of the 6 x 6."""
 
-ROW, ROOM = 15, 130
-"""Height of a row and of what is not rows [pixels]."""
+PERCENT = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+"""Per cent of the dynamic mass at which the colour changes."""
 
 
 def labels(of: Map) -> tuple[str, ...]:
-    """Names of the rows of `of`, as its figure says them: channels by name, loads in words."""
+    """Names of the rows of `of`: channels by name, loads in words."""
     return tuple(SENSED.get(name, name) for name in of.rows)
 
 
-def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
-    """Channels and loads of one run over frequency; the worst of all runs where `run_index` is None.
-
-    Cells of a row that nothing checks stay empty.
-    """
+def channels_of(of: Map, modes: Sequence[NamedMode]) -> list[HeatMap]:
+    """A map a run, and one of the worst of all runs; cells of a row that nothing checks stay empty."""
     sigma = np.where(np.isfinite(of.expected), of.sigma, np.nan)
-    chosen = np.fmax.reduce(sigma, axis=0) if run_index is None else sigma[run_index]
-    where = "the worst of all runs" if run_index is None else run(of.runs[run_index], of.axes[run_index])
-    title = f"{of.data_set}, {where}: channels and loads"
-    return _map(title, of.frequency, chosen, labels(of), _rules(of), modes, dark)
+    kinds = [name.partition("-")[0] for name in of.rows[: of.channels]]
+    worst = HeatMap(
+        title="the worst of all runs",
+        frequency=of.frequency,
+        rows=labels(of),
+        values=np.fmax.reduce(sigma, axis=0),
+        modes=[(one.name, one.frequency) for one in modes],
+        rules=(of.channels,) if of.channels < len(of.rows) else (),
+        finer=tuple(k for k in range(1, len(kinds)) if kinds[k] != kinds[k - 1]) if len(set(kinds)) <= 4 else (),
+    )
+    runs = zip(of.runs, of.axes, sigma, strict=True)
+    return [*(replace(worst, title=run(name, axis), values=own) for name, axis, own in runs), worst]
+
+
+def pairs_of(pairs: Pairs, modes: Sequence[NamedMode]) -> HeatMap:
+    """Predicted beside measured dynamic mass about F: load and base motion over frequency."""
+    return HeatMap(
+        title=f"{pairs.campaign}: dynamic mass, load and base motion",
+        frequency=pairs.frequency,
+        rows=PAIRS,
+        values=pairs.sigma.reshape(len(pairs.frequency), 36),
+        modes=[(one.name, one.frequency) for one in modes],
+        rules=(6, 12, 18, 24, 30),
+    )
+
+
+def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
+    """Channels and loads of one run over frequency; the worst of all runs where `run_index` is None."""
+    one = channels_of(of, modes)[-1 if run_index is None else run_index]
+    return interactive.heat_map(replace(one, title=f"{of.data_set}, {one.title}: channels and loads"), dark)
 
 
 def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
-    """Predicted beside measured dynamic mass about F: load and base motion over frequency."""
-    title = f"{pairs.campaign}: dynamic mass, load and base motion"
-    sigma = pairs.sigma.reshape(len(pairs.frequency), 36)
-    return _map(title, pairs.frequency, sigma, PAIRS, (6, 12, 18, 24, 30), modes, dark)
+    """The map of `pairs` on a page."""
+    return interactive.heat_map(pairs_of(pairs, modes), dark)
 
 
-def levels(sigma: Array) -> Array:
-    """Of each cell the place in the scale of colours, from 0 in steps of 1; NaN where it has none."""
-    found = np.searchsorted(np.array(BOUNDS), np.nan_to_num(sigma), side="right") - 1.0
-    return np.where(np.isnan(sigma), np.nan, found)
+def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path, note: str = "") -> None:
+    """Write one panel a run.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    *maps, _ = channels_of(of, modes)
+    columns = min(3, len(maps))
+    lines, most = -(-len(maps) // columns), len(of.rows)
+    height = 1.9 + lines * (0.75 + 0.155 * most)
+    figure = new_figure(15.5, height)
+    room = {"left": 0.085, "right": 0.925, "top": 1 - 1.05 / height, "bottom": 0.85 / height}
+    grid = figure.add_gridspec(lines, columns, hspace=0.6 / (0.155 * most + 0.3), wspace=0.06, **room)
+    mesh = None
+    for k, one in enumerate(maps):
+        axes = figure.add_subplot(grid[k // columns, k % columns])
+        mesh = heat_map(axes, one, sigmas())
+        axes.set_yticks(np.arange(most), one.rows if k % columns == 0 else [""] * most, parse_math=False)
+        if k >= len(maps) - columns:
+            axes.set_xlabel("frequency [Hz]", fontsize=10)
+    colour_bar(figure, mesh, (0.94, room["bottom"], 0.012, min(room["top"] - room["bottom"], 5.0 / height)))
+    finish(figure, f"{of.data_set}: channels and loads", note, path)
 
 
-def _map(
-    title: str,
-    frequency: Array,
-    sigma: Array,
-    rows: Sequence[str],
-    rules: Sequence[int],
-    modes: Sequence[NamedMode],
-    dark: bool,
-) -> Figure:
-    """`sigma` (n, m) over `frequency` (n,) and `rows`."""
-    from plotly import graph_objects as go
+def draw_pairs(of: Pairs, modes: Sequence[NamedMode], path: Path, note: str = "") -> None:
+    """Write the map of `of` in sigmas, and beside it in per cent of the dynamic mass.
 
-    thin = worst(frequency, sigma)
-    shown = [escaped(row) for row in rows]
-    heat = go.Heatmap(
-        x=np.asarray(thin.middle, dtype=np.float32),
-        y=shown,
-        z=np.asarray(levels(thin.values).T, dtype=np.float32),
-        customdata=np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
-        zmin=-0.5,
-        zmax=len(BOUNDS) - 0.5,
-        hoverongaps=False,
-        hovertemplate="%{y}<br>%{customdata[1]:.2f} Hz: %{customdata[0]:.1f} σ<extra></extra>",
-        colorbar=_bar(),
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
+
+    require_format(path)
+    figure, one = new_figure(15.5, 8.6), pairs_of(of, modes)
+    blues = LinearSegmentedColormap.from_list("per cent", (PAPER, "#d3e3f3", "#7fb2d8", "#2f72b0", "#0b2f63"), N=len(PERCENT))
+    shares = (blues, BoundaryNorm(PERCENT, len(PERCENT), extend="max"))
+    percent = replace(one, title="in per cent of the dynamic mass", values=of.percent.reshape(len(of.frequency), 36))
+    sides = (
+        (0.06, replace(one, title="in sigmas"), sigmas(), BOUNDS, "sigma"),
+        (0.55, percent, shares, PERCENT, "per cent"),
     )
-    figure = go.Figure(heat)
-    inside = [one for one in modes if frequency[0] <= one.frequency <= frequency[-1]]
-    if inside:  # above the rows, on an axis of their own: a category without cells is more than a heat map bears
-        figure.add_trace(_marks(go, inside))
-        figure.update_layout(yaxis2={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True})
-    for rule in rules:
-        figure.add_hline(rule - 0.5, line={"width": 1})
-    axis = {"type": "category", "categoryorder": "array", "categoryarray": shown, "range": [len(shown) - 0.5, -0.5], "ticks": ""}
-    figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": shown, "tickfont": {"size": 11}, **axis})
-    figure.update_xaxes(title_text="frequency [Hz]", showgrid=False)
-    height = ROOM + ROW * len(shown)
-    return dressed(figure, title, height, dark, margin={"l": 118, "r": 10}, uirevision=escaped(title))
+    for left, shown, scale, bounds, name in sides:
+        axes = figure.add_axes((left, 0.105, 0.37, 0.755))
+        mesh = heat_map(axes, shown, scale)
+        axes.set_yticks(np.arange(36), one.rows)
+        axes.set_xlabel("frequency [Hz]", fontsize=10)
+        axes.set_ylabel("load, base motion", fontsize=10)
+        colour_bar(figure, mesh, (left + 0.385, 0.105, 0.012, 0.6), bounds, name)
+    finish(figure, one.title, note, path)
 
 
-def _bar() -> dict[str, Any]:
-    at = [k - 0.5 for k in range(len(BOUNDS))]
-    return {
-        "title": {"text": "σ"},
-        "tickvals": at,
-        "ticktext": [f"{bound:g}" for bound in BOUNDS],
-        "thickness": 14,
-        "len": 1.0,
-        "outlinewidth": 1,
-    }
+def draw_runs(
+    title: str, rows: Sequence[str], columns: Sequence[str], sigma: Array, percent: Array, path: Path, note: str = ""
+) -> None:
+    """Write the map of runs and configurations, the plain error in every cell.
 
+    Parameters
+    ----------
+    rows, columns : names of the data sets and of the runs
+    sigma, percent : (a, b) worst cell and plain error; NaN where a data set has no such run
 
-def _marks(go: Any, modes: Sequence[NamedMode]) -> Any:
-    return go.Scatter(
-        x=[one.frequency for one in modes],
-        y=[1.0] * len(modes),
-        yaxis="y2",
-        cliponaxis=False,
-        text=[escaped(one.name) for one in modes],
-        mode="markers",
-        marker={"symbol": "triangle-down", "size": 9, "color": ASIDE},
-        showlegend=False,
-        hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
-    )
-
-
-def _rules(of: Map) -> tuple[int, ...]:
-    """Between the channels and the loads."""
-    return (of.channels,) if of.channels < len(of.rows) else ()
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    height = 2.4 + 0.75 * len(rows)
+    figure = new_figure(max(9.0, 4.0 + 1.25 * len(columns)), height)
+    room = {"left": 0.2, "right": 0.87, "top": 1 - 1.25 / height, "bottom": 0.75 / height}
+    axes = figure.add_subplot(figure.add_gridspec(1, 1, **room)[0])
+    colours, norm = sigmas()
+    axes.set_facecolor("#e9ebef")
+    mesh = axes.pcolormesh(np.ma.masked_invalid(sigma), cmap=colours, norm=norm, edgecolors=PAPER, linewidth=2)
+    for (a, b), worst in np.ndenumerate(sigma):
+        if np.isfinite(worst):
+            words = f"{worst:.{1 if worst < 100 else 0}f} σ\n{percent[a, b]:.2g} %"
+            axes.text(b + 0.5, a + 0.5, words, ha="center", va="center", fontsize=9.5, color=PAPER if worst >= 10 else INK)
+    axes.set_xticks(np.arange(len(columns)) + 0.5, columns, fontsize=9.5, parse_math=False)
+    axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=9.5, parse_math=False)
+    axes.xaxis.tick_top()
+    axes.invert_yaxis()
+    axes.tick_params(length=0, colors=INK)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    colour_bar(figure, mesh, (0.9, room["bottom"], 0.015, room["top"] - room["bottom"]))
+    finish(figure, title, note, path)

@@ -5,65 +5,18 @@ The rigid body's line is drawn in, since the way a curve leaves it is the whole 
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, count, pairwise
-from math import ceil, floor, log10
+from itertools import chain, count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.atomic import write_with
 from geometry.dynamic_mass import ComplexArray, DynamicMass
-from geometry.errors import BadInput
 from geometry.frames import Array
-from validation.report.addresses import without_addresses
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure as Figure_graph_objects
-    from plotly.graph_objects.layout import Template
-
-
-# Where pictures go: formats that can be written, and files that are there whole or not at all.
-
-
-FORMATS = (".png", ".jpg", ".jpeg")
-
-
-def require_format(path: Path) -> None:
-    """Look at the ending of `path` before anything is drawn.
-
-    Raises
-    ------
-    BadInput : it is not one of `FORMATS`.
-    """
-    if path.suffix.lower() not in FORMATS:
-        raise BadInput(
-            source=str(path),
-            problem=f"a picture ends in {', '.join(FORMATS)}, found {path.suffix or 'no ending'}",
-            remedy="Name the file so, the ending chooses the format",
-        )
-
-
-def save(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` fill the picture; an interruption leaves the old one or none."""
-    require_format(path)
-    write_with(path, write)
-
-
-ABOUT = "Comment"
-"""The key of a PNG's own words."""
-
-
-def said_about(path: Path) -> str:
-    """The words that a PNG was written with; empty without any."""
-    from PIL import Image
-
-    with Image.open(path) as picture:
-        return str(picture.info.get(ABOUT, ""))
-
+from validation.report.charts.spec import CURVES, FAINT, INK
+from validation.report.charts.static import Axes, Figure, finish, grid_lines, new_figure, require_format
 
 # Colours: one a material, the same in every picture; red, green and blue belong to the principal axes 1, 2 and 3.
 
@@ -82,9 +35,6 @@ OTHERS = ("#7fa36b", "#b5838d", "#5f9ea0", "#b8a04a", "#8f8fc4", "#a86f4f")
 """Materials without a colour of their own take these in turn, in alphabetical order."""
 ELLIPSOID = "#8e6fc0"
 UNCOUNTED = "#9aa0a6"
-INK = "#1d2330"
-FAINT = "#6b7280"
-PAPER = "#ffffff"
 
 
 def colours(materials: Iterable[str]) -> dict[str, str]:
@@ -95,10 +45,6 @@ def colours(materials: Iterable[str]) -> dict[str, str]:
 
 
 LABELS = ("x", "y", "z", "α", "β", "γ")
-DPI = 110
-CURVES = ("#2456c4", "#d9541e", "#1f8a4c")
-"""Of the models in a panel, first to third."""
-
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
 
@@ -127,10 +73,6 @@ DEEPEST = 1e5
 """Of the largest magnitude in a panel of a chosen entry; what is smaller is off the page."""
 
 DASHES = ("-", "--", ":")
-
-Axes = Any
-Figure = Any
-"""Matplotlib's; the library is imported inside the functions."""
 
 
 class Resonances(Protocol):
@@ -259,7 +201,7 @@ def _names(figure: Figure, curves: Sequence[DynamicMassCurve]) -> None:
     from matplotlib.lines import Line2D
 
     handles: dict[str, Any] = {}
-    lines = iter(zip(CURVES, DASHES, strict=True))
+    lines = iter(zip(CURVES, DASHES, strict=False))
     for curve in curves:
         if curve.name not in handles:
             colour, dash = (curve.dots, "none") if curve.dots else next(lines)
@@ -327,7 +269,7 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[DynamicMassCurve], i: int,
                 side.set_color("#d9dde3")
         upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
         return
-    lines, measured = iter(zip(CURVES, DASHES, strict=True)), any(curve.dots for curve in curves)
+    lines, measured = iter(zip(CURVES, DASHES, strict=False)), any(curve.dots for curve in curves)
     for curve in curves:
         if curve.dots:
             _dots(upper, lower, curve, i, j)
@@ -408,13 +350,6 @@ def _dress(upper: Axes, lower: Axes, f: Array) -> None:
     upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
 
 
-def grid_lines(axes: Axes) -> None:
-    """Faint lines behind the curves, small figures beside them."""
-    axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
-    axes.tick_params(labelsize=8.5, colors=INK)
-    axes.set_axisbelow(True)
-
-
 def _at_least_a_decade(upper: Axes) -> None:
     """What is flat is to look flat."""
     low, high = upper.get_ylim()
@@ -434,25 +369,6 @@ def _mark(upper: Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
         if f - last > ROOM_FOR_A_FIGURE * (high - low):
             upper.text(f, 1.012, f"{f:.1f}", transform=upper.get_xaxis_transform(), ha="center", fontsize=7.2, color=FAINT)
             last = f
-
-
-def new_figure(width: float, height: float) -> Figure:
-    """An empty page of so many inches."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Page
-
-    figure = Page(figsize=(width, height), dpi=DPI, facecolor=PAPER)
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
-    """Write title and note onto `figure`, and `figure` to `path`; a PNG carries the words `about`."""
-    width, height = figure.get_size_inches()
-    figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
-    figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)
-    more = {"metadata": {ABOUT: about}} if about else {}
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
 
 
 # Labels that do not cover one another: each takes the first free place around its anchor.
@@ -534,190 +450,3 @@ def _cover(a: Array, size_a: tuple[float, float], b: Array, size_b: tuple[float,
 
 def _lies_in(place: Array, extent: tuple[float, float], room: Box) -> bool:
     return bool(np.all(np.abs(place - room[0]) <= (np.array(room[1]) - np.array(extent)) / 2))
-
-
-# Colours and lettering of all figures, light and dark.
-#
-# Whatever differs between the two stands in the template alone: a page that switches exchanges the template and keeps the
-# figure. Curves take middle tones that are read on white, on the dark surface and in print.
-
-
-THEME_MEASURED, PREDICTED, FURTHER, ASIDE = "#d9661f", "#3b7ddd", "#1f9d61", "#8791a1"
-"""What was measured, what the model says, what it would say otherwise, and what stands back."""
-
-THRESHOLD = "#c2334d"
-"""Of limits."""
-
-SURFACE = {False: "#ffffff", True: "#171b22"}
-"""Behind a figure, by whether it is dark."""
-
-THEME_INK = {False: "#1d2330", True: "#e4e8ef"}
-GRID = {False: "#e3e7ed", True: "#303846"}
-AXIS = {False: "#7b8494", True: "#8b95a6"}
-
-FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', Arial, sans-serif"
-
-TITLE_ROOM, LEGEND_ROOM = 46, 32
-"""[pixels] above the panels, and what a legend there adds."""
-
-
-def template(dark: bool) -> Template:
-    """What makes a figure light or `dark`."""
-    from plotly import graph_objects as go
-
-    ink, grid, axis = THEME_INK[dark], GRID[dark], AXIS[dark]
-    of_axis = {
-        "gridcolor": grid,
-        "zerolinecolor": axis,
-        "linecolor": axis,
-        "tickcolor": axis,
-        "showline": True,
-        "ticks": "outside",
-        "zeroline": False,
-    }
-    made = go.layout.Template(
-        layout={
-            "paper_bgcolor": SURFACE[dark],
-            "plot_bgcolor": SURFACE[dark],
-            "font": {"family": FONT, "size": 13, "color": ink},
-            "title": {"font": {"size": 15, "color": ink}, "x": 0, "xref": "container", "xanchor": "left", "pad": {"l": 12}},
-            "xaxis": of_axis,
-            "yaxis": of_axis,
-            "legend": {"font": {"color": ink}, "bgcolor": "rgba(0,0,0,0)"},
-            "hoverlabel": {"bgcolor": SURFACE[dark], "bordercolor": axis, "font": {"color": ink, "family": FONT}},
-            "shapedefaults": {"line": {"color": ink, "width": 1}},
-            "annotationdefaults": {"font": {"color": ink}},
-            "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": axis, "activecolor": ink},
-        }
-    )
-    made.data.heatmap = [go.Heatmap(colorscale=_sigmas(dark), colorbar={"outlinecolor": axis, "tickcolor": axis})]
-    return made
-
-
-BOUNDS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0)
-"""Sigmas at which the colour of a map changes; beyond 4 it is no chance."""
-
-PALE = {False: ("#ffffff", "#f3f5f8", "#e3e9f0", "#ccd8e4"), True: ("#171b22", "#1d232d", "#262f3c", "#33404f")}
-STRONG = {
-    False: ("#f7d13d", "#f39b2c", "#dd6a3c", "#b8415f", "#7b2a76", "#3d1559"),
-    True: ("#6b3d86", "#9c3f7f", "#c9525f", "#e67a3f", "#f6ad3c", "#fbe77a"),
-}
-"""Below and above the threshold: on paper darker where worse, on a dark page lighter where worse."""
-
-
-def _sigmas(dark: bool) -> list[list[Any]]:
-    """Steps of equal width, one a level."""
-    colours = (*PALE[dark], *STRONG[dark])
-    count = len(colours)
-    return [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
-
-
-def dressed(figure: Figure_graph_objects, title: str, height: int, dark: bool, **layout: Any) -> Figure_graph_objects:
-    """`figure` with its template, a title above it and room for its modebar; it takes the width that it is given.
-
-    Parameters
-    ----------
-    height : [pixels]
-    """
-    margin = {"l": 70, "r": 16, "t": TITLE_ROOM, "b": 48} | layout.pop("margin", {})
-    figure.update_layout(template=template(dark), height=height, margin=margin, autosize=True, **layout)
-    figure.update_layout(title={"text": escaped(title), "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 12, "l": 12}})
-    return figure
-
-
-def legend_above(panel: float = 0.0) -> dict[str, Any]:
-    """A legend between the title and the panels, `panel` [share of them] higher where they have titles of their own."""
-    return {"orientation": "h", "x": 0, "y": 1.01 + panel, "yanchor": "bottom", "xanchor": "left"}
-
-
-def decades(low: float, high: float) -> dict[str, Any]:
-    """Range and ticks of a logarithmic axis between two powers of ten: round numbers, written out, however short the axis is."""
-    a, b = 10.0**low, 10.0**high
-    if high - low > 0.7:
-        steps = (1, 2, 5) if high - low < 2.6 else (1,)
-        every = [step * 10.0**power for power in range(floor(low) - 1, ceil(high) + 1) for step in steps]
-    else:
-        rough = (b - a) / 5
-        unit = 10.0 ** floor(log10(rough))
-        step = next(each * unit for each in (1, 2, 2.5, 5, 10) if each * unit >= rough)
-        every = [step * k for k in range(floor(a / step), ceil(b / step) + 1)]
-    ticks = [tick for tick in every if a <= tick * (1 + 1e-9) and tick <= b * (1 + 1e-9)]
-    return {"type": "log", "range": [low, high], "tickvals": ticks, "ticktext": [f"{tick:.6g}" for tick in ticks]}
-
-
-def escaped(text: str) -> str:
-    """`text` as plotly shows it to the letter: it reads a little HTML, and names come from files."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-# What a page needs to show figures by itself: the library, the figures, and the two templates between which it switches.
-
-
-BUTTONS = (("toImage",), ("zoom2d", "pan2d"), ("zoomIn2d", "zoomOut2d", "resetScale2d"))
-"""All buttons above a figure, in groups. Only these are shown, whatever plotly.js adds: version 4 added one that opened
-a window of its makers and posted the figure there."""
-
-CONFIG: dict[str, Any] = {
-    "modeBarButtons": BUTTONS,
-    "displaylogo": False,
-    "showSendToCloud": False,
-    "plotlyServerURL": "",
-    "topojsonURL": "about:blank#",  # where it would look for maps of the world; it takes no empty one
-}
-"""What every figure of report and workbench is drawn with; a page adds its own sizes, and none of these."""
-
-
-def library() -> str:
-    """The source of plotly.js, of the version to which the figures belong, without addresses and with `CONFIG` set."""
-    from plotly.offline import get_plotlyjs
-
-    return f"{without_addresses(str(get_plotlyjs()))}\nPlotly.setPlotConfig({json.dumps(CONFIG)});\n"
-
-
-def figure_json(figure: Figure_graph_objects) -> str:
-    """`figure` as JSON without its template, which a page has once for all of them."""
-    from plotly.graph_objects import Figure
-    from plotly.io import to_json
-
-    bare = Figure(figure)
-    bare.layout.template = None
-    return str(to_json(bare, validate=False))
-
-
-def template_json(dark: bool) -> str:
-    """The template that makes any of the figures light or `dark`, as JSON."""
-    from plotly.io.json import to_json_plotly
-
-    return str(to_json_plotly(template(dark).to_plotly_json()))
-
-
-# As many lines as a figure has pixels for, the worst of those that share one.
-
-
-MOST = 280
-"""Columns of a map."""
-
-
-class Thinned(NamedTuple):
-    """Lines in columns.
-
-    Attributes
-    ----------
-    middle : (m,) [Hz] of each column
-    values : (m, ...) the greatest of each column; NaN where all of it is
-    at : (m, ...) [Hz] of the line that has it
-    """
-
-    middle: Array
-    values: Array
-    at: Array
-
-
-def worst(frequency: Array, values: Array, most: int = MOST) -> Thinned:
-    """`frequency` (n,) [Hz] and `values` (n, ...) in at most `most` columns; a value that is NaN hides no other."""
-    n = len(frequency)
-    edges = np.arange(n + 1) if n <= most else np.unique(np.linspace(0, n, most + 1).astype(int))
-    known = np.where(np.isnan(values), -np.inf, values)
-    lines = np.array([a + np.argmax(known[a:b], axis=0) for a, b in pairwise(edges)])
-    middle = np.array([frequency[(a + b - 1) // 2] for a, b in pairwise(edges)])
-    return Thinned(middle, np.take_along_axis(values, lines, axis=0), frequency[lines])

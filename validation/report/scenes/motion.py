@@ -16,7 +16,8 @@ import numpy.typing as npt
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
-from validation.report.charts.style import ABOUT, FAINT, INK, PAPER, require_format, save
+from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.static import ABOUT, require_format, save
 from validation.report.scenes.scene import (
     SUPERSAMPLING,
     DrawnBody,
@@ -223,7 +224,7 @@ class DrawnMode:
 def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "", about: str = "") -> None:
     """Write all of `modes` on one sheet, all seen from the same side and in the same scale.
 
-    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
 
     Raises
     ------

@@ -15,7 +15,9 @@ from geometry.atomic import write_with
 from geometry.frames import Array, frozen
 from validation.classical.swing import Record, Setup, Simulated
 from validation.reference.reference import ArticleOptions, file_name
-from validation.report.charts.style import ABOUT, FAINT, INK, PAPER, colours, require_format, save
+from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.static import ABOUT, require_format, save
+from validation.report.charts.style import colours
 from validation.report.reference import drawing
 from validation.report.scenes.motion import Integers, sharp_edges
 from validation.report.scenes.scene import (
@@ -189,7 +191,7 @@ class DrawnSwing:
 def pendulum_picture(swing: DrawnSwing, path: Path, about: str = "") -> None:
     """Write the first instant of `swing` with its record below.
 
-    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
 
     Raises
     ------

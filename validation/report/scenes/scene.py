@@ -20,19 +20,9 @@ from geometry.article import Article
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia, require_physical
-from validation.report.charts.style import (
-    ABOUT,
-    AXES,
-    ELLIPSOID,
-    FAINT,
-    INK,
-    PAPER,
-    UNCOUNTED,
-    Label,
-    arranged,
-    require_format,
-    save,
-)
+from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.static import ABOUT, require_format, save
+from validation.report.charts.style import AXES, ELLIPSOID, UNCOUNTED, Label, arranged
 from validation.report.charts.style import colours as palette_colours
 
 # What a picture draws: closed meshes with a name, a material, and whether their mass counts.
@@ -296,7 +286,7 @@ COLOURS = 255
 def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
 
-    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
 
     Raises
     ------

@@ -15,7 +15,9 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
 from identification.campaign import Campaign
 from validation.reference.reference import file_name
-from validation.report.charts.style import FAINT, INK, PAPER, Label, arranged, require_format, save
+from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.static import require_format, save
+from validation.report.charts.style import Label, arranged
 from validation.report.scenes.motion import DPI, blank, write
 from validation.report.scenes.scene import Arrow, DrawnBody, Projection, drawn_bodies, fitted, rendered
 

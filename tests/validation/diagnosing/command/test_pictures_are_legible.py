@@ -13,7 +13,7 @@ import pytest
 from validation.diagnose.diagnosis import Diagnosis
 from validation.effects.catalogue import parse
 from validation.report import diagnose
-from validation.report.charts import crosscheck, style
+from validation.report.charts import static
 
 Made = Callable[[str], Diagnosis]
 
@@ -22,14 +22,14 @@ Made = Callable[[str], Diagnosis]
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The figures that were finished."""
     figures: list[Any] = []
-    finish = style.finish
+    finish = static.finish
 
     def finished(figure: Any, *arguments: Any) -> None:
         finish(figure, *arguments)
         figure.canvas.draw()
         figures.append(figure)
 
-    monkeypatch.setattr(crosscheck, "finish", finished)
+    monkeypatch.setattr(static, "finish", finished)
     return figures
 
 

@@ -1,0 +1,325 @@
+"""Charts of report and workbench, drawn with plotly: what `spec` says, light and dark.
+
+Whatever differs between the two stands in the template alone: a page that switches exchanges the template and keeps the figure.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from itertools import pairwise
+from math import ceil, floor, log10
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from geometry.frames import Array
+from validation.report.addresses import without_addresses
+from validation.report.charts.spec import (
+    ASIDE,
+    BOUNDS,
+    COLOURS,
+    INK,
+    LINEAR_NATS,
+    MEASURED,
+    PALE,
+    STRONG,
+    BarChart,
+    Bars,
+    HeatMap,
+    signed_log,
+)
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+    from plotly.graph_objects.layout import Template
+
+
+SURFACE = {False: "#ffffff", True: "#171b22"}
+"""Behind a figure, by whether it is dark."""
+
+GRID = {False: "#e3e7ed", True: "#303846"}
+AXIS = {False: "#7b8494", True: "#8b95a6"}
+
+FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', Arial, sans-serif"
+
+TITLE_ROOM, LEGEND_ROOM = 46, 32
+"""[pixels] above the panels, and what a legend there adds."""
+
+
+def template(dark: bool) -> Template:
+    """What makes a figure light or `dark`."""
+    from plotly import graph_objects as go
+
+    ink, grid, axis = "#e4e8ef" if dark else INK, GRID[dark], AXIS[dark]
+    of_axis = {
+        "gridcolor": grid,
+        "zerolinecolor": axis,
+        "linecolor": axis,
+        "tickcolor": axis,
+        "showline": True,
+        "ticks": "outside",
+        "zeroline": False,
+    }
+    made = go.layout.Template(
+        layout={
+            "paper_bgcolor": SURFACE[dark],
+            "plot_bgcolor": SURFACE[dark],
+            "font": {"family": FONT, "size": 13, "color": ink},
+            "title": {"font": {"size": 15, "color": ink}, "x": 0, "xref": "container", "xanchor": "left", "pad": {"l": 12}},
+            "xaxis": of_axis,
+            "yaxis": of_axis,
+            "legend": {"font": {"color": ink}, "bgcolor": "rgba(0,0,0,0)"},
+            "hoverlabel": {"bgcolor": SURFACE[dark], "bordercolor": axis, "font": {"color": ink, "family": FONT}},
+            "shapedefaults": {"line": {"color": ink, "width": 1}},
+            "annotationdefaults": {"font": {"color": ink}},
+            "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": axis, "activecolor": ink},
+        }
+    )
+    made.data.heatmap = [go.Heatmap(colorscale=_sigmas(dark), colorbar={"outlinecolor": axis, "tickcolor": axis})]
+    return made
+
+
+def _sigmas(dark: bool) -> list[list[Any]]:
+    """Steps of equal width, one a level."""
+    colours = (*PALE[dark], *STRONG[dark])
+    count = len(colours)
+    return [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
+
+
+def dressed(figure: Figure, title: str, height: int, dark: bool, **layout: Any) -> Figure:
+    """`figure` with its template, a title above it and room for its modebar; it takes the width that it is given.
+
+    Parameters
+    ----------
+    height : [pixels]
+    """
+    margin = {"l": 70, "r": 16, "t": TITLE_ROOM, "b": 48} | layout.pop("margin", {})
+    figure.update_layout(template=template(dark), height=height, margin=margin, autosize=True, **layout)
+    figure.update_layout(title={"text": escaped(title), "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 12, "l": 12}})
+    return figure
+
+
+def legend_above(panel: float = 0.0) -> dict[str, Any]:
+    """A legend between the title and the panels, `panel` [share of them] higher where they have titles of their own."""
+    return {"orientation": "h", "x": 0, "y": 1.01 + panel, "yanchor": "bottom", "xanchor": "left"}
+
+
+def decades(low: float, high: float) -> dict[str, Any]:
+    """Range and ticks of a logarithmic axis between two powers of ten: round numbers, written out, however short the axis is."""
+    a, b = 10.0**low, 10.0**high
+    if high - low > 0.7:
+        steps = (1, 2, 5) if high - low < 2.6 else (1,)
+        every = [step * 10.0**power for power in range(floor(low) - 1, ceil(high) + 1) for step in steps]
+    else:
+        rough = (b - a) / 5
+        unit = 10.0 ** floor(log10(rough))
+        step = next(each * unit for each in (1, 2, 2.5, 5, 10) if each * unit >= rough)
+        every = [step * k for k in range(floor(a / step), ceil(b / step) + 1)]
+    ticks = [tick for tick in every if a <= tick * (1 + 1e-9) and tick <= b * (1 + 1e-9)]
+    return {"type": "log", "range": [low, high], "tickvals": ticks, "ticktext": [f"{tick:.6g}" for tick in ticks]}
+
+
+def escaped(text: str) -> str:
+    """`text` as plotly shows it to the letter: it reads a little HTML, and names come from files."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+# What a page needs to show figures by itself: the library, the figures, and the two templates between which it switches.
+
+
+BUTTONS = (("toImage",), ("zoom2d", "pan2d"), ("zoomIn2d", "zoomOut2d", "resetScale2d"))
+"""All buttons above a figure, in groups. Only these are shown, whatever plotly.js adds: version 4 added one that opened
+a window of its makers and posted the figure there."""
+
+CONFIG: dict[str, Any] = {
+    "modeBarButtons": BUTTONS,
+    "displaylogo": False,
+    "showSendToCloud": False,
+    "plotlyServerURL": "",
+    "topojsonURL": "about:blank#",  # where it would look for maps of the world; it takes no empty one
+}
+"""What every figure of report and workbench is drawn with; a page adds its own sizes, and none of these."""
+
+
+def library() -> str:
+    """The source of plotly.js, of the version to which the figures belong, without addresses and with `CONFIG` set."""
+    from plotly.offline import get_plotlyjs
+
+    return f"{without_addresses(str(get_plotlyjs()))}\nPlotly.setPlotConfig({json.dumps(CONFIG)});\n"
+
+
+def figure_json(figure: Figure) -> str:
+    """`figure` as JSON without its template, which a page has once for all of them."""
+    from plotly import graph_objects as go
+    from plotly.io import to_json
+
+    bare = go.Figure(figure)
+    bare.layout.template = None
+    return str(to_json(bare, validate=False))
+
+
+def template_json(dark: bool) -> str:
+    """The template that makes any of the figures light or `dark`, as JSON."""
+    from plotly.io.json import to_json_plotly
+
+    return str(to_json_plotly(template(dark).to_plotly_json()))
+
+
+# As many lines as a figure has pixels for, the worst of those that share one.
+
+
+MOST = 280
+"""Columns of a map."""
+
+
+class Thinned(NamedTuple):
+    """Lines in columns.
+
+    Attributes
+    ----------
+    middle : (m,) [Hz] of each column
+    values : (m, ...) the greatest of each column; NaN where all of it is
+    at : (m, ...) [Hz] of the line that has it
+    """
+
+    middle: Array
+    values: Array
+    at: Array
+
+
+def worst(frequency: Array, values: Array, most: int = MOST) -> Thinned:
+    """`frequency` (n,) [Hz] and `values` (n, ...) in at most `most` columns; a value that is NaN hides no other."""
+    n = len(frequency)
+    edges = np.arange(n + 1) if n <= most else np.unique(np.linspace(0, n, most + 1).astype(int))
+    known = np.where(np.isnan(values), -np.inf, values)
+    lines = np.array([a + np.argmax(known[a:b], axis=0) for a, b in pairwise(edges)])
+    middle = np.array([frequency[(a + b - 1) // 2] for a, b in pairwise(edges)])
+    return Thinned(middle, np.take_along_axis(values, lines, axis=0), frequency[lines])
+
+
+TICKS = (-1000, -100, -10, -5, 0, 5, 10, 30, 100, 300, 1000, 3000, 10_000, 100_000, 1_000_000)
+"""Of an axis of evidence [nats]."""
+
+
+def bars(one: Bars, chart: BarChart, **more: Any) -> Any:
+    """The trace of `one`, its words at the ends of the bars."""
+    from plotly.graph_objects import Bar
+
+    colours = COLOURS[one.roles][1] if isinstance(one.roles, str) else [COLOURS[role][1] for role in one.roles]
+    look = {"marker": {"color": colours}, "text": one.words, "textposition": "outside", "cliponaxis": False}
+    rows = [chart.on_page.get(row, row) for row in one.rows]
+    return Bar(orientation="h", x=one.values, y=rows, **look, **more)
+
+
+def evidence(chart: BarChart, dark: bool) -> Figure:
+    """A bar a cause, its words behind it, and a mark at what is asked for; a click tells the row as `y`."""
+    from plotly import graph_objects as go
+
+    (panel,) = chart.panels
+    figure = go.Figure()
+    for one in panel.bars:
+        told = [(escaped(about), escaped(words)) for about, words in zip(one.about, one.words, strict=True)]
+        bar = go.Bar(
+            name=one.name,
+            orientation="h",
+            x=signed_log(np.array(one.values)),
+            y=[escaped(row) for row in one.rows],
+            marker={"color": COLOURS[one.name][1]},
+            customdata=told,
+            hovertemplate="%{y}: %{customdata[0]}<br>%{customdata[1]}<extra></extra>",
+        )
+        figure.add_trace(bar)
+    rows = [escaped(row) for row in panel.rows]
+    found = {row: told for one in panel.bars for row, told in zip(one.rows, zip(one.values, one.words, strict=True), strict=True)}
+    reach = signed_log(np.array([found[row][0] for row in panel.rows] or [0.0]))
+    low, high = min(0.0, 1.15 * float(reach.min())), max(1.35 * LINEAR_NATS, float(reach.max()))
+    ticks = {"tickvals": signed_log(np.array(TICKS, dtype=float)), "ticktext": [f"{one:,}".replace(",", " ") for one in TICKS]}
+    figure.update_xaxes(range=[low, low + 1.75 * (high - low)], zeroline=True, title_text=panel.label, **ticks)
+    figure.update_yaxes(categoryorder="array", categoryarray=rows, range=[len(rows) - 0.5, -0.5], showgrid=False, automargin=True)
+    asked = go.Scatter(
+        x=signed_log(np.array(panel.asked)),
+        y=rows,
+        customdata=panel.asked,
+        mode="markers",
+        marker={"symbol": "line-ns", "size": 24, "line": {"width": 2.5, "color": COLOURS[MEASURED][1]}},
+        name="asked for",
+        hovertemplate="%{customdata:g} nats are asked for<extra></extra>",
+    )
+    words = go.Scatter(  # of a cause that the data speak against they stand behind the axis
+        x=np.maximum(reach[: len(rows)], 0.0),
+        y=rows,
+        text=[f"  {escaped(found[row][1])}" for row in panel.rows],
+        mode="text",
+        textposition="middle right",
+        cliponaxis=False,
+        showlegend=False,
+        hoverinfo="skip",
+    )
+    figure.add_traces([asked, words])
+    margin = {"t": TITLE_ROOM + LEGEND_ROOM}
+    return dressed(figure, chart.title, 170 + 34 * len(rows), dark, legend=legend_above(), barmode="overlay", margin=margin)
+
+
+def levels(sigma: Array) -> Array:
+    """Of each cell the place in the scale of colours, from 0 in steps of 1; NaN where it has none."""
+    found = np.searchsorted(np.array(BOUNDS), np.nan_to_num(sigma), side="right") - 1.0
+    return np.where(np.isnan(sigma), np.nan, found)
+
+
+def heat_map(one: HeatMap, dark: bool) -> Figure:
+    """A map of sigmas.
+
+    A click tells the middle of its column as `x`, the name of its row as `y`, and as `customdata` the worst of the lines
+    that share the cell: [σ, its frequency in Hz].
+    """
+    from plotly import graph_objects as go
+
+    thin = worst(one.frequency, one.values)
+    rows = [escaped(row) for row in one.rows]
+    bar = {
+        "title": {"text": "σ"},
+        "tickvals": [k - 0.5 for k in range(len(BOUNDS))],
+        "ticktext": [f"{bound:g}" for bound in BOUNDS],
+        "thickness": 14,
+        "len": 1.0,
+        "outlinewidth": 1,
+    }
+    heat = go.Heatmap(
+        x=np.asarray(thin.middle, dtype=np.float32),
+        y=rows,
+        z=np.asarray(levels(thin.values).T, dtype=np.float32),
+        customdata=np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
+        zmin=-0.5,
+        zmax=len(BOUNDS) - 0.5,
+        hoverongaps=False,
+        hovertemplate="%{y}<br>%{customdata[1]:.2f} Hz: %{customdata[0]:.1f} σ<extra></extra>",
+        colorbar=bar,
+    )
+    figure = go.Figure(heat)
+    if one.shown_modes:  # above the rows, on an axis of their own: a category without cells is more than a heat map bears
+        figure.add_trace(modes(one.shown_modes, 1.0, 9, yaxis="y2", showlegend=False))
+        figure.update_layout(yaxis2={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True})
+    for rule in one.rules:
+        figure.add_hline(rule - 0.5, line={"width": 1})
+    axis = {"type": "category", "categoryorder": "array", "categoryarray": rows, "range": [len(rows) - 0.5, -0.5], "ticks": ""}
+    figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": rows, "tickfont": {"size": 11}, **axis})
+    figure.update_xaxes(title_text="frequency [Hz]", showgrid=False)
+    look = {"margin": {"l": 118, "r": 10}, "uirevision": escaped(one.title)}
+    return dressed(figure, one.title, 130 + 15 * len(rows), dark, **look)
+
+
+def modes(shown: Sequence[tuple[str, float]], height: float, size: int, **more: Any) -> Any:
+    """Triangles at the eigenfrequencies."""
+    from plotly.graph_objects import Scatter
+
+    return Scatter(
+        x=[frequency for _, frequency in shown],
+        y=[height] * len(shown),
+        text=[escaped(name) for name, _ in shown],
+        mode="markers",
+        marker={"symbol": "triangle-down", "size": size, "color": COLOURS[ASIDE][1]},
+        cliponaxis=False,
+        hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
+        **more,
+    )

@@ -1,0 +1,221 @@
+"""Charts drawn into files with matplotlib: what `spec` says, on a page of its own, whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.atomic import write_with
+from geometry.errors import BadInput
+from validation.report.charts.spec import (
+    BOUNDS,
+    CHANCE,
+    COLOURS,
+    EVIDENCE,
+    FAINT,
+    INK,
+    LINEAR,
+    LINEAR_NATS,
+    LOG,
+    PALE,
+    PAPER,
+    STRONG,
+    BarChart,
+    BarPanel,
+    HeatMap,
+)
+
+DPI = 110
+
+Axes = Any
+Figure = Any
+"""Matplotlib's; the library is imported inside the functions."""
+
+FORMATS = (".png", ".jpg", ".jpeg")
+
+
+def require_format(path: Path) -> None:
+    """Look at the ending of `path` before anything is drawn.
+
+    Raises
+    ------
+    BadInput : it is not one of `FORMATS`.
+    """
+    if path.suffix.lower() not in FORMATS:
+        raise BadInput(
+            source=str(path),
+            problem=f"a picture ends in {', '.join(FORMATS)}, found {path.suffix or 'no ending'}",
+            remedy="Name the file so, the ending chooses the format",
+        )
+
+
+def save(path: Path, write: Callable[[Path], object]) -> None:
+    """Let `write` fill the picture; an interruption leaves the old one or none."""
+    require_format(path)
+    write_with(path, write)
+
+
+ABOUT = "Comment"
+"""The key of a PNG's own words."""
+
+
+def said_about(path: Path) -> str:
+    """The words that a PNG was written with; empty without any."""
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        return str(picture.info.get(ABOUT, ""))
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty page of so many inches."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Page
+
+    figure = Page(figsize=(width, height), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
+    """Write title and note onto `figure`, and `figure` to `path`; a PNG carries the words `about`."""
+    width, height = figure.get_size_inches()
+    figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
+    figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)
+    more = {"metadata": {ABOUT: about}} if about else {}
+    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
+
+
+def grid_lines(axes: Axes) -> None:
+    """Faint lines behind the curves, small figures beside them."""
+    axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
+    axes.tick_params(labelsize=8.5, colors=INK)
+    axes.set_axisbelow(True)
+
+
+DASHED = (0, (5, 3))
+"""Of limits and of what is due."""
+
+LONGEST = 34
+"""Letters of a row's name before it is cut."""
+
+
+def draw_bars(
+    chart: BarChart,
+    path: Path,
+    *,
+    size: tuple[float, float],
+    room: Mapping[str, float],
+    legend: Mapping[str, Any] | None = None,
+    thickness: float,
+    further: float = 1.14,
+    lettering: float = 10.5,
+    about: str = "",
+) -> None:
+    """Write the panels of `chart` one above the other.
+
+    Parameters
+    ----------
+    size : width and height [inches]
+    room : of the panels, for a grid of matplotlib's
+    legend : where it stands; below the title if nothing is said
+    thickness : of a bar, where the distance of rows is 1
+    further : where a linear axis ends, over the longest bar
+    lettering : size of the names of rows [points]
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    require_format(path)
+    figure = new_figure(*size)
+    grid = figure.add_gridspec(len(chart.panels), 1, height_ratios=[len(one.rows) for one in chart.panels], **room)
+    for place, panel in zip(grid, chart.panels, strict=True):
+        _bars(figure.add_subplot(place), panel, thickness, further, lettering)
+    handles: list[Any] = [Patch(color=COLOURS[role][0], label=word) for role, word in chart.legend.items()]
+    if chart.limit:
+        handles.append(Line2D([], [], color=INK, linewidth=1.6, linestyle=DASHED, label=chart.limit))
+    below_title = {"loc": "upper left", "bbox_to_anchor": (0.4 / size[0], 1 - 0.62 / size[1])}
+    figure.legend(handles=handles, ncols=5, fontsize=9.5, frameon=False, **(legend or below_title))
+    finish(figure, chart.title, chart.note, path, about)
+
+
+def _bars(axes: Axes, panel: BarPanel, thickness: float, further: float, lettering: float) -> None:
+    apart = 0.0 if panel.scale == EVIDENCE else 0.19 * (len(panel.bars) - 1)
+    beside: dict[str, Any] = {"va": "center", "color": INK, "parse_math": False}
+    behind = beside | {"textcoords": "offset points", "fontsize": 9.5, "zorder": 5}
+    behind["bbox"] = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.0}
+    for k, one in enumerate(panel.bars):
+        places = [panel.rows.index(row) + apart * (2 * k - 1) for row in one.rows]
+        roles = [one.roles] * len(places) if isinstance(one.roles, str) else one.roles
+        axes.barh(places, one.values, color=[COLOURS[role][0] for role in roles], height=thickness)
+        for place, value, words in zip(places, one.values, one.words, strict=True):
+            if panel.scale == EVIDENCE:
+                axes.text(1.02, place, words, transform=axes.get_yaxis_transform(), fontsize=10, **beside)
+            else:
+                axes.annotate(words, (value, place), (6, 0), **behind)
+    every = [value for one in panel.bars for value in one.values]
+    if panel.scale == LOG:
+        axes.set_xscale("log")
+        axes.set_xlim(0.5 * min(0.2, *(value for value in every if value > 0)), 2.5 * max(2.0, *every))
+        axes.xaxis.set_minor_formatter("")
+    elif panel.scale == EVIDENCE:
+        axes.set_xscale("symlog", linthresh=LINEAR_NATS)
+        axes.set_xlim(min(0.0, *(1.3 * value for value in every)), max(2 * LINEAR_NATS, *(1.6 * value for value in every)))
+        axes.axvline(0.0, color=FAINT, linewidth=0.8)
+    else:
+        axes.set_xlim(0, further * max(panel.least, *every))
+    if panel.limit is not None:
+        axes.axvline(panel.limit, color=INK, linewidth=1.6, linestyle=DASHED)
+    axes.set_xlabel(panel.label, fontsize=9.5, color=INK)
+    grid_lines(axes)
+    names = [name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in panel.rows]
+    axes.set_yticks(np.arange(len(names)), names, parse_math=False)
+    axes.tick_params(axis="y", labelsize=lettering)
+    if panel.scale != LINEAR:
+        axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_ylim(len(names) - 0.4, -0.6) if panel.scale == EVIDENCE else axes.invert_yaxis()
+    axes.grid(visible=False, axis="y")
+
+
+def heat_map(axes: Axes, one: HeatMap, scale: tuple[Any, Any]) -> Any:
+    """Fill `axes` with `one`; `scale` is the colours and how values choose among them."""
+    axes.set_facecolor("#9aa0a6")  # of a row that nothing checks
+    colours, norm = scale
+    look: dict[str, Any] = {"cmap": colours, "norm": norm, "shading": "nearest", "rasterized": True}
+    mesh = axes.pcolormesh(one.frequency, np.arange(len(one.rows)), np.ma.masked_invalid(one.values.T), **look)
+    axes.invert_yaxis()
+    axes.tick_params(labelsize=8, colors=INK, length=2)
+    axes.set_title(one.title, fontsize=10.5, loc="left", color=INK, pad=9, parse_math=False)
+    for rule in (*one.finer, *one.rules):
+        axes.axhline(rule - 0.5, color=INK, linewidth=0.8)
+    for _, f in one.shown_modes:
+        axes.plot([f], [1.0], marker="v", markersize=5, color=INK, transform=axes.get_xaxis_transform(), clip_on=False)
+    return mesh
+
+
+def sigmas() -> tuple[Any, Any]:
+    """Colours of sigmas, and how values choose among them."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    colours = ListedColormap((*PALE[False], *STRONG[False][:-1])).with_extremes(over=STRONG[False][-1])
+    return colours, BoundaryNorm(BOUNDS, colours.N)
+
+
+def colour_bar(
+    figure: Figure, mesh: Any, place: tuple[float, ...], bounds: Sequence[float] = BOUNDS, name: str = "sigma"
+) -> None:
+    """What the colours of `mesh` mean; a black bar where sigmas are no chance any more."""
+    bar = figure.add_axes(place)
+    figure.colorbar(mesh, cax=bar, extend="max", spacing="uniform", ticks=bounds)
+    bar.set_yticklabels([f"{bound:g}" for bound in bounds])
+    bar.tick_params(labelsize=9, colors=INK, length=2)
+    if bounds is BOUNDS:
+        bar.axhline(CHANCE, color=INK, linewidth=2.5)
+    bar.set_title(name, fontsize=9.5, color=INK, loc="left")
