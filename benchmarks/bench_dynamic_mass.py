@@ -32,7 +32,7 @@ def ways(damping: Damping | None) -> dict[str, Callable[[Array], ComplexArray]]:
     modes = fixed_base(structure, COUNT, damping=damping)
     reduced = reduction.of_modes(modes, structure.rigid)
     return {
-        "modal": lambda lines: dynamic_mass.modal_dynamic_mass(modes, lines).matrix,
+        "modal": lambda lines: dynamic_mass.modal(modes, lines).matrix,
         "pyyeti": lambda lines: by_pyyeti(reduced, lines),
         "direct": lambda lines: dynamic_mass.direct(structure, lines, damping, modes=modes).matrix,
     }

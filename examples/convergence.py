@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.solid import model
-from fem.solid.convergence import BLADE_BAR, Convergence, study
+from fem.solid.model import BLADE_BAR, Convergence, convergence_study
 from geometry.article import Article, Box, Part, Shape, material, upright
 from geometry.articles import built_in
 
@@ -35,7 +35,7 @@ def studied(name: str, count: int, sizes: Sequence[float]) -> Convergence:
     """`count` modes of the article `name` at `sizes` [m], from coarse to fine."""
     chosen = article(name)
     bars = {part.name: BLADE_BAR for part in chosen.parts if part.name.startswith(BLADES)}
-    return study(lambda size: model.structure(chosen, size=size), sizes, count, bars=bars)
+    return convergence_study(lambda size: model.structure(chosen, size=size), sizes, count, bars=bars)
 
 
 def table(name: str, found: Convergence) -> Table:

@@ -29,7 +29,7 @@ WELL_CONDITIONED = 1e6
 """Up to this condition of its eigenvectors a complex modal stiffness is diagonalised once instead of solved line by line."""
 
 
-def modal_dynamic_mass(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = True) -> DynamicMass:
+def modal(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = True) -> DynamicMass:
     """Dynamic mass from `modes` at `frequency` (n,) [Hz], about their reference point (Eq. 8 in matrix form).
 
     Parameters
@@ -75,7 +75,7 @@ def direct(
         structural_matrix(damping, structure),
     )
     C, S = (None if matrix is None else restricted(matrix, structure.free) for matrix in (C, S))
-    # M Phi (f, n) and the modal viscous matrix of ratios and `modal_dynamic_mass`, where damping has them
+    # M Phi (f, n) and the modal viscous matrix of ratios and `modal`, where damping has them
     if damping.ratio is None and damping.modal is None:
         per_mode: tuple[Array, Array] | None = None
     else:

@@ -13,7 +13,7 @@ from fem.beam import articles
 from fem.beam.articles import Joint
 from fem.beam.frame import Plan
 from fem.damping import DEFAULT_RATIO
-from fem.dynamic_mass import LINES, modal_dynamic_mass
+from fem.dynamic_mass import LINES, modal
 from fem.exudyn import floating_frame, frame
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.run import failed, finite, running
@@ -387,7 +387,7 @@ def dynamic_mass(
     BadInput, CheckFailed : as `modes`.
     """
     found = modes(article_name, count, changes, elements=elements, cells=cells, joints=joints)
-    return modal_dynamic_mass(found, frequency)
+    return modal(found, frequency)
 
 
 def modes_of_plan(plan: Plan, count: int = 30) -> Modes:

@@ -17,8 +17,8 @@ from identification.elastic.model import ElasticTerms
 from identification.request import Evidence, Identified, Settings
 from identification.self_calibration import likelihood
 from identification.self_calibration.likelihood import residual
-from identification.self_calibration.problem import FAMILY, Assembly, Layout, Part, assembled, felt, normals, of_article, total
-from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise
+from identification.self_calibration.problem import FAMILY, Assembly, Layout, Part, assembled, felt, normals, of_article
+from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise, total
 
 # One pole more, where lines do not fit: closer to its neighbours, or weaker, than the errors of the plain chain let one see.
 #
@@ -500,7 +500,7 @@ def _minimum(
 ) -> Solution:
     parts = problem.parts(floor)
     return minimise(
-        lambda x: total(normals(parts, problem.layout, x)),
+        lambda x: total(normals(parts, problem.layout, x), len(x)),
         start,
         problem.knowledge,
         close=close,

@@ -25,7 +25,15 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, frozen
 from identification.chain import Derivative
 from identification.elastic.model import ElasticTerms
-from identification.self_calibration.elimination import SILENT, Normal, eliminated, level_of_groups, smoothed_level
+from identification.self_calibration.solve import (
+    SILENT,
+    Normal,
+    eliminated,
+    level_of_groups,
+    normal_equations,
+    smoothed_level,
+    total,
+)
 from identification.spectra.line_spectra import Spectra
 
 
@@ -104,18 +112,11 @@ def residual(observed: Observed, rows: Rows) -> ComplexArray:
 def normal(observed: Observed, rows: Rows) -> Normal:
     """The normal equations of the campaign, run by run; chain parameters first, then structural ones."""
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
-    count = len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1])
-    cost, gradient, matrix = 0.0, np.zeros(count), np.zeros((count, count))
+    found = []
     for y, w in zip(observed.values, observed.weight, strict=True):
         r, Q, u = eliminated(A, y, w)
-        V = _changes(rows, w, u)
-        V -= Q @ (Q.conj().transpose(0, 2, 1) @ V)
-        J = np.concatenate([V.real.reshape(-1, count), V.imag.reshape(-1, count)])
-        stacked = np.concatenate([r.real.ravel(), r.imag.ravel()])
-        cost += 0.5 * float(stacked @ stacked)
-        gradient -= J.T @ stacked
-        matrix += J.T @ J
-    return Normal(cost=cost, gradient=gradient, matrix=matrix)
+        found.append(normal_equations(r, Q, _changes(rows, w, u)))
+    return total(found, len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1]))
 
 
 def gradients(observed: Observed, rows: Rows) -> Array:
@@ -124,21 +125,21 @@ def gradients(observed: Observed, rows: Rows) -> Array:
     found = []
     for y, w in zip(observed.values, observed.weight, strict=True):
         r, _, u = eliminated(A, y, w)
-        found.append(-np.einsum("nc,nck->nk", r.conj(), _changes(rows, w, u)).real)
+        found.append(-np.einsum("nc,knc->nk", r.conj(), _changes(rows, w, u)).real)
     return np.stack(found)
 
 
 def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:
-    """(n, c, k) W (dA) u of one run."""
+    """(k, n, c) W (dA) u of one run."""
     lines, channels = w.shape
     structural = 0 if rows.structure is None else rows.structure.shape[-1]
-    V = np.zeros((lines, channels, len(rows.chain) + structural), dtype=np.complex128)
+    V = np.zeros((len(rows.chain) + structural, lines, channels), dtype=np.complex128)
     for k, change in enumerate(rows.chain):
-        V[:, change.channels, k] = (change.rows @ u[..., None])[..., 0]
+        V[k][:, change.channels] = (change.rows @ u[..., None])[..., 0]
     if rows.structure is not None:
         load = np.einsum("nijk,nj->nik", rows.structure, u, optimize=True)
-        V[:, :, len(rows.chain) :] = rows.a1 @ load
-    V *= w[..., None]
+        V[len(rows.chain) :] = (rows.a1 @ load).transpose(2, 0, 1)
+    V *= w
     return V
 
 

@@ -20,8 +20,8 @@ from identification.elastic.model import ElasticTerms
 from identification.request import Evidence, Fact, Settings, TareSpectra
 from identification.rigid_band import drift
 from identification.self_calibration import likelihood
-from identification.self_calibration.elimination import Normal
 from identification.self_calibration.likelihood import Observed, Rows, observed
+from identification.self_calibration.solve import Normal
 from identification.setup import CHAIN_ERROR, Setup, setup
 from identification.spectra.line_spectra import Spectra
 
@@ -271,15 +271,6 @@ class Part:
 def normals(parts: Sequence[Part], layout: Layout, x: Array) -> list[Normal]:
     """The normal equations of every campaign in the joint vector."""
     return [_joint(likelihood.normal(part.observed, part.rows(layout, x)), part.selection(layout)) for part in parts]
-
-
-def total(found: Sequence[Normal]) -> Normal:
-    """Several normal equations as one."""
-    return Normal(
-        cost=sum(one.cost for one in found),
-        gradient=np.sum([one.gradient for one in found], axis=0),
-        matrix=np.sum([one.matrix for one in found], axis=0),
-    )
 
 
 def _joint(own: Normal, selection: Array) -> Normal:

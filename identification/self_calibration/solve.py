@@ -1,4 +1,7 @@
-"""Levenberg-Marquardt on normal equations, with priors as part of them, and the verdict whether it converged.
+"""Least squares of lines with latent inputs: inputs eliminated, normal equations, Levenberg-Marquardt with priors.
+
+At one line the channels read y = A u + n with inputs u that nobody knows. Whitened by W = diag(1 / sd), W A = Q R, the residual
+is what no inputs explain: r = (1 - Q Q^H) W y, u = R^-1 Q^H W y. With V = W (dA) u its derivative is -(1 - Q Q^H) V.
 
 Data and priors add: cost, gradient and matrix of every campaign, and half the square of whitened knowledge. The damped equations
 are scaled by the diagonal of the matrix (Marquardt 1963), so units do not matter. The iteration ends when the Newton decrement
@@ -8,13 +11,88 @@ is that of the quadratic model within them, so that what stops at a bound is mad
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from math import prod
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from identification.self_calibration.elimination import Normal
+
+SMOOTHED = 0.2
+"""[Hz] to either side over which the level of a channel is averaged."""
+
+SILENT = 1 / 15
+"""Share of what channels of its quantity read at which a channel counts as silent: its floor falls no lower. With the model-error
+floor of 0.15 % that is 1e-4 of them; a channel that reads nothing would otherwise be trusted without bound."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Normal:
+    """Half the sum of squares of residuals, its gradient (k,) and J^T J (k, k)."""
+
+    cost: float
+    gradient: Array
+    matrix: Array
+
+
+def eliminated(A: ComplexArray, y: ComplexArray, w: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Whitened residual (n, c), Q (n, c, k) and inputs (n, k) of A (n, c, k), y (n, c) and w (n, c), one over the deviation.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError : the channels do not tell the inputs at a line.
+    """
+    Q, R = np.linalg.qr(w[..., None] * A)
+    white = (w * y)[..., None]
+    b = Q.conj().transpose(0, 2, 1) @ white
+    return np.asarray(white - Q @ b)[..., 0], np.asarray(Q), np.asarray(np.linalg.solve(R, b))[..., 0]
+
+
+def as_real(V: ComplexArray) -> Array:
+    """(p, ...) complex as (p, 2 ...) real."""
+    return np.asarray(np.ascontiguousarray(V).reshape(len(V), prod(V.shape[1:])).view(np.float64))
+
+
+def normal_equations(r: ComplexArray, Q: ComplexArray | None, V: ComplexArray) -> Normal:
+    """Of one run, from its residual (m, c), from which inputs are eliminated, and V (p, m, c), from which they are not yet.
+
+    V^H (1 - Q Q^H) V = V^H V - (Q^H V)^H (Q^H V), and Q^H r = 0: nothing as large as V needs to be made again.
+    """
+    flat, left = as_real(V), np.ascontiguousarray(r).ravel().view(np.float64)
+    matrix = flat @ flat.T
+    if Q is not None:
+        along = as_real((V.transpose(1, 0, 2) @ Q.conj()).transpose(1, 0, 2))
+        matrix -= along @ along.T
+    return Normal(cost=0.5 * float(left @ left), gradient=-(flat @ left), matrix=matrix)
+
+
+def total(found: Collection[Normal], count: int) -> Normal:
+    """Several normal equations in `count` parameters as one."""
+    gradient, matrix = np.zeros(count), np.zeros((count, count))
+    for one in found:
+        gradient += one.gradient
+        matrix += one.matrix
+    return Normal(cost=sum(one.cost for one in found), gradient=gradient, matrix=matrix)
+
+
+def smoothed_level(frequency: Array, values: ComplexArray) -> Array:
+    """(r, n, c) root mean square of `values` (r, n, c) over the lines of `frequency` (n,) within `SMOOTHED` of each line."""
+    power = np.cumsum(np.square(np.abs(values)), axis=1)
+    power = np.concatenate([np.zeros_like(power[:, :1]), power], axis=1)
+    low = np.searchsorted(frequency, frequency - SMOOTHED * (1 + 1e-9))
+    high = np.searchsorted(frequency, frequency + SMOOTHED * (1 + 1e-9), side="right")
+    return np.asarray(np.sqrt((power[:, high] - power[:, low]) / (high - low)[:, None]))
+
+
+def level_of_groups(values: ComplexArray, groups: npt.NDArray[Any]) -> Array:
+    """(c,) what channels of the group (c,) of each channel read: the median of their rms over the runs, at the median line."""
+    by_channel = np.median(np.sqrt(np.mean(np.square(np.abs(values)), axis=0)), axis=0)
+    return np.array([np.median(by_channel[groups == one]) for one in groups])
+
 
 CLOSE = 0.1
 """Standard deviations that the step may be which is taken last, unseen: it leaves less."""

@@ -62,7 +62,7 @@ def chain(masses: Array, springs: Array, spacing: float = 0.1) -> Structure:
 @pytest.mark.parametrize("article", ["clumod-4", "clumod-1", "disc+cuboid"])
 def test_at_zero_frequency_it_is_the_rigid_mass(article: str) -> None:
     structure = articles.structure(article)
-    H = dynamic_mass.modal_dynamic_mass(fixed_base(structure, 10), [0.0]).matrix[0]
+    H = dynamic_mass.modal(fixed_base(structure, 10), [0.0]).matrix[0]
     assert_allclose(H, structure.rigid_mass, rtol=0, atol=1e-9 * np.abs(structure.rigid_mass).max())
     Inertia.from_mass_matrix(H.real)  # refuses what is no rigid body to 1e-9
 
@@ -73,7 +73,7 @@ def test_thirty_modes_with_residual_are_within_1e_4_of_a_direct_solution(per_par
     modes = fixed_base(clumod(), 30, damping=damping)
     exact = dynamic_mass.direct(clumod(), BAND, damping, modes=modes)
     assert clumod().mass.shape[0] > 10 * 30
-    assert error(dynamic_mass.modal_dynamic_mass(modes, BAND), exact, modes.rigid_mass).max() < 1e-4
+    assert error(dynamic_mass.modal(modes, BAND), exact, modes.rigid_mass).max() < 1e-4
 
 
 @pytest.mark.parametrize(("residual", "power"), [(False, 2), (True, 4)])
@@ -82,7 +82,7 @@ def test_the_truncation_error_grows_with_its_power_of_frequency(residual: bool, 
     damping = Damping(ratio=0.003)
     modes = fixed_base(clumod(), 30, damping=damping)
     exact = dynamic_mass.direct(clumod(), lines, damping, modes=modes)
-    found = error(dynamic_mass.modal_dynamic_mass(modes, lines, residual=residual), exact, modes.rigid_mass)
+    found = error(dynamic_mass.modal(modes, lines, residual=residual), exact, modes.rigid_mass)
     slope = np.polyfit(np.log(lines), np.log(found), 1)[0]
     assert slope == pytest.approx(power, abs=0.25)  # the next modes, at 76 Hz and above, steepen it a little
 
@@ -91,7 +91,7 @@ def test_a_lossy_layer_needs_the_truncated_modes_condensed_with_it() -> None:
     """Without it the truncated modes do not give way to the silicone: the error at the cluster is fifty times larger."""
     lines = np.array([12.0, 14.0, 16.0])
     modes, exact = clumod_modes(), dynamic_mass.direct(clumod(), np.array([12.0, 14.0, 16.0]))
-    with_it, without = (dynamic_mass.modal_dynamic_mass(m, lines) for m in (modes, replace(modes, condensed=None)))
+    with_it, without = (dynamic_mass.modal(m, lines) for m in (modes, replace(modes, condensed=None)))
     assert error(without, exact, modes.rigid_mass).max() > 50 * error(with_it, exact, modes.rigid_mass).max()
 
 
@@ -124,7 +124,7 @@ def test_the_series_with_real_factors_is_the_complex_solution(monkeypatch: pytes
 
 def test_it_is_symmetric_and_takes_energy_out() -> None:
     """Reciprocity: H = H^T. Power into the article is never negative: the imaginary part of -H is positive semi-definite."""
-    H = dynamic_mass.modal_dynamic_mass(clumod_modes()).matrix
+    H = dynamic_mass.modal(clumod_modes()).matrix
     assert_allclose(H, H.transpose(0, 2, 1), rtol=0, atol=1e-9 * np.abs(H).max())
     loss = np.linalg.eigvalsh(-H.imag)
     assert loss.min() > -1e-9 * np.abs(loss).max()
@@ -138,14 +138,14 @@ def test_a_rigid_block_answers_with_plus_its_mass() -> None:
     modes = fixed_base(structure, 30)
     assert modes.frequency.size == 0
     expected = np.broadcast_to(block.mass_matrix, (561, 6, 6))
-    assert_allclose(dynamic_mass.modal_dynamic_mass(modes).matrix, expected, rtol=1e-12, atol=1e-12)
+    assert_allclose(dynamic_mass.modal(modes).matrix, expected, rtol=1e-12, atol=1e-12)
 
 
 def test_moving_the_reference_point_equals_computing_about_it() -> None:
     point = np.array([0.05, -0.1, 0.3])
     carried = clumod().rigid @ rigid_transformation_6(-point)
-    moved = dynamic_mass.modal_dynamic_mass(fixed_base(replace(clumod(), rigid=carried, reference_point=point), 30), BAND)
-    expected = dynamic_mass.modal_dynamic_mass(clumod_modes(), BAND).about(point)
+    moved = dynamic_mass.modal(fixed_base(replace(clumod(), rigid=carried, reference_point=point), 30), BAND)
+    expected = dynamic_mass.modal(clumod_modes(), BAND).about(point)
     assert_allclose(moved.reference_point, expected.reference_point)
     assert_allclose(moved.matrix, expected.matrix, rtol=0, atol=1e-7 * np.abs(expected.matrix).max())
 
@@ -156,7 +156,7 @@ def test_pyyeti_drives_the_same_base() -> None:
         warnings.simplefilter("ignore", DeprecationWarning)
         from pyyeti import cb
     r = reduction.craig_bampton(clumod(), 30)
-    found = dynamic_mass.modal_dynamic_mass(clumod_modes(), BAND, residual=False).matrix
+    found = dynamic_mass.modal(clumod_modes(), BAND, residual=False).matrix
     K = r.stiffness + 1j * r.structural
     peer = np.array([cb.cbtf(r.mass, r.viscous, K, row, BAND, np.arange(6)).frc for row in np.eye(6)])  # axis, load, line
     assert_allclose(found, peer.transpose(2, 1, 0), rtol=0, atol=1e-9 * np.abs(found).max())
@@ -166,7 +166,7 @@ def test_one_mass_on_a_spring_is_the_textbook_formula() -> None:
     m, k, zeta = 2.0, 2.0 * (2 * np.pi * 10) ** 2, 0.02
     structure = chain(np.array([m]), np.full((1, 6), k))
     lines = np.array([3.0, 9.5, 10.0, 10.5, 40.0])
-    H = dynamic_mass.modal_dynamic_mass(fixed_base(structure, 6, damping=Damping(ratio=zeta)), lines).matrix[
+    H = dynamic_mass.modal(fixed_base(structure, 6, damping=Damping(ratio=zeta)), lines).matrix[
         :, 2, 2
     ]  # along z nothing couples
     r = lines / 10.0
@@ -188,7 +188,7 @@ def test_all_modes_of_any_chain_equal_its_direct_solution(masses: list[float], s
     damping = Damping(ratio=ratio, modal=0.1 * root @ root.T, viscous=1e-4 * structure.stiffness)
     modes = fixed_base(structure, 6 * n, damping=damping)
     lines = np.linspace(1.0, 60.0, 7)
-    found, exact = dynamic_mass.modal_dynamic_mass(modes, lines), dynamic_mass.direct(structure, lines, damping, modes=modes)
+    found, exact = dynamic_mass.modal(modes, lines), dynamic_mass.direct(structure, lines, damping, modes=modes)
     assert_allclose(found.matrix, exact.matrix, rtol=0, atol=1e-8 * np.abs(exact.matrix).max())
     assert_allclose(modes.residual, 0, atol=1e-9 * modes.rigid_mass.max() / (2 * np.pi * modes.frequency[0]) ** 2)
     assert np.linalg.eigvalsh(-found.matrix.imag).min() > -1e-9 * np.abs(found.matrix).max()
@@ -198,7 +198,7 @@ def test_a_line_on_an_undamped_mode_is_refused() -> None:
     structure = chain(np.array([1.0]), np.full((1, 6), 1e4))
     modes = fixed_base(structure, 6, damping=Damping(ratio=0.0))
     with pytest.raises(CheckFailed, match="undamped mode"):
-        dynamic_mass.modal_dynamic_mass(modes, [modes.frequency[-1]])
+        dynamic_mass.modal(modes, [modes.frequency[-1]])
 
 
 def test_direct_solution_with_ratios_asks_for_the_modes() -> None:

@@ -10,7 +10,7 @@ from fem.beam import articles
 from fem.beam.articles import Joint, Port
 from fem.beam.elements import Section, rectangle, sandwich
 from fem.beam.frame import Body, Member, Plan, Ports, assemble
-from fem.dynamic_mass import modal_dynamic_mass
+from fem.dynamic_mass import modal
 from fem.exudyn import frame, linear
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.linear import linearise, single, stiffness_of
@@ -143,7 +143,7 @@ def test_dynamic_mass_agrees_with_the_beam_model(
     nearly all of it at the peaks, where a frequency off by 5e-6 is 1 / (2 zeta) times as much.
     """
     size = np.sqrt(np.diag(by_us[name].rigid_mass))
-    ours, exudyns = (modal_dynamic_mass(modes[name]).matrix / np.outer(size, size) for modes in (by_us, by_exudyn))
+    ours, exudyns = (modal(modes[name]).matrix / np.outer(size, size) for modes in (by_us, by_exudyn))
     assert np.linalg.norm(exudyns - ours) <= bar * np.linalg.norm(ours)
 
 
@@ -161,7 +161,7 @@ def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices() -> None:
     plan = articles.article_plan("clumod-1", elements=4)
     system, lines = linearise(plan, COUNT), [4.0, 9.0, 20.0, 32.0]
     loss = 0.006 * system.stiffness
-    sum_of_modes = modal_dynamic_mass(single(system, loss, np.zeros(3), COUNT), lines).matrix
+    sum_of_modes = modal(single(system, loss, np.zeros(3), COUNT), lines).matrix
     solved = linear.direct(system, loss, lines).matrix
     assert_allclose(sum_of_modes, solved, rtol=0, atol=1e-4 * np.abs(solved).max())
 

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fem import reduction
 from fem.beam import articles
-from fem.dynamic_mass import LINES, modal_dynamic_mass
+from fem.dynamic_mass import LINES, modal
 from fem.exudyn import linear
 from fem.exudyn.linear import single
 from fem.exudyn.run import failed
@@ -29,7 +29,7 @@ def test_reduced_matrices_in_exudyn_have_our_frequencies(ours: Reduced) -> None:
 def test_reduced_matrices_in_exudyn_have_our_dynamic_mass(ours: Reduced) -> None:
     """Exudyn's modes summed up, against our modal coordinates condensed line by line."""
     system = linear.linearised(ours.stiffness, ours.mass)
-    exudyns = modal_dynamic_mass(single(system, ours.structural, np.zeros(3), COUNT), LINES).matrix
+    exudyns = modal(single(system, ours.structural, np.zeros(3), COUNT), LINES).matrix
     here = reduction.dynamic_mass(ours, LINES).matrix
     assert_allclose(exudyns, here, rtol=0, atol=1e-6 * np.abs(here).max())
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.beam import articles
-from fem.dynamic_mass import direct, modal_dynamic_mass
+from fem.dynamic_mass import direct, modal
 from fem.exudyn import linear
 from fem.exudyn.floating_frame import Flight, FloatingFrame, Instant, floating_frame, fly, now
 from fem.exudyn.linear import linearise_body
@@ -55,7 +55,7 @@ def test_its_linearised_flexible_body_has_them_and_their_effective_masses_too(ba
 
 def test_its_dynamic_mass_is_the_direct_solution_of_the_full_matrices(bar: Structure) -> None:
     """The lowest mode lies at 70 Hz; the modes left out have no loss, which is the 1e-7 of it."""
-    solved, exudyns = direct(bar, LINES), modal_dynamic_mass(linear.modes_of_solid(bar, COUNT), LINES)
+    solved, exudyns = direct(bar, LINES), modal(linear.modes_of_solid(bar, COUNT), LINES)
     assert_allclose(exudyns.matrix, solved.matrix, rtol=0, atol=1e-7 * np.abs(solved.matrix).max())
 
 

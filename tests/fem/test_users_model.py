@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, csr_array
 
-from fem.dynamic_mass import direct, modal_dynamic_mass
+from fem.dynamic_mass import direct, modal
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
 from fem.user_model import reading
@@ -25,7 +25,7 @@ SAME = {"rtol": 1e-9}
 
 
 def dynamic_mass(model: Structure | Modes) -> DynamicMass:
-    return modal_dynamic_mass(model if isinstance(model, Modes) else fixed_base(model, 12), LINES)
+    return modal(model if isinstance(model, Modes) else fixed_base(model, 12), LINES)
 
 
 def assert_same(one: DynamicMass, other: DynamicMass, rtol: float = 1e-9) -> None:
@@ -70,7 +70,7 @@ def test_modes_written_are_read_back_with_their_damping_and_residual(bracket_fil
     after = reading.read(tmp_path / f"modes{ending}")
     for name in ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural"):
         assert_allclose(getattr(after, name), getattr(before, name), rtol=1e-12, atol=0, err_msg=name)
-    assert_same(dynamic_mass(after), modal_dynamic_mass(before, LINES), 1e-12)
+    assert_same(dynamic_mass(after), modal(before, LINES), 1e-12)
 
 
 # --- units and reference point ----------------------------------------------------------------------------------------------

@@ -212,13 +212,13 @@ def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest
     from matplotlib.figure import Figure
 
     from fem.beam import articles
-    from fem.dynamic_mass import modal_dynamic_mass
+    from fem.dynamic_mass import modal
     from fem.modes import fixed_base
     from validation.report.charts import style
 
     pages: list[Figure] = []
     modes = fixed_base(articles.structure("clumod-4"), 20)
-    mass = modal_dynamic_mass(modes, np.linspace(4, 32, 57))
+    mass = modal(modes, np.linspace(4, 32, 57))
     monkeypatch.setattr(style, "finish", lambda figure, *rest: pages.append(figure))
     style.diagonal("x", [DynamicMassCurve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
     (figure,) = pages

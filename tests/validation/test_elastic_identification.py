@@ -46,7 +46,7 @@ def modes(article: str, layered: bool = False) -> Modes:
 
 @cache
 def exact(article: str, layered: bool = False) -> DynamicMass:
-    return dynamic_mass.modal_dynamic_mass(modes(article, layered), LINES)
+    return dynamic_mass.modal(modes(article, layered), LINES)
 
 
 def spoiled(H: DynamicMass, relative: float, noise: float, seed: int = 1) -> DynamicMass:

@@ -21,8 +21,7 @@ from identification.base_motion import base_motion
 from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.fit import levels
 from identification.resultants import resultants as identification_resultants
-from identification.self_calibration.elimination import smoothed_level
-from identification.self_calibration.solve import inverse
+from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.effects.stages import Matrices
 from validation.estimation import evaluate

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.frames import Array
-from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import inverse, minimise
+from identification.self_calibration.solve import Normal, inverse, minimise, total
 from validation.diagnose.candidates import candidates, is_resonator, with_candidates
 from validation.diagnose.diagnosis import Advice, Candidate
 from validation.diagnose.next_test_offers import OfferedTest, menu
@@ -111,7 +110,7 @@ def _of_lines(test: PlannedTest, first: Knowledge, others: Sequence[Knowledge]) 
     found = []
     for other in others:
         seen = likelihood.observed(reading(test, other, other.offsets), lines)
-        found.append(likelihood.total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
+        found.append(total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
     return _Differences(
         parameters=tuple(parameters[name] for name in names),
         others=tuple(Normal(cost=worth * one.cost, gradient=worth * one.gradient, matrix=worth * one.matrix) for one in found),
@@ -187,7 +186,7 @@ def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Kn
     def data(x: Array) -> Normal:
         offsets = {**there.offsets, **dict(zip(names, map(float, x), strict=True))}
         predicted = prediction.at(offsets, lines, derivatives=frozenset(names))
-        found = likelihood.total(likelihood.normals(seen, predicted, names, FLOOR).values(), len(names))
+        found = total(likelihood.normals(seen, predicted, names, FLOOR).values(), len(names))
         return Normal(cost=worth * found.cost, gradient=worth * found.gradient, matrix=worth * found.matrix)
 
     def knowledge(x: Array) -> tuple[Array, Array]:

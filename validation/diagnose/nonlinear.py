@@ -20,7 +20,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation_6
 from identification.campaign import Recording
 from identification.quality import NORMAL_90
-from identification.self_calibration.elimination import eliminated, level_of_groups, smoothed_level
+from identification.self_calibration.solve import eliminated, level_of_groups, smoothed_level
 from validation.diagnose.diagnosis import Cause, EffectEstimate, LevelDifference
 from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS, Vocabulary

@@ -16,7 +16,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from geometry.sensors import ChannelTable
 from identification.campaign import Campaign
-from identification.self_calibration.elimination import eliminated
+from identification.self_calibration.solve import eliminated
 from validation.diagnose.diagnosis import Candidate
 from validation.estimation import likelihood
 from validation.estimation.cost import root

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from identification.self_calibration.elimination import eliminated
+from identification.self_calibration.solve import eliminated
 from validation.diagnose.diagnosis import Candidate
 from validation.estimation import likelihood
 from validation.estimation.cost import cost_of, root

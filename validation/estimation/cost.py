@@ -12,7 +12,7 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array
-from identification.self_calibration.elimination import Normal
+from identification.self_calibration.solve import Normal, total
 from validation.estimation import likelihood
 from validation.estimation.likelihood import ObservedLines
 from validation.estimation.problem import Lines, Offsets, Parameter, Predicted, Prediction, Problem
@@ -90,7 +90,7 @@ class Cost:
 
     def data(self, x: Array) -> Normal:
         """Normal equations of all data at `x` (p,)."""
-        return likelihood.total(self.by_run(x).values(), len(self.free))
+        return total(self.by_run(x).values(), len(self.free))
 
     def knowledge(self, x: Array) -> tuple[Array, Array]:
         """Whitened residuals (q,) at `x` (p,) of what is known beforehand and of facts, and their derivatives (q, p)."""

@@ -13,9 +13,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
-from identification.self_calibration.elimination import Normal, smoothed_level
-from identification.self_calibration.solve import excess
-from validation.estimation import likelihood
+from identification.self_calibration.solve import Normal, excess, smoothed_level, total
 from validation.estimation.cost import Cost, Left, cost_of, left_of_run
 from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, Progress, at_bounds, direct, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
@@ -331,7 +329,7 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
         left = rest.data(at.x)
     else:
         kept = [one for (data_set, run), one in at.by_run.items() if run not in fold.runs.get(data_set, ())]
-        left = likelihood.total(kept, len(at.x))
+        left = total(kept, len(at.x))
     away, rows = rest.knowledge(at.x)
     gradient, matrix = left.gradient + rows.T @ away, left.matrix + rows.T @ rows
     # (p,) to the minimum of the quadratic model; what would leave its bounds stops at them, and the others make up for it

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
-from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise
+from identification.self_calibration.solve import CLOSE, MOST, Normal, Solution, inverse, minimise
 from validation.estimation.cost import Cost, cost_of, log_evidence
 from validation.estimation.problem import PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Offsets, Parameter, Problem
 from validation.estimation.result import Fit

@@ -1,7 +1,7 @@
 """The likelihood of one data set, whatever it is of: known or latent inputs, rows that runs share or not.
 
 At one line of one run y = A u + n. Where the inputs u are latent they are eliminated in closed form
-(`identification.self_calibration.elimination`), and the derivative of the residual r = (1 - Q Q^H) W y is that of Kaufman (BIT
+(`identification.self_calibration.solve`), and the derivative of the residual r = (1 - Q Q^H) W y is that of Kaufman (BIT
 15, 1975), dr = -(1 - Q Q^H) W (dA) u, whose gradient is exact. Where they are known r = W (y - A u) and dr = -W (dA) u.
 
 Noise is that of the data and a model-error floor that is proportional to the smoothed level of each channel; E|noise|² = sd² is
@@ -11,15 +11,22 @@ shared by real and imaginary part. "The likelihood" of the catalogue of effects.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import prod
 
 import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, Integers
-from identification.self_calibration.elimination import SILENT, Normal, eliminated, level_of_groups, smoothed_level
+from identification.self_calibration.solve import (
+    SILENT,
+    Normal,
+    as_real,
+    eliminated,
+    level_of_groups,
+    normal_equations,
+    smoothed_level,
+)
 from validation.estimation.problem import Change, Conveyed, Lines, Measured, Predicted
 
 # Normal equations of one run where most parameters are seen through the same few quantities, and most others in one channel.
@@ -159,11 +166,6 @@ def _met_by_all(directions: ComplexArray, whole: ComplexArray) -> ComplexArray:
     return np.asarray((whole.transpose(1, 0, 2) @ directions.conj()).transpose(1, 0, 2))
 
 
-def as_real(V: ComplexArray) -> Array:
-    """(p, ...) complex as (p, 2 ...) real."""
-    return np.asarray(np.ascontiguousarray(V).reshape(len(V), prod(V.shape[1:])).view(np.float64))
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ObservedLines:
     """What one data set reads at the lines that are used.
@@ -224,14 +226,7 @@ def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floo
     for run, name in enumerate(seen.runs):
         r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
         if common is None:
-            # Of one run, from its residual (m, c), from which inputs are eliminated, and V (p, m, c), from which they are not yet
-            V = _moved(predicted, own, run, u, weight[run])
-            flat, left = as_real(V), np.ascontiguousarray(r).ravel().view(np.float64)
-            matrix = flat @ flat.T
-            if Q is not None:
-                along = as_real((V.transpose(1, 0, 2) @ Q.conj()).transpose(1, 0, 2))
-                matrix -= along @ along.T
-            one = Normal(cost=0.5 * float(left @ left), gradient=-(flat @ left), matrix=matrix)
+            one = normal_equations(r, Q, _moved(predicted, own, run, u, weight[run]))
         else:
             one = normal(common, r, Q, u, weight[run])
         found[name] = _spread(one, at, len(free))
@@ -245,8 +240,7 @@ def whitened(
     weight = seen.weight(floor, predicted.noise)
     r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
     V = np.ascontiguousarray(_moved(predicted, names, run, u, weight[run]).transpose(1, 2, 0))
-    beside_inputs = V if Q is None else V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
-    return r, beside_inputs
+    return r, V if Q is None else V - Q @ (Q.conj().transpose(0, 2, 1) @ V)
 
 
 def residual(seen: ObservedLines, predicted: Predicted, floor: float) -> ComplexArray:
@@ -287,12 +281,3 @@ def _spread(own: Normal, at: Lines, count: int) -> Normal:
     gradient[at] = own.gradient
     matrix[np.ix_(at, at)] = own.matrix
     return Normal(cost=own.cost, gradient=gradient, matrix=matrix)
-
-
-def total(found: Collection[Normal], count: int) -> Normal:
-    """Several normal equations in `count` parameters as one."""
-    gradient, matrix = np.zeros(count), np.zeros((count, count))
-    for one in found:
-        gradient += one.gradient
-        matrix += one.matrix
-    return Normal(cost=sum(one.cost for one in found), gradient=gradient, matrix=matrix)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, frozen
-from identification.self_calibration.elimination import smoothed_level
+from identification.self_calibration.solve import smoothed_level
 
 IDENTIFIED, DECLARED, STRUCTURAL, SENSOR, EFFECT = KINDS = ("identified", "declared", "structural", "sensor", "effect")
 """What a laboratory legitimately has to identify (the FMD's inertia), what the model declares to know within a tolerance

@@ -29,10 +29,10 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from identification.self_calibration.solve import inverse
+from identification.self_calibration.solve import inverse, total
 from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
-from validation.estimation.likelihood import ObservedLines, normals, total, whitened
+from validation.estimation.likelihood import ObservedLines, normals, whitened
 from validation.estimation.problem import EFFECT, Fact, Offsets, Parameter, Predicted, Problem
 from validation.estimation.result import Fit
 

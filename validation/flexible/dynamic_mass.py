@@ -116,9 +116,9 @@ def reference_point(about: str, article: str) -> tuple[str, Array]:
 
 def dynamic_mass(model: Flexible, frequency: Array, about: Array) -> DynamicMass:
     """H of `model` at `frequency` (n,) [Hz] about the point `about` (3,) [m]."""
-    from fem.dynamic_mass import modal_dynamic_mass
+    from fem.dynamic_mass import modal
 
-    return modal_dynamic_mass(model.modes, frequency).about(about)
+    return modal(model.modes, frequency).about(about)
 
 
 def beyond_the_modes(model: Flexible, high: float, asked: FlexibleOptions) -> str:

@@ -24,7 +24,7 @@ from fem.beam import articles
 from fem.beam.articles import structure
 from fem.beam.elements import Section
 from fem.damping import Damping
-from fem.dynamic_mass import direct, modal_dynamic_mass
+from fem.dynamic_mass import direct, modal
 from fem.exudyn import driven_run
 from fem.exudyn.rope_pendulum import STANDARD_GRAVITY, swing
 from fem.exudyn.rope_statics import Suspension, on_three_ropes, on_two_ropes
@@ -77,7 +77,7 @@ def _cube() -> tuple[ComplexArray, Array]:
     modes = fixed_base(of_mesh(grid, {GRIDS_PART: steel(0.3)}, cached=False), 20)
     mass = steel(0.3).density * CUBE**3
     tensor = mass * CUBE**2 / 6 * np.eye(3)
-    return modal_dynamic_mass(modes, [LOW]).matrix[0], Inertia.from_cog(mass, np.full(3, CUBE / 2), tensor).mass_matrix
+    return modal(modes, [LOW]).matrix[0], Inertia.from_cog(mass, np.full(3, CUBE / 2), tensor).mass_matrix
 
 
 def _cube_sign(mesh: Mesh) -> Found:
@@ -132,20 +132,20 @@ def _article_direct() -> ComplexArray:
 def _static(mesh: Mesh) -> Found:
     """Zero, and how far H(0) lies from the article's rigid mass matrix as drawn."""
     M = inertia(built_in(ARTICLE)).mass_matrix
-    return Found(0.0, largest(modal_dynamic_mass(_article()[1], [0.0]).matrix - M, M[None]))
+    return Found(0.0, largest(modal(_article()[1], [0.0]).matrix - M, M[None]))
 
 
 def _static_bar(mesh: Mesh) -> Found:
     """Zero, and how far H(0) of the bar lies from that of a rod in closed form."""
     bar = beams.structure(beams.ROD, LENGTH, ELEMENTS[mesh], loss_factor=LOSS_FACTOR)
     M = beams.rod_inertia(beams.ROD, LENGTH)
-    return Found(0.0, largest(modal_dynamic_mass(fixed_base(bar, FEW), [0.0]).matrix - M, M[None]))
+    return Found(0.0, largest(modal(fixed_base(bar, FEW), [0.0]).matrix - M, M[None]))
 
 
 def _modal_against_direct(mesh: Mesh) -> Found:
     """Zero, and the largest difference over all lines in units of the rigid mass, which resonances do not make small."""
     _, modes = _article()
-    return Found(0.0, largest(modal_dynamic_mass(modes, ARTICLE_LINES).matrix - _article_direct(), modes.rigid_mass[None]))
+    return Found(0.0, largest(modal(modes, ARTICLE_LINES).matrix - _article_direct(), modes.rigid_mass[None]))
 
 
 def _asymmetry(mesh: Mesh) -> Found:
@@ -157,7 +157,7 @@ def _growth(residual: bool, mesh: Mesh) -> Found:
     """Exponent of frequency with which the error of `FEW` modes grows."""
     bar = beams.structure(beams.EULER, LENGTH, ELEMENTS[mesh], loss_factor=0.0)
     modes = fixed_base(bar, FEW, damping=Damping(loss_factors={beams.PART: 0.0}))
-    difference = modal_dynamic_mass(modes, GROWTH, residual=residual).matrix - direct(bar, GROWTH).matrix
+    difference = modal(modes, GROWTH, residual=residual).matrix - direct(bar, GROWTH).matrix
     return Found(4.0 if residual else 2.0, order(GROWTH, np.linalg.norm(difference, axis=(1, 2))))
 
 

@@ -55,13 +55,13 @@ def test_a_reduced_body_has_the_dynamic_mass_of_its_modes_and_residual(name: str
     modes = fixed_base(structure, 30, damping=RATIO)
     H = dynamic_mass_of(rig.flexible(name, structure, modes))
     # Modes and R leave out what grows with the fourth power of the frequency; 30 modes of clumod-4 go to 78 Hz.
-    assert error(H, dynamic_mass.modal_dynamic_mass(modes, LINES).matrix).max() < 2e-4
+    assert error(H, dynamic_mass.modal(modes, LINES).matrix).max() < 2e-4
 
 
 def test_static_coordinates_beat_the_residual_against_the_direct_solution(four: Structure, modes: Modes) -> None:
     truth = dynamic_mass.direct(four, LINES, RATIO, modes=modes).matrix
     mine = error(dynamic_mass_of(rig.flexible("c", four, modes)), truth).max()
-    assert mine < error(dynamic_mass.modal_dynamic_mass(modes, LINES).matrix, truth).max() / 3
+    assert mine < error(dynamic_mass.modal(modes, LINES).matrix, truth).max() / 3
     assert mine < 2e-5
 
 
@@ -78,16 +78,14 @@ def test_structural_damping_made_viscous_costs_what_is_said(four: Structure) -> 
     truth = dynamic_mass.direct(four, LINES).matrix
     assert error(dynamic_mass_of(rig.flexible("c", four, lossy)), truth).max() < 0.01
     # Without the condensation of the truncated modes it is twice as much.
-    assert (
-        error(dynamic_mass.modal_dynamic_mass(viscous_alone(replace(lossy, condensed=None)), LINES).matrix, truth).max() > 0.015
-    )
+    assert error(dynamic_mass.modal(viscous_alone(replace(lossy, condensed=None)), LINES).matrix, truth).max() > 0.015
 
 
 def test_modal_data_alone_answer_as_modes_with_their_residual(modes: Modes) -> None:
     made = rig.of_modal_data("own", modes)
-    assert_allclose(error(dynamic_mass_of(made), dynamic_mass.modal_dynamic_mass(modes, LINES).matrix), 0, atol=2e-4)
+    assert_allclose(error(dynamic_mass_of(made), dynamic_mass.modal(modes, LINES).matrix), 0, atol=2e-4)
     low = np.array([0.5, 1.0])  # where R is all that the carriers are
-    assert error(dynamic_mass_of(made, low), dynamic_mass.modal_dynamic_mass(modes, low).matrix).max() < 1e-9
+    assert error(dynamic_mass_of(made, low), dynamic_mass.modal(modes, low).matrix).max() < 1e-9
     assert np.linalg.eigvalsh(made.reduced.mass).min() > 0
     assert np.sqrt(made.reduced.stiffness.diagonal()[36:].min()) / (2 * np.pi) > 2 * modes.frequency[-1]
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.modes import fixed_base
-from fem.solid import convergence, model
+from fem.solid import model
 from fem.structure import Structure
 from geometry import user_article
 from geometry.article import Article, Box, Material, Part, Shape, upright
@@ -56,7 +56,7 @@ def test_a_thin_cantilever_of_tetrahedra_bends_like_a_beam(cantilever: Callable[
 
 def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(cantilever: Callable[[float], Structure]) -> None:
     """The limits are those of a Timoshenko beam, in the thickness and across the width; meshes that are not nested scatter."""
-    study = convergence.study(cantilever, (0.02, 0.013, 0.0085), 2, bars={"plate": 2e-3})
+    study = model.convergence_study(cantilever, (0.02, 0.013, 0.0085), 2, bars={"plate": 2e-3})
     assert np.all(np.diff(study.frequency, axis=0) < 0)
     depths = (THICKNESS, WIDTH)
     beam = [euler_bernoulli(depth, 1)[0] * (1 - shear_and_rotary(depth)) for depth in depths]
@@ -108,14 +108,14 @@ def test_a_users_surface_mesh_is_refused_with_the_way_out(tmp_path: Path) -> Non
 @pytest.mark.parametrize("rate", [1.0, 2.0, 4.0])
 def test_rate_and_limit_of_a_known_sequence_are_found(rate: float) -> None:
     size = np.array([3.0, 2.0, 1.2])
-    found, limit, distance = convergence.extrapolation(size, 100.0 + 0.3 * size**rate)
+    found, limit, distance = model.extrapolation(size, 100.0 + 0.3 * size**rate)
     assert_allclose([found, limit, distance], [rate, 100.0, 0.3 * 1.2**rate], rtol=1e-6)
 
 
 @pytest.mark.parametrize("values", [(101.0, 100.5, 100.7), (100.1, 100.4, 100.9), (100.0, 100.5, 100.5)])
 def test_no_rate_is_claimed_where_there_is_none(values: tuple[float, float, float]) -> None:
     size = np.array([4.0, 2.0, 1.0])
-    rate, limit, distance = convergence.extrapolation(size, np.array(values))
+    rate, limit, distance = model.extrapolation(size, np.array(values))
     assert np.isnan(rate) or rate < 0.5
     assert distance >= abs(values[1] - values[2])
     assert_allclose(abs(limit - values[2]), distance, atol=1e-12)
@@ -124,7 +124,7 @@ def test_no_rate_is_claimed_where_there_is_none(values: tuple[float, float, floa
 def test_the_verdict_names_the_worst_mode_by_its_own_bar() -> None:
     size = np.array([4.0, 2.0, 1.0])
     frequency = np.column_stack([10.0 + 0.012 * size, 50.0 + 0.08 * size])
-    study = convergence.assessed(size, (1, 2, 3), frequency, ("blade", "mast"), {"blade": convergence.BLADE_BAR})
+    study = model.assessed(size, (1, 2, 3), frequency, ("blade", "mast"), {"blade": model.BLADE_BAR})
     assert_allclose(study.distance, [1.2e-3, 1.6e-3], rtol=1e-9)
     assert not study.converged
     assert "1 of 2 modes" in study.verdict
@@ -135,4 +135,4 @@ def test_the_verdict_names_the_worst_mode_by_its_own_bar() -> None:
 @pytest.mark.parametrize("sizes", [(2.0, 1.0), (1.0, 2.0, 3.0), (2.0, 1.0, 0.0)])
 def test_a_study_needs_three_falling_sizes(sizes: tuple[float, ...]) -> None:
     with pytest.raises(BadInput, match="three or more"):
-        convergence.study(lambda size: pytest.fail("called"), sizes)
+        model.convergence_study(lambda size: pytest.fail("called"), sizes)

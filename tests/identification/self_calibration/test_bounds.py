@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from identification.self_calibration.elimination import Normal
-from identification.self_calibration.solve import minimise
+from identification.self_calibration.solve import Normal, minimise
 
 
 @pytest.mark.parametrize("seed", range(8))

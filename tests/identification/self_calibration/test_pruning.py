@@ -8,15 +8,15 @@ from numpy.testing import assert_allclose
 
 from identification.elastic.model import ElasticTerms
 from identification.self_calibration import fit
-from identification.self_calibration.problem import assembled, normals, total
-from identification.self_calibration.solve import inverse, minimise
+from identification.self_calibration.problem import assembled, normals
+from identification.self_calibration.solve import inverse, minimise, total
 
 FLOOR = 0.0015
 
 
 def minimum(problem, start):
     parts = problem.parts(FLOOR)
-    return minimise(lambda x: total(normals(parts, problem.layout, x)), start, problem.knowledge, close=0.3)
+    return minimise(lambda x: total(normals(parts, problem.layout, x), len(x)), start, problem.knowledge, close=0.3)
 
 
 def size(problem) -> int:

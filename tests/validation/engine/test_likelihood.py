@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from identification.self_calibration.solve import total
 from validation.estimation.cost import cost_of
-from validation.estimation.likelihood import floor_of, normals, observed, residual, total
+from validation.estimation.likelihood import floor_of, normals, observed, residual
 from validation.estimation.problem import FITTED, Problem
 
 FLOOR = 0.0015

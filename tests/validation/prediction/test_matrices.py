@@ -9,7 +9,7 @@ import pytest
 from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import direct
-from fem.dynamic_mass import modal_dynamic_mass as by_modes
+from fem.dynamic_mass import modal as by_modes
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
 from geometry.articles import built_in

@@ -102,7 +102,7 @@ def _heavier(article: Structure) -> Structure:
 
 def residual(patch: Patch) -> None:
     """Left out where it belongs, put in where it does not."""
-    right = dynamic_mass.modal_dynamic_mass
+    right = dynamic_mass.modal
     patch.setattr(dynamics, "modal", lambda modes, lines, residual=True: right(modes, lines, residual=not residual))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.self_calibration.elimination import Normal
+from identification.self_calibration.solve import Normal
 from validation.diagnose.next_test import _whitening, either, nats
 from validation.diagnose.planned_test import Knowledge, Origin
 from validation.estimation.cost import root
