@@ -15,7 +15,7 @@ PACKAGES = ("geometry", "fem", "identification", "validation")
 TRESPASSES = {
     "layers": ("geometry", "from validation import cli"),
     "independence": ("fem", "import identification"),
-    "engine": ("validation/estimation", "from identification import plain"),
+    "estimation": ("validation/estimation", "from identification import plain"),
     "cadquery": ("geometry", "from OCP.gp import gp_Trsf"),
     "gmsh": ("fem", "import gmsh"),
     "skfem": ("validation", "from skfem import MeshTet2"),

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 RUNNING, DONE, FAILED, CANCELLED = STATES = ("running", "done", "failed", "cancelled")
 
 COMPARE, DIAGNOSE, ADD, REPORT = KINDS = ("compare", "diagnose", "add", "report")
-"""What a worker can do: `validation.app.session.compared`, `.diagnosing.diagnosed`, `.climbing.added`, `.saving.reported`."""
+"""What a worker can do: `compared`, `diagnosed`, `added` and `reported` of `validation.app.session`."""
 
 GRACE = 0.5
 """Seconds that a worker has to put down what it holds before it is killed."""

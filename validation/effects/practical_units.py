@@ -96,7 +96,7 @@ def _is_share(size: Described) -> bool:
     return size.unit == "1" and size.null == 0 and not size.whole and not size.logarithmic
 
 
-# A figure with its practical unit and so many digits, for sentences: "12 mm". Units are those of `diagnosing.figures`.
+# A figure with its practical unit and so many digits, for sentences: "12 mm".
 
 
 def said(value: float, unit: str, digits: int = 2) -> str:
