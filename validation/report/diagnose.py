@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from geometry.errors import BadInput
 from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
-from validation.diagnose.classical import MeasurementComparison, MeasurementInput, Needed, SwingAnswer
+from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
 from validation.diagnose.diagnose import DiagnoseOptions, of_levels, ready
 from validation.diagnose.diagnosis import (
@@ -26,14 +25,11 @@ from validation.diagnose.diagnosis import (
     NOTHING,
     SEVERAL,
     UNKNOWN,
-    Advice,
     Cause,
     Detectable,
     Diagnosis,
     EffectEstimate,
     FittedData,
-    Leftover,
-    LevelDifference,
     ReportedStep,
     headline,
 )
@@ -46,15 +42,15 @@ from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import evidence_threshold
 from validation.effects.practical_units import said, significant
 from validation.estimation.evaluate import named, without
-from validation.estimation.result import Evaluation, Fit, Share
-from validation.estimation.verdicts import expected_z2, figure, largest_z, misfit, percent
+from validation.estimation.result import Evaluation, Share
+from validation.estimation.verdicts import expected_z2, figure, misfit, percent
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
 from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
 from validation.history.verdict import is_worth_adding
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.output import json_text, stages
+from validation.output import json_text, stages, to_json
 from validation.output import percent as progress_percent
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE, rounded
@@ -170,173 +166,6 @@ def _title(found: Diagnosis) -> str:
 
 def _held(found: Diagnosis) -> str:
     return f"Held out: {diagnose_diagnosis.listed(found.hold_out)}." if found.hold_out else ""
-
-
-# What `massline diagnose --json` prints: the contract's keys, and every number beside them. Keys end in their unit.
-
-
-def diagnosis_json(found: Diagnosis) -> dict[str, Any]:
-    """The diagnosis as one object."""
-    return {
-        "verdict": found.verdict,
-        "text": found.text or diagnose_diagnosis.headline(found),
-        "headline": diagnose_diagnosis.headline(found),
-        "accepted": [effect(one) for one in found.accepted],
-        "ranking": [effect(one) for one in found.ranking],
-        "equivalence_class": list(found.equivalence_class),
-        "next_measurement": found.next_measurement,
-        "advice": [advice(one) for one in found.advice],
-        "leftover": None if found.leftover is None else found.leftover.text,
-        "leftover_described": None if found.leftover is None else leftover(found.leftover),
-        "errors": _diagnosis_errors(found.before, found.after),
-        "detectable": [detectable(one) for one in found.detectable],
-        "levels": [_level(one) for one in found.levels],
-        "steps": [_step(one) for one in found.steps],
-        "held_out": list(found.hold_out),
-        "warnings": list(found.remarks),
-        "before": _evaluation(found.before),
-        "after": _evaluation(found.after),
-        "settings": plain(found.settings),
-    }
-
-
-def effect(one: Cause) -> dict[str, Any]:
-    """EFFECT of the output contract. Its value is that of the first size; `values` holds all."""
-    first = one.sizes[0] if one.sizes else None
-    return {
-        "id": one.id,
-        "value": None if first is None else first.value,
-        "unit": None if first is None else first.unit,
-        "interval90": None if first is None else [first.low, first.high],
-        "evidence_nats": finite(one.evidence),
-        "text": one.text,
-        "written": str(one.named),
-        "what": one.named.what,
-        "values": [_size(size) for size in one.sizes],
-        "chi2_per_dof": finite(one.misfit),
-        "price": finite(one.price),
-        "as_where_nothing_is_missing": one.null,
-        "note": one.note or None,
-        "mistaken_for": list(one.mistaken_for),
-        "confirmed_by": one.confirmed_by,
-    }
-
-
-def plain(value: Any) -> Any:
-    """`value` as JSON has it: mappings and sequences of texts, numbers, truths and nothing; what else there is by its words."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(one) for one in value]
-    if value is None or isinstance(value, bool | str):
-        return value
-    if hasattr(value, "__index__"):
-        return int(value)
-    return finite(float(value)) if hasattr(value, "__float__") else str(value)
-
-
-def finite(value: float) -> float | None:
-    """JSON knows no infinity."""
-    return float(value) if isfinite(value) else None
-
-
-def _size(one: EffectEstimate) -> dict[str, Any]:
-    return {"key": one.key, "value": one.value, "unit": one.unit, "interval90": [one.low, one.high]}
-
-
-def advice(one: Advice) -> dict[str, Any]:
-    """A measurement that would decide."""
-    return {
-        "test": one.test,
-        "expected_evidence_nats": finite(one.gain),
-        "separates": list(one.separates),
-        "hours": one.hours or None,
-    }
-
-
-def leftover(one: Leftover) -> dict[str, Any]:
-    """What no effect explains."""
-    return {
-        "text": one.text,
-        "looks_like": one.looks_like,
-        "load": one.load or None,
-        "motion": one.motion or None,
-        "channels": list(one.channels),
-        "frequency_hz": one.frequency,
-        "share": one.share,
-        "size": one.size,
-        "unit": one.unit or None,
-    }
-
-
-def detectable(one: Detectable) -> dict[str, Any]:
-    """The smallest size that would have been named."""
-    return {"id": one.id, "size": finite(one.size), "unit": one.unit, "at": one.at or None}
-
-
-def _level(one: LevelDifference) -> dict[str, Any]:
-    return {
-        "campaign": one.data_set,
-        "runs": list(one.runs),
-        "axis": one.axis,
-        "channels": list(one.channels),
-        "frequency_hz": one.frequency,
-        "sigma": one.sigma,
-    }
-
-
-def _step(one: ReportedStep) -> dict[str, Any]:
-    return {
-        "added": one.added or None,
-        "text": one.text,
-        "chi2_per_dof": finite(one.misfit),
-        "price": finite(one.price),
-        "ranking": [effect(cause) for cause in one.ranking],
-    }
-
-
-def _diagnosis_errors(before: Evaluation, after: Evaluation) -> dict[str, Any]:
-    """The contract's four, and the others beside them."""
-    found: dict[str, Any] = {}
-    for when, of in (("before", before), ("after", after)):
-        found |= {
-            f"plain_{when}_percent": of.plain.percent,
-            f"heldout_{when}_percent": _percent(of.held_out),
-            f"nominal_{when}_percent": of.nominal.percent,
-            f"heldout_nominal_{when}_percent": _percent(of.held_out_nominal),
-            f"heldout_configurations_{when}_percent": _percent(of.held_out_configurations),
-        }
-    return found
-
-
-def _evaluation(of: Evaluation) -> dict[str, Any]:
-    return {
-        "plain_percent_by_channel": dict(of.plain.by_channel),
-        "plain_percent_by_run": dict(of.plain.by_run),
-        "heldout_percent_by_fold": {} if of.held_out is None else dict(of.held_out.by_fold),
-        "held_out": list(of.held_out_names),
-        "fitted": _fit(of.fitted),
-        "plain": _fit(of.plain_fit),
-    }
-
-
-def _fit(of: Fit) -> dict[str, Any]:
-    return {
-        "chi2": finite(of.chi2),
-        "degrees_of_freedom": of.degrees_of_freedom,
-        "chi2_per_dof": finite(misfit(of)),
-        "tolerance_z2": finite(of.tolerance_z2),
-        "tolerance_z2_expected": expected_z2(of),
-        "largest_z": largest_z(of),
-        "tolerances": of.tolerances,
-        "log_evidence_nats": finite(of.log_evidence),
-        "converged": of.converged,
-        "parameters": of.by_parameter,
-    }
-
-
-def _percent(of: Share | None) -> float | None:
-    return None if of is None else of.percent
 
 
 # `massline diagnose --auto`: diagnose, add what is missing as a rung, and diagnose again, until the rules say stop.
@@ -472,10 +301,7 @@ def _alike(cause: Cause, found: Diagnosis) -> Sequence[str]:
 
 def automatic_json(found: Climb) -> dict[str, Any]:
     """What --json says of a climb beside its first diagnosis."""
-    rounds = [
-        {"verdict": one.verdict, "headline": headline(one), "accepted": [effect(each) for each in one.accepted]}
-        for one in found.rounds
-    ]
+    rounds = [{"verdict": one.verdict, "headline": headline(one), "accepted": to_json(one.accepted)} for one in found.rounds]
     return {
         "auto": {
             "ended": found.ended,
@@ -483,69 +309,6 @@ def automatic_json(found: Climb) -> dict[str, Any]:
             "rounds": rounds,
             "ladder": of_ladder(found.at),
         }
-    }
-
-
-# What `massline diagnose --json` prints where there is no campaign: the contract's keys, and every number beside them.
-
-
-def classical_json(found: SwingAnswer) -> dict[str, Any]:
-    """The answer as one object. There are no spectra, and so no errors of them."""
-    return {
-        "verdict": found.verdict,
-        "text": found.text,
-        "accepted": [effect(one) for one in found.accepted],
-        "ranking": [effect(one) for one in found.ranking],
-        "equivalence_class": list(found.equivalence_class),
-        "next_measurement": found.next_measurement,
-        "advice": [advice(one) for one in found.advice],
-        "leftover": None if found.leftover is None else found.leftover.text,
-        "leftover_described": None if found.leftover is None else leftover(found.leftover),
-        "errors": None,
-        "detectable": [detectable(one) for one in found.detectable],
-        "chi2": found.chi2,
-        "measurements": found.measurements,
-        "classical": [_beside(one) for one in found.facts],
-        "needed": [_needed(one) for one in found.needed],
-        "readings": [_reading(one) for one in found.readings],
-        "warnings": list(found.remarks),
-        "settings": dict(found.settings),
-    }
-
-
-def _beside(one: MeasurementComparison) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "sigma": one.sigma,
-        "unit": one.unit,
-        "predicted": one.predicted,
-        "measured": one.measured,
-        "tolerance": one.deviation,
-        "period_s": one.period or None,
-        "period_shift_percent": 100 * one.period_shift if one.period else None,
-    }
-
-
-def _needed(one: Needed) -> dict[str, Any]:
-    return {
-        "id": one.id,
-        "value": one.value,
-        "unit": one.unit,
-        "plausible": one.plausible,
-        "possible": one.possible,
-        "explains": one.fits,
-        "evidence_nats": one.evidence,
-        "text": one.text,
-    }
-
-
-def _reading(one: MeasurementInput) -> dict[str, Any]:
-    return {
-        "input": one.name,
-        "value_si": one.value,
-        "change_si": one.change,
-        "tolerances": one.tolerances,
-        "of": list(one.of),
     }
 
 
@@ -785,7 +548,7 @@ def answer(asked: DiagnoseOptions, files: Sequence[str], *, auto: bool, as_json:
         model = model_file.read(str(asked.model))
     with stages("diagnosing", quiet=as_json) as told:
         found = only_classical(model, files, lambda share: told("effects", share), only=asked.candidates)
-    whole = {"model": str(asked.model), "data": list(files), **classical_json(found)}
+    whole = {"model": str(asked.model), "data": list(files), **to_json(found)}
     if as_json:
         click.echo(json_text(whole))
     else:
@@ -1081,7 +844,7 @@ def diagnosis_answer(asked: DiagnoseOptions, *, auto: bool, as_json: bool, folde
         probe(asked.model)  # what cannot be written at the end is said before minutes are spent
     bench = prepared(asked, quiet=as_json)
     found, more = (_climbed if auto else _diagnosed)(asked, bench, as_json=as_json)
-    whole = {**of_asked(asked, bench), **diagnosis_json(found), **more}
+    whole = {**of_asked(asked, bench), **to_json(found), **more}
     if as_json:
         click.echo(json_text(whole))
     if folder is not None:
