@@ -28,7 +28,7 @@ from validation.history.history import (
 from validation.history.verdict import is_worth_adding, percent, unit
 from validation.model import model_file
 from validation.model.model_file import draft
-from validation.output import json_text, require_ending, require_file, shown, stages
+from validation.output import json_text, require_ending, require_file, shown, stages, to_json
 from validation.reference.statement import NONE, QUANTITIES, rounded
 from validation.report.document import Cell, Column, Figures, Grid, Safe, aligned, joined, number, page, table, tag
 from validation.report.parts import Report, paragraphs, section
@@ -60,8 +60,8 @@ def of_rung(one: Version) -> dict[str, Any]:
         "cause": one.cause,
         "effect": one.effect or None,
         "effects": [effect(one, name) for name in one.effects],
-        "errors": None if one.errors is None else history.errors_json(one.errors),
-        "evidence_gain_nats": history.finite(one.gain),
+        "errors": to_json(one.errors),
+        "evidence_gain_nats": to_json(one.gain),
         "inertia": [_body(body) for body in one.bodies],
         "verdict": list(one.verdict),
         "worth_a_parameter": is_worth_adding(one) if one.effect else None,
@@ -79,7 +79,7 @@ def of_step(at: HistoryPosition, before: Version, after: Version, said: Sequence
         "parent": before.number,
         "effect": effect(after, after.effect),
         "errors": _both(before.errors, after.errors),
-        "evidence_gain_nats": history.finite(after.gain),
+        "evidence_gain_nats": to_json(after.gain),
         "verdict": list(after.verdict),
         "worth_a_parameter": is_worth_adding(after),
         "before": of_rung(before),
@@ -97,7 +97,7 @@ def effect(one: Version, name: str) -> dict[str, Any]:
         "value": None if alone is None else alone.value,
         "unit": None if alone is None else alone.unit,
         "interval90": None if alone is None else _interval(alone),
-        "evidence_nats": history.finite(one.gain) if name == one.effect else None,
+        "evidence_nats": to_json(one.gain) if name == one.effect else None,
         "text": " ".join(one.verdict) if name == one.effect else "",
         "values": {size.key: {"value": size.value, "unit": size.unit, "interval90": _interval(size)} for size in sizes},
     }
