@@ -33,7 +33,7 @@ def answered(folder: Path) -> Json:
 
 def _answered(folder: Path) -> Json:
     from validation.diagnose.diagnose import diagnosed
-    from validation.report.diagnose import diagnosis_json
+    from validation.output import to_json
 
     asked: Json = json.loads((folder / SETTINGS).read_text(encoding="utf-8"))
     began = time.process_time()
@@ -41,7 +41,7 @@ def _answered(folder: Path) -> Json:
     read = time.process_time()
     found = diagnosed(ready, leave_out=tuple(asked["leave_out"]))
     return {
-        **without(diagnosis_json(found), PARAMETERS),
+        **without(to_json(found), PARAMETERS),
         "seconds": {"reading": read - began, "diagnosis": time.process_time() - read},
     }
 

@@ -41,18 +41,9 @@ from validation.classical.files import Reduction
 from validation.compare.compare import Comparison, of_evaluation
 from validation.compare.maps import Map, NamedMode, Pairs
 from validation.diagnose.diagnosis import (
-    Advice,
-    Cause,
-    Detectable,
     Diagnosis,
-    EffectEstimate,
-    Leftover,
-    LevelDifference,
-    ReportedStep,
 )
 from validation.effects import catalogue
-from validation.effects.catalogue import parse
-from validation.effects.effect import Vocabulary
 from validation.estimation import evaluate
 from validation.estimation.evaluate import Squares
 from validation.estimation.fit import unfitted
@@ -65,7 +56,7 @@ from validation.identify.check import summary
 from validation.identify.identify import REDUCED
 from validation.model import model_file
 from validation.model.model import Model
-from validation.output import json_text, require_ending, require_file, require_folder, to_json
+from validation.output import from_json, json_text, require_ending, require_file, require_folder, to_json
 from validation.prediction.dynamic_mass import BaseDrive
 from validation.prediction.series import SeriesPrediction, TestedCampaign, names, predictions, supported_dynamic_mass
 from validation.prediction.structure import mounted_article
@@ -836,8 +827,6 @@ def gone_to(of: Session, number: int) -> HistoryPosition:
 # pages and pictures show comes back as it was; of the fits' covariance only its diagonal is there.
 
 
-ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
-
 Object = Mapping[str, Any]
 
 Known = Mapping[str, float | None]
@@ -858,88 +847,13 @@ def diagnosis(said: Object, known: Mapping[str, Known]) -> Diagnosis:
     """
     errors = said["errors"]
     before = _retold_evaluation(said["before"], errors, "before", known["before"])
-    accepted = tuple(map(_cause, said["accepted"]))
-    described = said["leftover_described"]
-    return Diagnosis(
-        verdict=said["verdict"],
+    return from_json(
+        Diagnosis,
+        said,
         text="" if said["text"] == said["headline"] else said["text"],
-        accepted=accepted,
-        ranking=tuple(map(_cause, said["ranking"])),
-        equivalence_class=tuple(said["equivalence_class"]),
-        advice=tuple(map(_advice, said["advice"])),
-        leftover=None if described is None else _leftover(described),
-        detectable=tuple(_detectable(one) for one in said["detectable"]),
-        levels=tuple(map(_level, said["levels"])),
         before=before,
-        after=_retold_evaluation(said["after"], errors, "after", known["after"]) if accepted else before,
-        steps=tuple(map(_step, said["steps"])),
-        hold_out=tuple(said["held_out"]),
-        remarks=tuple(said["warnings"]),
+        after=_retold_evaluation(said["after"], errors, "after", known["after"]) if said["accepted"] else before,
         only=tuple(said["candidates"]),
-        settings=dict(said["settings"]),
-    )
-
-
-def _cause(one: Object) -> Cause:
-    sizes = tuple(
-        EffectEstimate(
-            key=size["key"], value=size["value"], unit=size["unit"], low=size["interval90"][0], high=size["interval90"][1]
-        )
-        for size in one["values"]
-    )
-    return Cause(
-        named=parse(one["written"], ANY),
-        sizes=sizes,
-        evidence=_number(one["evidence_nats"]),
-        misfit=_number(one["chi2_per_dof"]),
-        price=_number(one["price"]),
-        null=one["as_where_nothing_is_missing"],
-        note=one["note"] or "",
-    )
-
-
-def _advice(one: Object) -> Advice:
-    gain = _number(one["expected_evidence_nats"])
-    return Advice(test=one["test"], gain=gain, separates=tuple(one["separates"]), hours=one["hours"] or 0.0)
-
-
-def _leftover(one: Object) -> Leftover:
-    return Leftover(
-        text=one["text"],
-        looks_like=one["looks_like"],
-        load=one["load"] or "",
-        motion=one["motion"] or "",
-        channels=tuple(one["channels"]),
-        frequency=one["frequency_hz"],
-        share=one["share"],
-        size=one["size"],
-        unit=one["unit"] or "",
-    )
-
-
-def _detectable(one: Object) -> Detectable:
-    return Detectable(id=one["id"], size=_number(one["size"]), unit=one["unit"], at=one["at"] or "")
-
-
-def _level(one: Object) -> LevelDifference:
-    first, second = one["runs"]
-    return LevelDifference(
-        data_set=one["campaign"],
-        runs=(first, second),
-        axis=one["axis"],
-        channels=tuple(one["channels"]),
-        frequency=one["frequency_hz"],
-        sigma=one["sigma"],
-    )
-
-
-def _step(one: Object) -> ReportedStep:
-    return ReportedStep(
-        added=one["added"] or "",
-        ranking=tuple(map(_cause, one["ranking"])),
-        misfit=_number(one["chi2_per_dof"]),
-        price=_number(one["price"]),
-        text=one["text"],
     )
 
 
@@ -1020,7 +934,7 @@ def diagnosed(of: Session, candidates: Sequence[str] = (), progress: Progress | 
     asked = replace(of.asked, model=str(of.model), candidates=tuple(candidates))
     bench = diagnose.prepared(asked)
     found = diagnose.diagnosis(asked, bench, tell)
-    whole = {**diagnose.of_asked(asked, bench), **diagnose.diagnosis_json(found)}
+    whole = {**diagnose.of_asked(asked, bench), **to_json(found)}
     write_text(folder / BESIDE, json_text(tolerances(found)))
     write_text(folder / FILE, json_text(whole))
     return whole

@@ -22,6 +22,7 @@ from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, PENDULUM, PERIOD_STAGE, SizeSpec
 from validation.effects.practical_units import said
 from validation.model.model import Added
+from validation.output import derived, entry, unwritten
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, Input, covariance
 
@@ -45,14 +46,20 @@ class MeasurementComparison:
     """
 
     name: str
-    quantity: str
+    quantity: str = unwritten()
+    sigma: float
+    unit: str
     predicted: float
     measured: float
-    deviation: float
-    unit: str
-    sigma: float
-    period: float = 0.0
-    period_shift: float = 0.0
+    deviation: float = entry("tolerance")
+    period: float = entry("period_s", unit="s", null=0.0, default=0.0)
+    period_shift: float = unwritten(default=0.0)
+
+    @property
+    @derived("period_shift_percent")
+    def period_percent(self) -> float | None:
+        """The shift in per cent; None of what is no swing."""
+        return 100 * self.period_shift if self.period else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,8 +82,8 @@ class Needed:
     unit: str
     plausible: float
     possible: bool
-    fits: bool
-    evidence: float
+    fits: bool = entry("explains")
+    evidence: float = entry("evidence_nats", unit="nats")
     text: str
 
 
@@ -92,9 +99,9 @@ class MeasurementInput:
     of : measurements that it enters
     """
 
-    name: str
-    value: float
-    change: float
+    name: str = entry("input")
+    value: float = entry("value_si")
+    change: float = entry("change_si")
     tolerances: float
     of: tuple[str, ...]
 
@@ -123,28 +130,41 @@ class SwingAnswer:
     settings : thresholds
     """
 
-    title: str
-    source: str
+    title: str = unwritten()
+    source: str = unwritten()
     verdict: str
     text: str
     accepted: tuple[Cause, ...] = ()
     ranking: tuple[Cause, ...] = ()
     equivalence_class: tuple[str, ...] = ()
     advice: tuple[Advice, ...] = ()
-    leftover: Leftover | None = None
+    leftover: Leftover | None = entry("leftover_described", default=None)
     detectable: tuple[Detectable, ...] = ()
-    facts: tuple[MeasurementComparison, ...]
-    needed: tuple[Needed, ...] = ()
-    readings: tuple[MeasurementInput, ...] = ()
     chi2: float
     measurements: int
-    remarks: tuple[str, ...] = ()
+    facts: tuple[MeasurementComparison, ...] = entry("classical")
+    needed: tuple[Needed, ...] = ()
+    readings: tuple[MeasurementInput, ...] = ()
+    remarks: tuple[str, ...] = entry("warnings", default=())
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
+    @derived("next_measurement", before="advice")
     def next_measurement(self) -> str:
         """The best advice in words; empty where there is none."""
         return self.advice[0].test if self.advice else ""
+
+    @property
+    @derived("leftover", before="leftover_described")
+    def left(self) -> str | None:
+        """What no effect explains, in words."""
+        return None if self.leftover is None else self.leftover.text
+
+    @property
+    @derived("errors", before="detectable")
+    def errors(self) -> None:
+        """There are no spectra, and so no errors of them."""
+        return None
 
 
 # What may be wrong where only weights, centres of gravity and periods are known: effects of the pendulum and of the body.

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from types import MappingProxyType
+from typing import Any
 
 from validation.effects import practical_units
-from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE as OF_MISTAKES
+from validation.effects.effect import Vocabulary
 from validation.estimation.problem import Parameter, Problem
 from validation.estimation.result import Evaluation, Fit
 from validation.estimation.screening import ScoreTest
+from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
+from validation.output import derived, entry, unwritten
 from validation.reference.statement import NONE
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
@@ -30,6 +35,10 @@ MANY_NATS = 1000.0
 tests/validation/diagnosing/command/test_page.py."""
 
 
+ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
+"""In which every written effect is known: what was found was checked when it was found."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EffectEstimate:
     """One number of a cause.
@@ -45,8 +54,8 @@ class EffectEstimate:
     key: str
     value: float
     unit: str
-    low: float
-    high: float
+    low: float = entry("interval90/0")
+    high: float = entry("interval90/1")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,31 +73,52 @@ class Cause:
     note : what these data say of it beyond its size, in words: "its numbers are in g, and the file says m/s^2"
     """
 
-    named: Named
-    sizes: tuple[EffectEstimate, ...]
-    evidence: float
-    misfit: float = 0.0
-    price: float = 0.0
-    null: bool = True
-    note: str = ""
+    evidence: float = entry("evidence_nats", unit="nats", null=inf)
+    named: Named = entry("written", write=str, read=lambda written: parse(written, ANY))
+    sizes: tuple[EffectEstimate, ...] = entry("values")
+    misfit: float = entry("chi2_per_dof", null=inf, default=0.0)
+    price: float = entry(null=inf, default=0.0)
+    null: bool = entry("as_where_nothing_is_missing", default=True)
+    note: str = entry(null="", default="")
 
     @property
+    @derived("id", before="evidence_nats")
     def id(self) -> str:
         """``family:target``."""
         return self.named.id
 
     @property
+    @derived("", before="evidence_nats")
+    def first(self) -> dict[str, Any]:
+        """Its first size by the keys of an effect in JSON; None where it has none."""
+        one = self.sizes[0] if self.sizes else None
+        return {
+            "value": None if one is None else one.value,
+            "unit": None if one is None else one.unit,
+            "interval90": None if one is None else [one.low, one.high],
+        }
+
+    @property
+    @derived("what", before="values")
+    def what(self) -> str:
+        """Its family in a few words."""
+        return self.named.what
+
+    @property
+    @derived("text", before="written")
     def text(self) -> str:
         """What it means, for somebody who never heard of it."""
         family, targets = FAMILIES[self.named.family], self.named.targets
         return family.sentence.format(target=self.named.target, targets=" and ".join(targets))
 
     @property
+    @derived("mistaken_for")
     def mistaken_for(self) -> tuple[str, ...]:
         """Ids or families that look like it."""
         return FAMILIES[self.named.family].mistaken_for
 
     @property
+    @derived("confirmed_by")
     def confirmed_by(self) -> str:
         """What would confirm it in the laboratory."""
         return FAMILIES[self.named.family].confirmed_by
@@ -107,9 +137,9 @@ class Detectable:
     """
 
     id: str
-    size: float
+    size: float = entry(null=inf)
     unit: str
-    at: str = ""
+    at: str = entry(null="", default="")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -125,9 +155,9 @@ class Advice:
     """
 
     test: str
-    gain: float
+    gain: float = entry("expected_evidence_nats", unit="nats", null=inf)
     separates: tuple[str, ...] = ()
-    hours: float = 0.0
+    hours: float = entry(unit="h", null=0.0, default=0.0)
 
     @property
     def text(self) -> str:
@@ -158,13 +188,13 @@ class Leftover:
 
     text: str
     looks_like: str
-    load: str = ""
-    motion: str = ""
+    load: str = entry(null="", default="")
+    motion: str = entry(null="", default="")
     channels: tuple[str, ...] = ()
-    frequency: float | None = None
+    frequency: float | None = entry("frequency_hz", unit="Hz", default=None)
     share: float = 0.0
     size: float | None = None
-    unit: str = ""
+    unit: str = entry(null="", default="")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -181,11 +211,11 @@ class LevelDifference:
     sigma : how surprising, in standard deviations of noise
     """
 
-    data_set: str
+    data_set: str = entry("campaign")
     runs: tuple[str, str]
     axis: str
     channels: tuple[str, ...]
-    frequency: float
+    frequency: float = entry("frequency_hz", unit="Hz")
     sigma: float
 
 
@@ -201,11 +231,11 @@ class ReportedStep:
     text : why it was or was not accepted
     """
 
-    added: str
-    ranking: tuple[Cause, ...]
-    misfit: float
-    price: float
+    added: str = entry(null="")
     text: str
+    misfit: float = entry("chi2_per_dof", null=inf)
+    price: float = entry(null=inf)
+    ranking: tuple[Cause, ...]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -233,26 +263,75 @@ class Diagnosis:
     """
 
     verdict: str
-    text: str
+    text: str = unwritten()
     accepted: tuple[Cause, ...] = ()
     ranking: tuple[Cause, ...] = ()
     equivalence_class: tuple[str, ...] = ()
     advice: tuple[Advice, ...] = ()
-    leftover: Leftover | None = None
+    leftover: Leftover | None = entry("leftover_described", default=None)
     detectable: tuple[Detectable, ...] = ()
     levels: tuple[LevelDifference, ...] = ()
-    before: Evaluation
-    after: Evaluation
     steps: tuple[ReportedStep, ...] = ()
-    hold_out: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
-    only: tuple[str, ...] = ()
+    hold_out: tuple[str, ...] = entry("held_out", default=())
+    remarks: tuple[str, ...] = entry("warnings", default=())
+    before: Evaluation = entry(write=lambda of: _evaluation_json(of))
+    after: Evaluation = entry(write=lambda of: _evaluation_json(of))
+    only: tuple[str, ...] = unwritten(default=())
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
+    @derived("", before="accepted")
+    def sentences(self) -> dict[str, str]:
+        """What there is to say of it, and the verdict in one sentence, by their keys in JSON."""
+        return {"text": self.text or headline(self), "headline": headline(self)}
+
+    @property
+    @derived("next_measurement", before="advice")
     def next_measurement(self) -> str:
         """The best advice in words; empty where there is none."""
         return self.advice[0].test if self.advice else ""
+
+    @property
+    @derived("leftover", before="leftover_described")
+    def left(self) -> str | None:
+        """What no effect explains, in words."""
+        return None if self.leftover is None else self.leftover.text
+
+    @property
+    @derived("errors", before="detectable")
+    def errors(self) -> dict[str, float | None]:
+        """The errors before and after what was accepted, by their keys in JSON."""
+        names = {"plain": "plain", "heldout": "held_out", "nominal": "nominal", "heldout_nominal": "held_out_nominal"}
+        names |= {"heldout_configurations": "held_out_configurations"}
+        both = (("before", self.before), ("after", self.after))
+        shares = {f"{key}_{when}_percent": getattr(of, name) for when, of in both for key, name in names.items()}
+        return {key: None if of is None else of.percent for key, of in shares.items()}
+
+
+def _evaluation_json(of: Evaluation) -> dict[str, Any]:
+    return {
+        "plain_percent_by_channel": of.plain.by_channel,
+        "plain_percent_by_run": of.plain.by_run,
+        "heldout_percent_by_fold": {} if of.held_out is None else of.held_out.by_fold,
+        "held_out": of.held_out_names,
+        "fitted": _fit_json(of.fitted),
+        "plain": _fit_json(of.plain_fit),
+    }
+
+
+def _fit_json(of: Fit) -> dict[str, Any]:
+    return {
+        "chi2": of.chi2,
+        "degrees_of_freedom": of.degrees_of_freedom,
+        "chi2_per_dof": misfit(of),
+        "tolerance_z2": of.tolerance_z2,
+        "tolerance_z2_expected": expected_z2(of),
+        "largest_z": largest_z(of),
+        "tolerances": of.tolerances,
+        "log_evidence_nats": of.log_evidence,
+        "converged": of.converged,
+        "parameters": of.by_parameter,
+    }
 
 
 # A model of effects fitted to the data of a study.

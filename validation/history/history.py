@@ -10,12 +10,12 @@ import os
 import os.path
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from hashlib import file_digest, sha256
 from importlib.metadata import version
 from importlib.resources import files
-from math import isfinite
+from math import nan
 from pathlib import Path
 from platform import python_version
 from types import MappingProxyType
@@ -31,7 +31,7 @@ from identification import campaign_file
 from identification.campaign import METHODS
 from identification.quality import NORMAL_95, sizes
 from validation.classical import files as classical_files
-from validation.output import json_text
+from validation.output import entry, from_json, json_text, to_json
 from validation.reference.statement import COG, inertia_of
 
 
@@ -63,7 +63,7 @@ class Source:
     """
 
     path: str
-    digest: str
+    digest: str = entry("sha256")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +80,7 @@ class Conditions:
 
     data: tuple[Source, ...] = ()
     hold_out: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
+    band: tuple[float, float] | None = entry("band_hz", unit="Hz", default=None)
     method: str = METHODS[0]
 
     def same(self, other: Conditions) -> bool:
@@ -108,21 +108,21 @@ class Errors:
     by_fold : plain error on everything that was held out together
     """
 
-    nominal: float
-    plain: float
-    held_out_nominal: float | None = None
-    held_out: float | None = None
-    chi2: float
-    degrees_of_freedom: int
-    tolerance_z2: float
+    nominal: float = entry("nominal_percent", unit="%", null=nan)
+    plain: float = entry("plain_percent", unit="%", null=nan)
+    held_out_nominal: float | None = entry("heldout_nominal_percent", unit="%", default=None)
+    held_out: float | None = entry("heldout_percent", unit="%", default=None)
+    chi2: float = entry("fitted_chi2", null=nan)
+    degrees_of_freedom: int = entry("fitted_degrees_of_freedom")
+    tolerance_z2: float = entry(null=nan)
     tolerances: int
-    log_evidence: float
-    expected_z2: float | None = None
-    largest_z: float | None = None
+    log_evidence: float = entry("log_evidence_nats", unit="nats", null=nan)
+    expected_z2: float | None = entry("tolerance_z2_expected", later=True, default=None)
+    largest_z: float | None = entry(later=True, default=None)
     converged: bool = True
-    held_out_names: tuple[str, ...] = ()
-    by_channel: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    by_fold: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    held_out_names: tuple[str, ...] = entry("held_out", default=())
+    by_channel: Mapping[str, float] = entry("plain_percent_by_channel", default_factory=lambda: MappingProxyType({}))
+    by_fold: Mapping[str, float] = entry("heldout_percent_by_fold", later=True, default_factory=lambda: MappingProxyType({}))
 
     @property
     def chi2_per_dof(self) -> float:
@@ -154,9 +154,9 @@ class Body:
     """
 
     article: str
-    values: Array
-    deviation: Array
-    reference: Array
+    values: Array = entry("identified", write=lambda of: ten_json(of), read=lambda table: _ten(table))
+    deviation: Array = entry("sd", write=lambda of: ten_json(of), read=lambda table: _ten(table))
+    reference: Array = entry(write=lambda of: ten_json(of), read=lambda table: _ten(table))
     converged: bool = True
 
     def __post_init__(self) -> None:
@@ -199,8 +199,8 @@ class VersionSize:
 
     key: str
     value: float
+    deviation: float | None = entry("sd", default=None)
     unit: str
-    deviation: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -229,19 +229,19 @@ class Version:
     number: int
     parent: int | None
     cause: str
-    effect: str = ""
+    effect: str = entry(null="", default="")
     effects: Mapping[str, tuple[VersionSize, ...]] = field(default_factory=lambda: MappingProxyType({}))
-    model: str
-    conditions: Conditions = field(default_factory=Conditions)
-    errors: Errors | None = None
-    gain: float | None = None
-    bodies: tuple[Body, ...] = ()
-    plain_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    fitted_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    errors: Errors | None = entry(read=lambda table: _errors(table), default=None)
+    gain: float | None = entry("evidence_gain_nats", unit="nats", default=None)
     verdict: tuple[str, ...] = ()
+    bodies: tuple[Body, ...] = entry("inertia", default=())
+    conditions: Conditions = field(default_factory=Conditions)
     when: str = ""
     versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+    plain_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    fitted_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    model: str = entry(write=lambda text: text.split("\n"), read=lambda lines: "\n".join(_strings(lines)))
 
     @property
     def title(self) -> str:
@@ -331,28 +331,6 @@ FORMAT = 1
 KIND = "massline ladder"
 ENDING = ".ladder.json"
 
-_ERRORS = {
-    "nominal": "nominal_percent",
-    "plain": "plain_percent",
-    "held_out_nominal": "heldout_nominal_percent",
-    "held_out": "heldout_percent",
-    "chi2": "fitted_chi2",
-    "degrees_of_freedom": "fitted_degrees_of_freedom",
-    "tolerance_z2": "tolerance_z2",
-    "tolerances": "tolerances",
-    "log_evidence": "log_evidence_nats",
-    "expected_z2": "tolerance_z2_expected",
-    "largest_z": "largest_z",
-    "converged": "converged",
-    "held_out_names": "held_out",
-    "by_channel": "plain_percent_by_channel",
-    "by_fold": "heldout_percent_by_fold",
-}
-"""Keys of `Errors` in the file."""
-
-_LATER: Mapping[str, Any] = {"by_fold": {}, "expected_z2": None, "largest_z": None}
-"""What the first ladders did not have, and stands for it."""
-
 _TEN = {
     "mass_kg": (slice(0, 1), 1.0),
     "cog_mm": (slice(1, 4), 1e3),
@@ -379,9 +357,8 @@ def read(path: Path) -> Ladder:
     table = toml_file.read(path, remedy="`massline add` makes one beside a model")
     _require_ours(table, source)
     try:
-        rungs = tuple(_rung(one) for one in table["rungs"])
-        current = None if table["current"] is None else _whole(table["current"])
-        return _sound(Ladder(rungs=rungs, current=current), source)
+        rungs = tuple(from_json(Version, one) for one in table["rungs"])
+        return _sound(Ladder(rungs=rungs, current=_current(table["current"])), source)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         if isinstance(error, BadInput):
             raise
@@ -401,73 +378,14 @@ def write(path: Path, ladder: Ladder, model: str) -> None:
 
 def text(ladder: Ladder, model: str) -> str:
     """`ladder` as the file holds it."""
-    rungs = [_rung_json(one) for one in ladder.rungs]
-    return json_text({"format": FORMAT, "kind": KIND, "model": model, "current": ladder.current, "rungs": rungs}) + "\n"
+    whole = {"format": FORMAT, "kind": KIND, "model": model, "current": ladder.current, "rungs": to_json(ladder.rungs)}
+    return json_text(whole) + "\n"
 
 
 def ten_json(values: Array) -> dict[str, Any]:
     """TEN of (10,) values in the order of a `Body`."""
     listed = {key: (scale * values[place]).tolist() for key, (place, scale) in _TEN.items()}
     return listed | {"mass_kg": listed["mass_kg"][0]}
-
-
-def errors_json(errors: Errors) -> dict[str, Any]:
-    """The errors of a rung; what was not held out, or cannot be told, is null."""
-    found = {key: getattr(errors, name) for name, key in _ERRORS.items()}
-    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in found.items()}
-    return {key: finite(value) for key, value in plain.items()} | {
-        _ERRORS["by_channel"]: dict(errors.by_channel),
-        _ERRORS["by_fold"]: dict(errors.by_fold),
-    }
-
-
-def _rung_json(one: Version) -> dict[str, Any]:
-    return {
-        "number": one.number,
-        "parent": one.parent,
-        "cause": one.cause,
-        "effect": one.effect or None,
-        "effects": {name: [_size_json(size) for size in sizes] for name, sizes in one.effects.items()},
-        "errors": None if one.errors is None else errors_json(one.errors),
-        "evidence_gain_nats": finite(one.gain),
-        "verdict": list(one.verdict),
-        "inertia": [_body_json(body) for body in one.bodies],
-        "conditions": _conditions_json(one.conditions),
-        "when": one.when,
-        "versions": dict(one.versions),
-        "settings": dict(one.settings),
-        "plain_offsets": dict(one.plain_offsets),
-        "fitted_offsets": dict(one.fitted_offsets),
-        "model": one.model.split("\n"),
-    }
-
-
-def _conditions_json(of: Conditions) -> dict[str, Any]:
-    return {
-        "data": [{"path": source.path, "sha256": source.digest} for source in of.data],
-        "hold_out": list(of.hold_out),
-        "band_hz": None if of.band is None else list(of.band),
-        "method": of.method,
-    }
-
-
-def _size_json(size: VersionSize) -> dict[str, Any]:
-    return {"key": size.key, "value": size.value, "sd": finite(size.deviation), "unit": size.unit}
-
-
-def _body_json(body: Body) -> dict[str, Any]:
-    return {
-        "article": body.article,
-        "identified": ten_json(body.values),
-        "sd": ten_json(body.deviation),
-        "reference": ten_json(body.reference),
-        "converged": body.converged,
-    }
-
-
-def finite(value: Any) -> Any:
-    """JSON knows no infinity."""
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def _require_ours(table: Mapping[str, Any], source: str) -> None:
@@ -500,80 +418,22 @@ def _sound(ladder: Ladder, source: str) -> Ladder:
     return ladder
 
 
-def _rung(table: Mapping[str, Any]) -> Version:
-    return Version(
-        number=_whole(table["number"]),
-        parent=None if table["parent"] is None else _whole(table["parent"]),
-        cause=str(table["cause"]),
-        effect=str(table["effect"] or ""),
-        effects={str(name): tuple(map(_size, sizes)) for name, sizes in table["effects"].items()},
-        errors=None if table["errors"] is None else _errors(table["errors"]),
-        gain=_number_or_none(table["evidence_gain_nats"]),
-        verdict=_strings(table["verdict"]),
-        bodies=tuple(map(_body, table["inertia"])),
-        conditions=_conditions(table["conditions"]),
-        when=str(table["when"]),
-        versions={str(name): str(value) for name, value in table["versions"].items()},
-        settings=dict(table["settings"]),
-        plain_offsets=_numbers(table["plain_offsets"]),
-        fitted_offsets=_numbers(table["fitted_offsets"]),
-        model="\n".join(_strings(table["model"])),
-    )
+def _current(value: Any) -> int | None:
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
+        raise TypeError(f"a whole number is expected, found {value!r:.60}")
+    return value
 
 
-def _conditions(table: Mapping[str, Any]) -> Conditions:
-    band = None if table["band_hz"] is None else tuple(map(_number, table["band_hz"]))
-    if band is not None and len(band) != 2:
-        raise ValueError(f"a band has two ends, found {len(band)}")
-    return Conditions(
-        data=tuple(Source(path=str(one["path"]), digest=str(one["sha256"])) for one in table["data"]),
-        hold_out=_strings(table["hold_out"]),
-        band=None if band is None else (band[0], band[1]),
-        method=str(table["method"]),
-    )
-
-
-def _size(table: Mapping[str, Any]) -> VersionSize:
-    return VersionSize(
-        key=str(table["key"]), value=_number(table["value"]), unit=str(table["unit"]), deviation=_number_or_none(table["sd"])
-    )
-
-
-def _errors(table: Mapping[str, Any]) -> Errors:
-    found = {name: table.get(key, _LATER[name]) if name in _LATER else table[key] for name, key in _ERRORS.items()}
-    for one in fields(Errors):
-        value = found[one.name]
-        if one.name == "held_out_names":
-            found[one.name] = _strings(value)
-        elif one.name in ("by_channel", "by_fold"):
-            found[one.name] = _numbers(value)
-        elif one.name == "converged":
-            found[one.name] = bool(value)
-        elif one.type == "int":
-            found[one.name] = _whole(value)
-        elif one.type == "float":
-            found[one.name] = float("nan") if value is None else _number(value)
-        else:
-            found[one.name] = _number_or_none(value)
-    return _positive(Errors(**found))
+def _errors(table: Mapping[str, Any] | None) -> Errors | None:
+    return None if table is None else _positive(from_json(Errors, table))
 
 
 def _positive(errors: Errors) -> Errors:
     """Refuse what is negative of the errors, which are roots of squares and sums of them."""
-    for name in ("nominal", "plain", "held_out_nominal", "held_out", "chi2", "tolerance_z2"):
-        if (getattr(errors, name) or 0.0) < 0:
-            raise ValueError(f"{_ERRORS[name]} is negative, {getattr(errors, name):g}")
+    for key in ("nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2", "tolerance_z2"):
+        if (value := to_json(errors)[key] or 0.0) < 0:
+            raise ValueError(f"{key} is negative, {value:g}")
     return errors
-
-
-def _body(table: Mapping[str, Any]) -> Body:
-    return Body(
-        article=str(table["article"]),
-        values=_ten(table["identified"]),
-        deviation=_ten(table["sd"]),
-        reference=_ten(table["reference"]),
-        converged=bool(table["converged"]),
-    )
 
 
 def _ten(table: Mapping[str, Any]) -> Array:
@@ -584,26 +444,6 @@ def _strings(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
         raise TypeError(f"a list of texts is expected, found {value!r:.60}")
     return tuple(value)
-
-
-def _numbers(table: Mapping[str, Any]) -> dict[str, float]:
-    return {str(name): _number(value) for name, value in table.items()}
-
-
-def _number_or_none(value: Any) -> float | None:
-    return None if value is None else _number(value)
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"a number is expected, found {value!r:.60}")
-    return float(value)
-
-
-def _whole(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"a whole number is expected, found {value!r:.60}")
-    return value
 
 
 # One process at a time changes a ladder: what it reads is what it writes on.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from geometry.errors import BadInput
 from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
-from validation.diagnose.classical import MeasurementComparison, MeasurementInput, Needed, SwingAnswer
+from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
 from validation.diagnose.diagnose import of_levels, ready
 from validation.diagnose.diagnosis import (
@@ -26,13 +25,10 @@ from validation.diagnose.diagnosis import (
     NOTHING,
     SEVERAL,
     UNKNOWN,
-    Advice,
     Cause,
     Detectable,
     Diagnosis,
     EffectEstimate,
-    Leftover,
-    LevelDifference,
     ReportedStep,
     headline,
 )
@@ -45,40 +41,42 @@ from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import evidence_threshold
 from validation.effects.practical_units import said, significant
 from validation.estimation.evaluate import named, without
-from validation.estimation.result import Evaluation, Fit, Share
-from validation.estimation.verdicts import expected_z2, figure, largest_z, misfit, percent
+from validation.estimation.verdicts import figure
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
 from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
 from validation.history.verdict import is_worth_adding
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.output import json_text, stages
+from validation.output import json_text, stages, to_json
 from validation.output import percent as progress_percent
 from validation.reference.reference import file_name
-from validation.reference.statement import NONE, rounded
+from validation.reference.statement import NONE
 from validation.report import history
 from validation.report.charts import crosscheck
-from validation.report.charts.crosscheck import tried
+from validation.report.charts.crosscheck import standing_of, tried
 from validation.report.compare import draw_channels
 from validation.report.document import NOTHING as EMPTY
 from validation.report.document import (
+    PAGE,
+    TERMINAL,
     Cell,
     Column,
+    Document,
+    Drawn,
     Figures,
     Grid,
     Number,
     Safe,
+    Table,
     aligned,
-    joined,
-    number,
-    of_grid,
     page,
-    table,
     tag,
+    toleranced,
 )
 from validation.report.history import of_ladder
-from validation.report.parts import Report, paragraphs, section
+from validation.report.parts import ERRORS as ERROR_NAMES
+from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
 from validation.report.parts import notes as parts_notes
 from validation.study import Options, Study, only_files
 
@@ -121,173 +119,6 @@ def _title(found: Diagnosis) -> str:
 
 def _held(found: Diagnosis) -> str:
     return f"Held out: {diagnose_diagnosis.listed(found.hold_out)}." if found.hold_out else ""
-
-
-# What `massline diagnose --json` prints: the contract's keys, and every number beside them. Keys end in their unit.
-
-
-def diagnosis_json(found: Diagnosis) -> dict[str, Any]:
-    """The diagnosis as one object."""
-    return {
-        "verdict": found.verdict,
-        "text": found.text or diagnose_diagnosis.headline(found),
-        "headline": diagnose_diagnosis.headline(found),
-        "accepted": [effect(one) for one in found.accepted],
-        "ranking": [effect(one) for one in found.ranking],
-        "equivalence_class": list(found.equivalence_class),
-        "next_measurement": found.next_measurement,
-        "advice": [advice(one) for one in found.advice],
-        "leftover": None if found.leftover is None else found.leftover.text,
-        "leftover_described": None if found.leftover is None else leftover(found.leftover),
-        "errors": _diagnosis_errors(found.before, found.after),
-        "detectable": [detectable(one) for one in found.detectable],
-        "levels": [_level(one) for one in found.levels],
-        "steps": [_step(one) for one in found.steps],
-        "held_out": list(found.hold_out),
-        "warnings": list(found.remarks),
-        "before": _evaluation(found.before),
-        "after": _evaluation(found.after),
-        "settings": plain(found.settings),
-    }
-
-
-def effect(one: Cause) -> dict[str, Any]:
-    """EFFECT of the output contract. Its value is that of the first size; `values` holds all."""
-    first = one.sizes[0] if one.sizes else None
-    return {
-        "id": one.id,
-        "value": None if first is None else first.value,
-        "unit": None if first is None else first.unit,
-        "interval90": None if first is None else [first.low, first.high],
-        "evidence_nats": finite(one.evidence),
-        "text": one.text,
-        "written": str(one.named),
-        "what": one.named.what,
-        "values": [_size(size) for size in one.sizes],
-        "chi2_per_dof": finite(one.misfit),
-        "price": finite(one.price),
-        "as_where_nothing_is_missing": one.null,
-        "note": one.note or None,
-        "mistaken_for": list(one.mistaken_for),
-        "confirmed_by": one.confirmed_by,
-    }
-
-
-def plain(value: Any) -> Any:
-    """`value` as JSON has it: mappings and sequences of texts, numbers, truths and nothing; what else there is by its words."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(one) for one in value]
-    if value is None or isinstance(value, bool | str):
-        return value
-    if hasattr(value, "__index__"):
-        return int(value)
-    return finite(float(value)) if hasattr(value, "__float__") else str(value)
-
-
-def finite(value: float) -> float | None:
-    """JSON knows no infinity."""
-    return float(value) if isfinite(value) else None
-
-
-def _size(one: EffectEstimate) -> dict[str, Any]:
-    return {"key": one.key, "value": one.value, "unit": one.unit, "interval90": [one.low, one.high]}
-
-
-def advice(one: Advice) -> dict[str, Any]:
-    """A measurement that would decide."""
-    return {
-        "test": one.test,
-        "expected_evidence_nats": finite(one.gain),
-        "separates": list(one.separates),
-        "hours": one.hours or None,
-    }
-
-
-def leftover(one: Leftover) -> dict[str, Any]:
-    """What no effect explains."""
-    return {
-        "text": one.text,
-        "looks_like": one.looks_like,
-        "load": one.load or None,
-        "motion": one.motion or None,
-        "channels": list(one.channels),
-        "frequency_hz": one.frequency,
-        "share": one.share,
-        "size": one.size,
-        "unit": one.unit or None,
-    }
-
-
-def detectable(one: Detectable) -> dict[str, Any]:
-    """The smallest size that would have been named."""
-    return {"id": one.id, "size": finite(one.size), "unit": one.unit, "at": one.at or None}
-
-
-def _level(one: LevelDifference) -> dict[str, Any]:
-    return {
-        "campaign": one.data_set,
-        "runs": list(one.runs),
-        "axis": one.axis,
-        "channels": list(one.channels),
-        "frequency_hz": one.frequency,
-        "sigma": one.sigma,
-    }
-
-
-def _step(one: ReportedStep) -> dict[str, Any]:
-    return {
-        "added": one.added or None,
-        "text": one.text,
-        "chi2_per_dof": finite(one.misfit),
-        "price": finite(one.price),
-        "ranking": [effect(cause) for cause in one.ranking],
-    }
-
-
-def _diagnosis_errors(before: Evaluation, after: Evaluation) -> dict[str, Any]:
-    """The contract's four, and the others beside them."""
-    found: dict[str, Any] = {}
-    for when, of in (("before", before), ("after", after)):
-        found |= {
-            f"plain_{when}_percent": of.plain.percent,
-            f"heldout_{when}_percent": _percent(of.held_out),
-            f"nominal_{when}_percent": of.nominal.percent,
-            f"heldout_nominal_{when}_percent": _percent(of.held_out_nominal),
-            f"heldout_configurations_{when}_percent": _percent(of.held_out_configurations),
-        }
-    return found
-
-
-def _evaluation(of: Evaluation) -> dict[str, Any]:
-    return {
-        "plain_percent_by_channel": dict(of.plain.by_channel),
-        "plain_percent_by_run": dict(of.plain.by_run),
-        "heldout_percent_by_fold": {} if of.held_out is None else dict(of.held_out.by_fold),
-        "held_out": list(of.held_out_names),
-        "fitted": _fit(of.fitted),
-        "plain": _fit(of.plain_fit),
-    }
-
-
-def _fit(of: Fit) -> dict[str, Any]:
-    return {
-        "chi2": finite(of.chi2),
-        "degrees_of_freedom": of.degrees_of_freedom,
-        "chi2_per_dof": finite(misfit(of)),
-        "tolerance_z2": finite(of.tolerance_z2),
-        "tolerance_z2_expected": expected_z2(of),
-        "largest_z": largest_z(of),
-        "tolerances": of.tolerances,
-        "log_evidence_nats": finite(of.log_evidence),
-        "converged": of.converged,
-        "parameters": of.by_parameter,
-    }
-
-
-def _percent(of: Share | None) -> float | None:
-    return None if of is None else of.percent
 
 
 # `massline diagnose --auto`: diagnose, add what is missing as a rung, and diagnose again, until the rules say stop.
@@ -415,10 +246,7 @@ def _alike(cause: Cause, found: Diagnosis) -> Sequence[str]:
 
 def automatic_json(found: Climb) -> dict[str, Any]:
     """What --json says of a climb beside its first diagnosis."""
-    rounds = [
-        {"verdict": one.verdict, "headline": headline(one), "accepted": [effect(each) for each in one.accepted]}
-        for one in found.rounds
-    ]
+    rounds = [{"verdict": one.verdict, "headline": headline(one), "accepted": to_json(one.accepted)} for one in found.rounds]
     return {
         "auto": {
             "ended": found.ended,
@@ -426,69 +254,6 @@ def automatic_json(found: Climb) -> dict[str, Any]:
             "rounds": rounds,
             "ladder": of_ladder(found.at),
         }
-    }
-
-
-# What `massline diagnose --json` prints where there is no campaign: the contract's keys, and every number beside them.
-
-
-def classical_json(found: SwingAnswer) -> dict[str, Any]:
-    """The answer as one object. There are no spectra, and so no errors of them."""
-    return {
-        "verdict": found.verdict,
-        "text": found.text,
-        "accepted": [effect(one) for one in found.accepted],
-        "ranking": [effect(one) for one in found.ranking],
-        "equivalence_class": list(found.equivalence_class),
-        "next_measurement": found.next_measurement,
-        "advice": [advice(one) for one in found.advice],
-        "leftover": None if found.leftover is None else found.leftover.text,
-        "leftover_described": None if found.leftover is None else leftover(found.leftover),
-        "errors": None,
-        "detectable": [detectable(one) for one in found.detectable],
-        "chi2": found.chi2,
-        "measurements": found.measurements,
-        "classical": [_beside(one) for one in found.facts],
-        "needed": [_needed(one) for one in found.needed],
-        "readings": [_reading(one) for one in found.readings],
-        "warnings": list(found.remarks),
-        "settings": dict(found.settings),
-    }
-
-
-def _beside(one: MeasurementComparison) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "sigma": one.sigma,
-        "unit": one.unit,
-        "predicted": one.predicted,
-        "measured": one.measured,
-        "tolerance": one.deviation,
-        "period_s": one.period or None,
-        "period_shift_percent": 100 * one.period_shift if one.period else None,
-    }
-
-
-def _needed(one: Needed) -> dict[str, Any]:
-    return {
-        "id": one.id,
-        "value": one.value,
-        "unit": one.unit,
-        "plausible": one.plausible,
-        "possible": one.possible,
-        "explains": one.fits,
-        "evidence_nats": one.evidence,
-        "text": one.text,
-    }
-
-
-def _reading(one: MeasurementInput) -> dict[str, Any]:
-    return {
-        "input": one.name,
-        "value_si": one.value,
-        "change_si": one.change,
-        "tolerances": one.tolerances,
-        "of": list(one.of),
     }
 
 
@@ -540,7 +305,10 @@ def grid(of: Sequence[Detectable]) -> Grid:
         side = one.side
     first, size, where = zip(*lines, strict=True)
     return Grid(
-        header=("would have been named", "from", "at"), lines=tuple(zip(first, aligned(size), where, strict=True)), words=True
+        header=("would have been named", "from", "at"),
+        lines=tuple(zip(first, aligned(size), where, strict=True)),
+        words=True,
+        caption="The smallest sizes that would have been named",
     )
 
 
@@ -612,56 +380,67 @@ def opening(found: SwingAnswer) -> Iterator[str]:
     yield found.text
 
 
-def grids(found: SwingAnswer) -> list[Grid]:
-    """All tables, in the order in which they are read."""
-    return [
-        facts(found),
-        *([needed(found.needed)] if found.needed else []),
-        *([readings(found)] if _near(found) else []),
-        *([classical_advice(found)] if found.advice else []),
-        *([grid(found.detectable)] if found.detectable else []),
-    ]
+def classical_document(found: SwingAnswer, named: str) -> Document:
+    """All of it, in the order in which it is read."""
+    tables = (facts(found), needed(found.needed), readings(found), classical_advice(found))
+    least = grid(found.detectable) if found.detectable else None
+    return Document(title=named, opening=tuple(opening(found)), blocks=(*tables, least), notes=tuple(notes(found)))
 
 
-def facts(found: SwingAnswer) -> Grid:
+def facts(found: SwingAnswer) -> Table:
     """Every measurement beside the model."""
     several = len({one.name.removesuffix(one.quantity) for one in found.facts}) > 1
-    lines = [
-        (
-            f"{one.name if several else one.quantity} [{_unit(one.unit)}]",
-            rounded(one.measured, one.deviation),
-            rounded(one.deviation, one.deviation),
-            rounded(one.predicted, one.deviation),
-            f"{100 * one.period_shift:+.3f} %" if one.period else NONE,
-            f"{-one.sigma:+.1f}",
-        )
-        for one in found.facts
-    ]
-    first, *rest = zip(*lines, strict=True)
-    header = ("measurement", "measured", "sd", "model", "period", "sigma")
-    return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+    return Table(
+        rows=found.facts,
+        columns=(
+            Column("measurement", lambda one: f"{one.name if several else one.quantity} [{_unit(one.unit)}]", words=True),
+            Column("measured", lambda one: toleranced(one.measured, one.deviation)),
+            Column("sd", lambda one: toleranced(one.deviation, one.deviation)),
+            Column("model", lambda one: toleranced(one.predicted, one.deviation)),
+            Column("period", lambda one: f"{100 * one.period_shift:+.3f} %" if one.period else NONE),
+            Column("sigma", lambda one: -one.sigma, "+.1f"),
+        ),
+    )
 
 
-def needed(of: Sequence[Needed]) -> Grid:
+def needed(of: Sequence[Needed]) -> Table:
     """What every effect would have to be, places of one kind in one line."""
-    lines = [(name, f"{max(one.evidence for one in each):+.1f}", _thought(each)) for name, each in _together(of).items()]
-    first, evidence, words = zip(*lines, strict=True)
-    header = ("effect", "evidence [nats]", "size that would explain it by itself")
-    return Grid(header=header, lines=tuple(zip(first, aligned(evidence), words, strict=True)), words=True)
+    return Table(
+        rows=list(_together(of).items()),
+        columns=(
+            Column("effect", lambda row: row[0], words=True),
+            Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
+            Column("size that would explain it by itself", lambda row: _thought(row[1]), words=True),
+        ),
+    )
 
 
-def readings(found: SwingAnswer) -> Grid:
+def readings(found: SwingAnswer) -> Table:
     """Inputs that would explain it, were they wrong."""
-    lines = [(one.name, f"{one.value:.6g}", f"{one.change:+.2g}", f"{one.tolerances:+.1f}") for one in _near(found)]
-    first, *rest = zip(*lines, strict=True)
-    header = ("or a wrong input [SI]", "as stated", "it would be off by", "in its tolerances")
-    return Grid(header=header, lines=tuple(zip(first, *map(aligned, rest), strict=True)))
+    return Table(
+        rows=_near(found),
+        columns=(
+            Column("or a wrong input [SI]", lambda one: one.name, words=True),
+            Column("as stated", lambda one: one.value, ".6g"),
+            Column("it would be off by", lambda one: one.change, "+.2g"),
+            Column("in its tolerances", lambda one: one.tolerances, "+.1f"),
+        ),
+    )
 
 
-def classical_advice(found: SwingAnswer) -> Grid:
+MEASURE = "measure this, and expect that much evidence of it"
+
+
+def classical_advice(found: SwingAnswer) -> Table:
     """What to measure next, the best first."""
-    lines = tuple((f"{k}", _nats(one.gain), _sentence(one.test)) for k, one in enumerate(found.advice[:MOST], start=1))
-    return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
+    return Table(
+        rows=list(enumerate(found.advice[:MOST], start=1)),
+        columns=(
+            Column("next", lambda row: f"{row[0]}", words=True),
+            Column("nats", lambda row: _nats(row[1].gain), aligned=False),
+            Column(MEASURE, lambda row: _sentence(row[1].test), words=True),
+        ),
+    )
 
 
 def notes(found: SwingAnswer) -> Iterator[str]:
@@ -728,12 +507,12 @@ def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, f
         model = model_file.read(asked.model)
     with stages("diagnosing", quiet=as_json) as told:
         found = only_classical(model, files, lambda share: told("effects", share), only=asked.candidates)
-    whole = {"model": asked.model, "data": list(files), **classical_json(found)}
+    whole = {"model": asked.model, "data": list(files), **to_json(found)}
     if as_json:
         click.echo(json_text(whole))
     else:
         named = title(asked.path.name, files)
-        click.echo(page(named, grids(found), notes(found), opening=opening(found)), nl=False)
+        click.echo(classical_document(found, named).text(), nl=False)
     if folder is not None:
         write_text(folder / RESULT, json_text(whole) + "\n")
         click.echo(f"massline: wrote {folder / RESULT}.", err=True)
@@ -784,19 +563,6 @@ SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
 NOT_FITTED = (MISTAKE, NONLINEAR)
 """Verdicts of which the model as it was is held against the data without a fit, so that there is no evidence to compare."""
 
-DIAGNOSIS_ERRORS: tuple[tuple[str, Callable[[Evaluation], str]], ...] = (
-    ("nominal error", lambda e: percent(e.nominal.percent)),
-    ("plain error, fitted data", lambda e: percent(e.plain.percent)),
-    ("plain error, held out", lambda e: _share(e.held_out)),
-    ("nominal error, held out", lambda e: _share(e.held_out_nominal)),
-    ("plain error, a configuration never seen", lambda e: _share(e.held_out_configurations)),
-    ("fitted: chi² per degree of freedom", lambda e: f"{misfit(e.fitted):.3g}"),
-    (
-        "fitted: sum z² of the tolerances, and what is due",
-        lambda e: _diagnosis_price(e),
-    ),
-)
-
 
 def diagnosis_title(model: str, data_sets: Sequence[str]) -> str:
     """Model and data."""
@@ -816,19 +582,35 @@ def diagnosis_opening(found: Diagnosis) -> Iterator[str]:
 
 
 def diagnosis_grids(found: Diagnosis) -> list[Grid]:
-    """All tables, in the order in which they are read."""
-    return [
-        *([causes(found.accepted)] if found.accepted else []),
-        *(explained(one) for one in found.accepted),
-        *([alike(found)] if len(found.equivalence_class) > 1 else []),
-        *([diagnosis_advice(found)] if found.advice else []),
-        *([diagnosis_leftover(found)] if found.leftover is not None else []),
-        *([levels(found)] if found.levels else []),
-        errors(found),
-        *([ranking(found)] if found.ranking else []),
-        *([steps(found)] if found.steps else []),
-        *([grid(found.detectable)] if found.detectable and found.verdict == NOTHING else []),
-    ]
+    """All tables of a terminal, in the order in which they are read."""
+    return document(found).grids()
+
+
+def document(found: Diagnosis) -> Document:
+    """All of a diagnosis, in the order in which it is read."""
+    from validation.report.charts.crosscheck import before_and_after, evidence
+
+    after = None if found.after is found.before else found.after
+    return Document(
+        opening=tuple(diagnosis_opening(found)),
+        blocks=(
+            causes(found.accepted) if found.accepted else None,
+            Drawn(lambda: evidence(found)) if tried(found) else None,
+            _tried(found),
+            *(explained(one) for one in found.accepted),
+            alike(found) if len(found.equivalence_class) > 1 else None,
+            diagnosis_advice(found),
+            diagnosis_leftover(found) if found.leftover is not None else None,
+            levels(found),
+            Drawn(lambda: before_and_after(found.before, after)),
+            errors(found),
+            _error_table(found),
+            ranking(found),
+            steps(found),
+            grid(found.detectable) if found.detectable and found.verdict == NOTHING else None,
+        ),
+        notes=tuple(diagnosis_notes(found)),
+    )
 
 
 def causes(of: Sequence[Cause]) -> Grid:
@@ -847,7 +629,7 @@ def explained(one: Cause) -> Grid:
         ("mistaken for", diagnose_diagnosis.mistaken(one)),
         ("confirm it by", one.confirmed_by or NONE),
     )
-    return Grid(header=(one.id, one.named.what), lines=lines, words=True)
+    return Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
 
 
 def alike(found: Diagnosis) -> Grid:
@@ -855,16 +637,25 @@ def alike(found: Diagnosis) -> Grid:
     before = [one for step in found.steps for one in step.ranking]
     known = {one.id: one for one in (*before, *found.ranking, *found.accepted)}
     lines = tuple((id, _diagnosis_alike(id, known.get(id))) for id in found.equivalence_class)
-    return Grid(header=("one of these", "size (90 %), evidence, and what it is"), lines=lines, words=True)
+    header = ("one of these", "size (90 %), evidence, and what it is")
+    return Grid(header=header, lines=lines, words=True, caption="What these data cannot tell apart")
 
 
-def diagnosis_advice(found: Diagnosis) -> Grid:
+def diagnosis_advice(found: Diagnosis) -> Table:
     """What to measure next, the best first."""
-    lines = tuple(
-        (f"{k}", figure(one.gain) if one.gain > 0 else NONE, _advised(one.test, one.separates))
-        for k, one in enumerate(found.advice, start=1)
+    return Table(
+        caption="The next measurement, the best first",
+        rows=list(enumerate(found.advice, start=1)),
+        columns=(
+            Column("next", lambda row: f"{row[0]}", words=True),
+            Column("expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=PAGE),
+            Column("nats", lambda row: figure(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=TERMINAL),
+            Column("work", lambda row: row[1].hours or None, "g", unit="h", on=PAGE),
+            Column("measure this", lambda row: row[1].test, words=True, on=PAGE),
+            Column("tells apart", lambda row: diagnose_diagnosis.listed(row[1].separates), words=True, on=PAGE),
+            Column(MEASURE, lambda row: _advised(row[1].test, row[1].separates), words=True, on=TERMINAL),
+        ),
     )
-    return Grid(header=("next", "nats", "measure this, and expect that much evidence of it"), lines=lines, words=True)
 
 
 def diagnosis_leftover(found: Diagnosis) -> Grid:
@@ -883,7 +674,8 @@ def diagnosis_leftover(found: Diagnosis) -> Grid:
         ("resonance at", at),
         ("share of it that this covers", f"{100 * of.share:.0f} %"),
     )
-    return Grid(header=("leftover", "in words"), lines=tuple(line for line in lines if line[1] != NONE), words=True)
+    kept = tuple(line for line in lines if line[1] != NONE)
+    return Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
 
 
 def levels(found: Diagnosis) -> Grid:
@@ -896,13 +688,14 @@ def levels(found: Diagnosis) -> Grid:
         )
         for one in found.levels
     )
-    return Grid(header=("two levels", "sigma", "axis, and where"), lines=lines, words=True)
+    header = ("two levels", "sigma", "axis, and where")
+    return Grid(header=header, lines=lines, words=True, caption="Two levels that do not give the same")
 
 
 def errors(found: Diagnosis) -> Grid:
     """The four errors without and with what was accepted."""
     both = (found.before,) if found.before is found.after else (found.before, found.after)
-    kept = [(name, cells) for name, tell in DIAGNOSIS_ERRORS if set(cells := [tell(one) for one in both]) != {NONE}]
+    kept = [(name, cells) for name, cells in error_lines(*both) if set(cells) != {NONE}]
     gain = found.after.fitted.log_evidence - found.before.fitted.log_evidence
     if len(both) > 1 and found.verdict not in NOT_FITTED:
         kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
@@ -911,14 +704,35 @@ def errors(found: Diagnosis) -> Grid:
     return Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
 
 
-def ranking(found: Diagnosis) -> Grid:
+def _error_table(found: Diagnosis) -> Table:
+    before, after = error_figures(found.before), {} if found.after is found.before else error_figures(found.after)
+    return Table(
+        caption="The errors before and after what was found is added",
+        rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
+        columns=(
+            Column("error", lambda row: row[0], words=True),
+            Column("unit", lambda row: row[1], words=True),
+            Column("before", lambda row: before[row[2]]),
+            Column("after", lambda row: after.get(row[2])),
+        ),
+        on=PAGE,
+    )
+
+
+def ranking(found: Diagnosis) -> Table:
     """What was tried, the best first."""
-    shown = found.ranking[:RANKED]
-    lines = [(one.id, figure_of(one), f"{one.evidence:+.1f}", f"{one.misfit:.3g}", f"{one.price:.3g}") for one in shown]
-    first, *rest = zip(*lines, strict=True)
-    judged = tuple(_judged(found, one) for one in shown)
-    header = ("tried", "size", "evidence [nats]", "chi²", "price", "so")
-    return Grid(header=header, lines=tuple(zip(first, *_columns(rest), judged, strict=True)), words=True)
+    return Table(
+        rows=found.ranking[:RANKED],
+        columns=(
+            Column("tried", lambda one: one.id, words=True),
+            Column("size", figure_of),
+            Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
+            Column("chi²", lambda one: f"{one.misfit:.3g}"),
+            Column("price", lambda one: f"{one.price:.3g}"),
+            Column("so", lambda one: _judged(found, one), words=True),
+        ),
+        on=TERMINAL,
+    )
 
 
 def steps(found: Diagnosis) -> Grid:
@@ -926,7 +740,7 @@ def steps(found: Diagnosis) -> Grid:
     lines = tuple(
         (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _diagnosis_sentence(one)) for k, one in enumerate(found.steps, start=1)
     )
-    return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True)
+    return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True, caption="How it was found")
 
 
 def diagnosis_notes(found: Diagnosis) -> Iterator[str]:
@@ -997,14 +811,6 @@ def _judged(found: Diagnosis, one: Cause) -> str:
     return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
 
 
-def _diagnosis_price(of: Evaluation) -> str:
-    return f"{of.fitted.tolerance_z2:.3g} of {expected_z2(of.fitted):.0f}"
-
-
-def _share(of: Share | None) -> str:
-    return NONE if of is None else percent(of.percent)
-
-
 # `massline diagnose` from options to output: read, diagnose, show; with `--auto`, climb.
 
 
@@ -1024,7 +830,7 @@ def diagnosis_answer(asked: Options, *, auto: bool, as_json: bool, folder: Path 
         probe(asked.path)  # what cannot be written at the end is said before minutes are spent
     bench = prepared(asked, quiet=as_json)
     found, more = (_climbed if auto else _diagnosed)(asked, bench, as_json=as_json)
-    whole = {**of_asked(asked, bench), **diagnosis_json(found), **more}
+    whole = {**of_asked(asked, bench), **to_json(found), **more}
     if as_json:
         click.echo(json_text(whole))
     if folder is not None:
@@ -1134,61 +940,42 @@ def html(report: Report, figures: Figures) -> Safe:
     if found is None:
         told = paragraphs([f"It was not looked for: {report.not_diagnosed or 'nobody asked'}."])
         return section("missing", "What is missing", told)
-    from validation.report.charts.crosscheck import before_and_after, evidence
+    said = document(found)
+    first, *others = said.opening
+    headline = tag("p", first, class_="headline")
+    return section("missing", "What is missing", headline, paragraphs(others), *said.html(figures), parts_notes(said.notes))
 
-    after = None if found.after is found.before else found.after
-    first, *others = diagnosis_opening(found)
-    return section(
-        "missing",
-        "What is missing",
-        tag("p", first, class_="headline"),
-        paragraphs(others),
-        figures.placed(evidence(found)) if tried(found) else None,
-        _ranking(found),
-        *(_explained(one) for one in found.accepted),
-        of_grid("What these data cannot tell apart", alike(found)) if len(found.equivalence_class) > 1 else None,
-        _advice(found),
-        of_grid("What no effect explains", diagnosis_leftover(found)) if found.leftover is not None else None,
-        of_grid("Two levels that do not give the same", levels(found)) if found.levels else None,
-        figures.placed(before_and_after(found.before, after)),
-        _missing_errors(found),
-        of_grid("How it was found", steps(found)) if found.steps else None,
-        _detectable(found),
-        parts_notes(diagnosis_notes(found)),
+
+def _tried(found: Diagnosis) -> Table:
+    """Every cause that was tried, a line for each of its numbers."""
+    every = {one.id: one for one in (*found.ranking, *found.accepted)}.values()  # as it was accepted
+    rows = [(one, line) for one in sorted(every, key=lambda one: -one.evidence) for line in _numbers(one)]
+    return Table(
+        caption="Causes that were tried, the best first",
+        rows=rows,
+        columns=(
+            Column("cause", lambda row: row[0].id, words=True),
+            Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
+            Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
+            Column("number", lambda row: row[1][0], words=True),
+            Column("size", lambda row: row[1][1]),
+            Column("from", lambda row: row[1][2]),
+            Column("to", lambda row: row[1][3]),
+            Column("unit", lambda row: row[1][4], words=True),
+            Column("χ² per dof", lambda row: row[0].misfit, ".3g"),
+            Column("price", lambda row: row[0].price, ".3g"),
+            Column("so", lambda row: standing_of(found, row[0]), words=True),
+        ),
+        note="From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong.",
+        on=PAGE,
     )
 
 
-def _ranking(found: Diagnosis) -> Safe:
-    """Every cause that was tried, a line for each of its numbers."""
-    columns = [
-        Column(head="cause", words=True),
-        Column(head="evidence", unit="nats"),
-        Column(head="asked for", unit="nats"),
-        Column(head="number", words=True),
-        Column(head="size"),
-        Column(head="from"),
-        Column(head="to"),
-        Column(head="unit", words=True),
-        Column(head="χ² per dof"),
-        Column(head="price"),
-        Column(head="so", words=True),
-    ]
-    every = {one.id: one for one in (*found.ranking, *found.accepted)}.values()  # as it was accepted
-    ordered = sorted(every, key=lambda one: -one.evidence)
-    rows = [line for one in ordered for line in _lines(found, one)]
-    note = "From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong."
-    return table("Causes that were tried, the best first", columns, rows, note=note)
-
-
-def _lines(found: Diagnosis, one: Cause) -> list[list[Cell]]:
-    """A line a number; one of a mistake, which has none."""
-    from validation.report.charts.crosscheck import standing_of
-
-    tail: list[Cell] = [number(one.misfit, ".3g"), number(one.price, ".3g"), standing_of(found, one)]
-    head: list[Cell] = [one.id, number(one.evidence, "+.1f"), number(evidence_threshold(one.named.family), "g")]
+def _numbers(one: Cause) -> list[list[Cell]]:
+    """Of each number its name, value, both ends of its interval and unit; one line without any of a mistake that has none."""
     if not one.sizes:
-        return [[*head, NONE, EMPTY, EMPTY, EMPTY, "", *tail]]
-    return [[*head, size.key or one.named.what, *_missing_sizes(one, k), *tail] for k, size in enumerate(one.sizes)]
+        return [[NONE, EMPTY, EMPTY, EMPTY, ""]]
+    return [[size.key or one.named.what, *_missing_sizes(one, k)] for k, size in enumerate(one.sizes)]
 
 
 def _missing_sizes(one: Cause, k: int) -> list[Cell]:
@@ -1202,65 +989,3 @@ def _missing_sizes(one: Cause, k: int) -> list[Cell]:
 
 def _shown(text: str) -> Cell:
     return Number(value=float(text), text=text.replace("-", "−"))
-
-
-def _explained(one: Cause) -> Safe:
-    return of_grid(f"{one.id}: {one.named.what}", explained(one))
-
-
-def _advice(found: Diagnosis) -> Safe:
-    columns = [
-        Column(head="next", words=True),
-        Column(head="expected evidence", unit="nats"),
-        Column(head="work", unit="h"),
-        Column(head="measure this", words=True),
-        Column(head="tells apart", words=True),
-    ]
-    rows: list[list[Cell]] = [
-        [
-            f"{k}",
-            number(one.gain, ".3g") if one.gain > 0 else EMPTY,
-            number(one.hours, "g") if one.hours else EMPTY,
-            one.test,
-            diagnose_diagnosis.listed(one.separates),
-        ]
-        for k, one in enumerate(found.advice, start=1)
-    ]
-    return table("The next measurement, the best first", columns, rows)
-
-
-def _missing_errors(found: Diagnosis) -> Safe:
-    columns = [Column(head="error", words=True), Column(head="unit", words=True), Column(head="before"), Column(head="after")]
-    both = (found.before, None if found.after is found.before else found.after)
-    rows: list[list[Cell]] = [
-        [name, unit, *(number(None if of is None else tell(of), ".4g") for of in both)] for name, unit, tell in FIGURES
-    ]
-    return table("The errors before and after what was found is added", columns, [row for row in rows if row[2] is not EMPTY])
-
-
-def _of(share: str) -> Callable[[Evaluation], float | None]:
-    """The error of that name in per cent."""
-
-    def tell(of: Evaluation) -> float | None:
-        found = getattr(of, share)
-        return None if found is None else float(found.percent)
-
-    return tell
-
-
-FIGURES: tuple[tuple[str, str, Callable[[Evaluation], float | None]], ...] = (
-    ("nominal error", "%", _of("nominal")),
-    ("plain error, fitted data", "%", _of("plain")),
-    ("plain error, held out", "%", _of("held_out")),
-    ("nominal error, held out", "%", _of("held_out_nominal")),
-    ("plain error, a configuration never seen", "%", _of("held_out_configurations")),
-    ("fitted: χ² per degree of freedom", "1", lambda of: misfit(of.fitted)),
-    ("fitted: sum of z² of the tolerances", "1", lambda of: of.fitted.tolerance_z2),
-    ("... of which is due where nothing is wrong", "1", lambda of: expected_z2(of.fitted)),
-)
-
-
-def _detectable(found: Diagnosis) -> Safe:
-    if not found.detectable or found.verdict != NOTHING:
-        return Safe("")
-    return joined(of_grid("The smallest sizes that would have been named", grid(found.detectable)))

@@ -377,9 +377,12 @@ class Document:
 
     def text(self, width: int | None = None) -> str:
         """For a terminal, of `width` columns; None is `page_width`."""
+        return page(self.title, self.grids(), self.notes, width, self.opening)
+
+    def grids(self) -> list[Grid]:
+        """The tables of a terminal; none that has no lines."""
         shown = [one for one in self.blocks if isinstance(one, Grid | Table) and one.on != PAGE]
-        grids = [one.grid() if isinstance(one, Table) else one for one in shown]
-        return page(self.title, [one for one in grids if one.lines], self.notes, width, self.opening)
+        return [grid for one in shown if (grid := one.grid() if isinstance(one, Table) else one).lines]
 
     def html(self, figures: Figures) -> list[Safe]:
         """For a page: its blocks, one behind the other; figures find their places among `figures`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,10 +28,10 @@ from validation.history.history import (
 from validation.history.verdict import is_worth_adding, percent, unit
 from validation.model import model_file
 from validation.model.model_file import draft
-from validation.output import json_text, require_ending, require_file, shown, stages
+from validation.output import json_text, require_ending, require_file, shown, stages, to_json
 from validation.reference.statement import NONE, QUANTITIES, rounded
-from validation.report.document import Cell, Column, Figures, Grid, Safe, aligned, joined, number, page, table, tag
-from validation.report.parts import Report, paragraphs, section
+from validation.report.document import Column, Figures, Grid, Safe, Table, aligned, joined, page, tag
+from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
 from validation.report.parts import notes as parts_notes
 
 if TYPE_CHECKING:
@@ -61,8 +61,8 @@ def of_rung(one: Version) -> dict[str, Any]:
         "cause": one.cause,
         "effect": one.effect or None,
         "effects": [effect(one, name) for name in one.effects],
-        "errors": None if one.errors is None else history.errors_json(one.errors),
-        "evidence_gain_nats": history.finite(one.gain),
+        "errors": to_json(one.errors),
+        "evidence_gain_nats": to_json(one.gain),
         "inertia": [_body(body) for body in one.bodies],
         "verdict": list(one.verdict),
         "worth_a_parameter": is_worth_adding(one) if one.effect else None,
@@ -80,7 +80,7 @@ def of_step(at: HistoryPosition, before: Version, after: Version, said: Sequence
         "parent": before.number,
         "effect": effect(after, after.effect),
         "errors": _both(before.errors, after.errors),
-        "evidence_gain_nats": history.finite(after.gain),
+        "evidence_gain_nats": to_json(after.gain),
         "verdict": list(after.verdict),
         "worth_a_parameter": is_worth_adding(after),
         "before": of_rung(before),
@@ -98,7 +98,7 @@ def effect(one: Version, name: str) -> dict[str, Any]:
         "value": None if alone is None else alone.value,
         "unit": None if alone is None else alone.unit,
         "interval90": None if alone is None else _interval(alone),
-        "evidence_nats": history.finite(one.gain) if name == one.effect else None,
+        "evidence_nats": to_json(one.gain) if name == one.effect else None,
         "text": " ".join(one.verdict) if name == one.effect else "",
         "values": {size.key: {"value": size.value, "unit": size.unit, "interval90": _interval(size)} for size in sizes},
     }
@@ -138,14 +138,8 @@ def _body(body: Body) -> dict[str, Any]:
 HERE, NOT_HERE = "→ ", "  "
 """Before the rung on which the model stands, and before the others."""
 
-ERRORS: tuple[tuple[str, Callable[[Errors], str]], ...] = (
-    ("nominal error", lambda e: percent(e.nominal)),
-    ("plain error, fitted data", lambda e: percent(e.plain)),
-    ("plain error, held out", lambda e: percent(e.held_out)),
-    ("nominal error, held out", lambda e: percent(e.held_out_nominal)),
-    ("fitted: chi² per degree of freedom", lambda e: f"{e.chi2_per_dof:.3g}"),
-    ("fitted: sum z² of the tolerances, and what is due", lambda e: _price(e)),
-)
+UNKEPT = "plain error, a configuration never seen"
+"""An error that versions do not keep."""
 
 
 def ladder_of_step(before: Version, after: Version) -> list[Grid]:
@@ -154,10 +148,10 @@ def ladder_of_step(before: Version, after: Version) -> list[Grid]:
 
 
 def _errors(before: Version, after: Version) -> Grid:
-    cells = [[tell(one.errors) if one.errors else NONE for one in (before, after)] for _, tell in ERRORS]
+    lines = [one for one in error_lines(before.errors, after.errors) if one[0] != UNKEPT]
     gain = ("evidence gained", "", NONE if after.gain is None else f"{after.gain:+.1f} nats")
-    columns = [aligned(tuple(column)) for column in zip(*cells, gain[1:], strict=True)]
-    names = (*(name for name, _ in ERRORS), gain[0])
+    columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in lines), gain[1:], strict=True)]
+    names = (*(name for name, _ in lines), gain[0])
     return Grid(header=("", f"rung {before.number}", f"rung {after.number}"), lines=tuple(zip(names, *columns, strict=True)))
 
 
@@ -404,37 +398,21 @@ def html(report: Report, figures: Figures) -> Safe:
 
 
 def _rungs(at: HistoryPosition) -> Safe:
-    columns = [
-        Column(head="rung", words=True),
-        Column(head="from", words=True),
-        Column(head="what changed", words=True),
-        Column(head="nominal", unit="%"),
-        Column(head="plain", unit="%"),
-        Column(head="held out", unit="%"),
-        Column(head="χ² per dof"),
-        Column(head="sum z²"),
-        Column(head="due"),
-        Column(head="evidence", unit="nats"),
-        Column(head="when", words=True),
-    ]
     here = None if at.rung is None else at.rung.number
-    rows = [_row(one, one.number == here) for one in at.ladder.rungs]
-    return table("Rungs", columns, rows)
-
-
-def _row(one: Version, here: bool) -> list[Cell]:
-    of = one.errors
-    told = (None,) * 6 if of is None else (of.nominal, of.plain, of.held_out, of.chi2_per_dof, of.tolerance_z2, of.due_z2)
-    parent = "" if one.parent is None else f"{one.parent}"
-    name = f"{one.number} (here)" if here else f"{one.number}"
-    return [
-        name,
-        parent,
-        one.title,
-        *(number(each, ".4g") for each in told),
-        number(one.gain, "+.1f"),
-        one.when.replace("T", " ")[:16],
-    ]
+    columns = (
+        Column("rung", lambda row: f"{row[0].number} (here)" if row[0].number == here else f"{row[0].number}", words=True),
+        Column("from", lambda row: "" if row[0].parent is None else f"{row[0].parent}", words=True),
+        Column("what changed", lambda row: row[0].title, words=True),
+        Column("nominal", lambda row: row[1]["nominal"], unit="%"),
+        Column("plain", lambda row: row[1]["plain"], unit="%"),
+        Column("held out", lambda row: row[1]["held_out"], unit="%"),
+        Column("χ² per dof", lambda row: row[1]["chi2_per_dof"]),
+        Column("sum z²", lambda row: row[1]["tolerance_z2"]),
+        Column("due", lambda row: row[1]["due_z2"]),
+        Column("evidence", lambda row: row[0].gain, "+.1f", unit="nats"),
+        Column("when", lambda row: row[0].when.replace("T", " ")[:16], words=True),
+    )
+    return Table(caption="Rungs", columns=columns, rows=[(one, error_figures(one.errors)) for one in at.ladder.rungs]).html()
 
 
 def _inertia(at: HistoryPosition, figures: Figures) -> list[Safe]:

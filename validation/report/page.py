@@ -34,12 +34,11 @@ from validation.history.history import Body, HistoryPosition, Source, digest, hi
 from validation.identify.identify import REDUCED
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd
-from validation.output import require_ending, require_file, stages
+from validation.output import require_ending, require_file, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES, rounded
 from validation.report import compare, flexible, history, identify, reference
 from validation.report import diagnose as report_diagnose
-from validation.report.diagnose import plain
 from validation.report.document import Column, Figures, Safe, joined, table, tag, worded
 from validation.report.identify import campaign_part
 from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, section, verdict
@@ -81,7 +80,7 @@ def _pairs(caption: str, key: str, value: str, pairs: Mapping[str, str]) -> Safe
 
 
 def _text(value: object) -> str:
-    said = plain(value)
+    said = to_json(value)
     if isinstance(said, dict):
         return "; ".join(f"{key or 'any other'}: {_text(one)}" for key, one in said.items())
     if isinstance(said, list):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -11,12 +11,13 @@ from identification.campaign import Campaign
 from validation.classical.files import Reduction
 from validation.compare.compare import Comparison
 from validation.diagnose.diagnosis import Diagnosis
-from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD
-from validation.history.history import Body, HistoryPosition, Source
+from validation.estimation.result import Evaluation
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, expected_z2, misfit, percent
+from validation.history.history import Body, Errors, HistoryPosition, Source
 from validation.identify.identify import IdentificationFindings
 from validation.model.model import Model
 from validation.reference.reference import ReferenceTable
-from validation.reference.statement import Statement
+from validation.reference.statement import NONE, Statement
 from validation.report.document import Safe, joined, tag, worded
 
 
@@ -128,6 +129,49 @@ class Report:
     diagnosis: Diagnosis | None = None
     not_diagnosed: str = ""
     standing: HistoryPosition | None = None
+
+
+# The errors of a model, wherever they stand beside those of another: each once, by name, unit and key.
+
+
+ERRORS = (
+    ("nominal error", "%", "nominal"),
+    ("plain error, fitted data", "%", "plain"),
+    ("plain error, held out", "%", "held_out"),
+    ("nominal error, held out", "%", "held_out_nominal"),
+    ("plain error, a configuration never seen", "%", "held_out_configurations"),
+    ("fitted: χ² per degree of freedom", "1", "chi2_per_dof"),
+    ("fitted: sum of z² of the tolerances", "1", "tolerance_z2"),
+    ("... of which is due where nothing is wrong", "1", "due_z2"),
+)
+"""Name on a page, unit, and key of `error_figures`."""
+
+SAID = {"chi2_per_dof": "fitted: chi² per degree of freedom", "tolerance_z2": "fitted: sum z² of the tolerances, and what is due"}
+"""Names on a terminal, where they are others; what is due stands beside its sum there."""
+
+
+def error_figures(of: Evaluation | Errors | None) -> dict[str, float | None]:
+    """By key the errors of a model, or of a version of it; None for what was not held out, or where nobody evaluated it."""
+    if not isinstance(of, Evaluation):
+        return {key: getattr(of, key, None) for _, _, key in ERRORS}
+    fitted = {"chi2_per_dof": misfit(of.fitted), "tolerance_z2": of.fitted.tolerance_z2, "due_z2": expected_z2(of.fitted)}
+    shares = {key: getattr(of, key) for _, unit, key in ERRORS if unit == "%"}
+    return {key: None if one is None else one.percent for key, one in shares.items()} | fitted
+
+
+def error_lines(*several: Evaluation | Errors | None) -> Iterator[tuple[str, list[str]]]:
+    """Name and figures of every error, as a terminal has them."""
+    figures = [error_figures(of) for of in several]
+    for name, unit, key in ERRORS:
+        if key != "due_z2":
+            yield SAID.get(key, name), [_error_text(of, unit, key) for of in figures]
+
+
+def _error_text(of: dict[str, float | None], unit: str, key: str) -> str:
+    value = of[key]
+    if value is None:
+        return NONE
+    return percent(value) if unit == "%" else f"{value:.3g} of {of['due_z2']:.0f}" if key == "tolerance_z2" else f"{value:.3g}"
 
 
 # What several sections are made of: headings, verdicts, pictures, notes.

@@ -18,8 +18,8 @@ from validation.estimation.verdicts import expected_z2, largest_z
 from validation.history import history
 from validation.history.history import Source, history_position
 from validation.model import model_file
+from validation.output import to_json
 from validation.report import page
-from validation.report.diagnose import diagnosis_json
 
 
 @pytest.fixture(scope="module")
@@ -141,7 +141,7 @@ def test_a_ladder_that_is_not_there_cannot_be_had(bare: Session) -> None:
 
 def test_a_diagnosis_told_again_says_the_same(worked: Any) -> None:
     said, again = session.diagnosing_diagnosis(worked.desk), session.noun(worked.desk)
-    told = diagnosis_json(again)
+    told = to_json(again)
     assert told["ranking"] == said["ranking"]
     words = ("verdict", "text", "headline", "equivalence_class", "steps", "warnings")
     for key in (*words, "accepted", "advice", "detectable", "errors"):

@@ -16,8 +16,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.history.history import Body
+from validation.output import to_json
 from validation.report import diagnose, page
-from validation.report.diagnose import diagnosis_json
 from validation.report.document import Figures
 from validation.report.page import SECTIONS, html
 from validation.report.parts import Report
@@ -96,7 +96,7 @@ def test_errors_and_spots_are_those_of_compare(read: Any, series: Any, run: Run)
 
 def test_causes_are_those_of_diagnose(read: Any, report: Report) -> None:
     assert report.diagnosis is not None
-    said = diagnosis_json(report.diagnosis)
+    said = to_json(report.diagnosis)
     assert said["settings"]["hold_out"] == ["z"]
     shown = read.table("Causes that were tried, the best first").row("force-gain:fmd-z2")
     (found,) = said["accepted"]

@@ -13,8 +13,8 @@ from validation.diagnose import diagnose, diagnosis, mistakes
 from validation.diagnose.diagnosis import MISSING, NONLINEAR, NOTHING, SEVERAL, UNKNOWN, VERDICTS, Advice, Diagnosis, ReportedStep
 from validation.effects.catalogue import parse
 from validation.model.model import Model
+from validation.output import to_json
 from validation.report import diagnose as report_diagnose
-from validation.report.diagnose import advice, diagnosis_json, effect
 from validation.study import Study
 
 Made = Callable[[str], Diagnosis]
@@ -36,17 +36,17 @@ def test_of_what_was_asked_for_alone_the_sentence_says_so(made: Made) -> None:
 
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_the_text_of_json_is_never_empty(verdict: str, made: Made) -> None:
-    assert diagnosis_json(replace(made(verdict), text=""))["text"] == diagnosis.headline(made(verdict))
+    assert to_json(replace(made(verdict), text=""))["text"] == diagnosis.headline(made(verdict))
 
 
 def test_what_the_data_say_of_a_cause_is_on_the_page_and_in_json(made: Made) -> None:
     (one,) = made("mistake").accepted
     told = replace(one, note="its numbers are in g, and the file says m/s^2")
     assert ("these data say", told.note) in report_diagnose.explained(told).lines
-    assert effect(told)["note"] == told.note
-    assert effect(one)["note"] is None
+    assert to_json(told)["note"] == told.note
+    assert to_json(one)["note"] is None
     assert not any(line[0] == "these data say" for line in report_diagnose.explained(one).lines)
-    assert advice(Advice(test="weigh it", gain=3.0, hours=0.5))["hours"] == 0.5
+    assert to_json(Advice(test="weigh it", gain=3.0, hours=0.5))["hours"] == 0.5
 
 
 def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> None:
