@@ -22,7 +22,7 @@ from validation.app import state as app_state
 from validation.app.scene3d import MapCell, MapEntry
 from validation.app.session import Fault, Handed, Session, faults, of_error
 from validation.app.state import WindowState, keep, kept
-from validation.app.whatif import EffectExplanation, Slider, Table, TrialEffect, WhatIf
+from validation.app.whatif import EffectExplanation, ReadyPredictions, Slider, TrialEffect, WhatIf
 from validation.compare.maps import Map
 from validation.compare.spots import run as run_in_words
 from validation.diagnose.diagnosis import listed as diagnosis_listed
@@ -651,7 +651,7 @@ def _chosen(bench: WindowState) -> TrialEffect | None:
     return None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
 
 
-def _stale(bench: WindowState, effect: TrialEffect, table: Table) -> bool:
+def _stale(bench: WindowState, effect: TrialEffect, table: ReadyPredictions) -> bool:
     """Whether an answer came too late: another effect is chosen meanwhile, or the model is another."""
     return _chosen(bench) is not effect or bench.table is not table
 

@@ -28,7 +28,7 @@ from validation.history import history
 
 if TYPE_CHECKING:
     from validation.app.session import Compared
-    from validation.app.whatif import Table, TrialEffect, WhatIf
+    from validation.app.whatif import ReadyPredictions, TrialEffect, WhatIf
     from validation.app.workers import Worker
     from validation.report.scenes.turntable import Turntable
 
@@ -65,7 +65,7 @@ class WindowState:
     opened: StartOptions
     desk: Session | None = None
     compared: Compared | None = None
-    table: Table | None = None
+    table: ReadyPredictions | None = None
     effects: dict[str, TrialEffect] = field(default_factory=dict)
     worker: Worker | None = None
     ending: asyncio.Future[Job] | None = None

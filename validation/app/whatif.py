@@ -255,7 +255,7 @@ class ReadyCampaign:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Table:
+class ReadyPredictions:
     """Predictions that stand ready; made once a model, in a second or few.
 
     Attributes
@@ -287,7 +287,7 @@ class Table:
         return tuple(one.name for one in self.tested)
 
 
-def desk_table(of: Session) -> Table:
+def desk_table(of: Session) -> ReadyPredictions:
     """Predictions of the data by the model as it stands, at the plain fit where there is a comparison.
 
     Raises
@@ -301,7 +301,7 @@ def desk_table(of: Session) -> Table:
     fitted = {one.measured.name: one.measured.runs for one in whole.predictions}
     campaigns = tuple(one.tested.campaign for one in made)
     tested = tuple(_desk_ready(remembering(one), offsets, fitted.get(one.measured.name, ())) for one in made)
-    return Table(
+    return ReadyPredictions(
         model=ready.model,
         tested=tested,
         facts=tuple(one.with_effects(ready.model.effects) for one in ready.said),
@@ -436,7 +436,7 @@ class WhatIf:
     offsets: Offsets
 
 
-def table(of: Session) -> Table:
+def table(of: Session) -> ReadyPredictions:
     """Predictions of the data by the model as it stands, at the plain fit where there is a comparison; a second or few.
 
     What is there or not and looks at all lines (the bias of sweeps) is worked out here once, and is there when it is asked for.
@@ -454,7 +454,7 @@ def table(of: Session) -> Table:
     return found
 
 
-def what_if(of: Table, effect: str, load: int, motion: int, *, exact: bool = True, follow: bool = True) -> WhatIf:
+def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact: bool = True, follow: bool = True) -> WhatIf:
     """The entry with `effect` (``ID=VALUE``, ``ID=key:number,...``) in the model.
 
     Parameters
@@ -504,7 +504,7 @@ class _Question:
     exact: bool
 
 
-def _released(of: Table, named: Named, *, follow: bool) -> _Question:
+def _released(of: ReadyPredictions, named: Named, *, follow: bool) -> _Question:
     """Everything, and what follows settled; the effect is ready to be dragged afterwards, its first drag behind it."""
     if named.id not in of.dragged:
         _asked_all(of, _dragged(of, named, follow=follow and not _by_run(named)))
@@ -518,7 +518,7 @@ def _released(of: Table, named: Named, *, follow: bool) -> _Question:
     return _Question(named=named, predictions=predictions, offsets=offsets, moved={}, exact=True)
 
 
-def _dragged(of: Table, named: Named, *, follow: bool) -> _Question:
+def _dragged(of: ReadyPredictions, named: Named, *, follow: bool) -> _Question:
     """As much as can be had while somebody waits."""
     kept = _ready(of, named)
     moved = _moved(kept, named)
@@ -530,7 +530,7 @@ def _dragged(of: Table, named: Named, *, follow: bool) -> _Question:
     return _Question(named=named, predictions=kept.predictions, offsets=offsets, moved=moved, exact=False)
 
 
-def _ready(of: Table, named: Named) -> Dragged:
+def _ready(of: ReadyPredictions, named: Named) -> Dragged:
     """The effect as it was dragged last, kept for a while."""
     kept = of.dragged.get(named.id) or _free(of, named, fixed=False)
     kept = of.dragged.setdefault(named.id, kept)  # another thread may have been sooner
@@ -539,7 +539,7 @@ def _ready(of: Table, named: Named) -> Dragged:
     return kept
 
 
-def _free(of: Table, named: Named, *, fixed: bool) -> Dragged:
+def _free(of: ReadyPredictions, named: Named, *, fixed: bool) -> Dragged:
     effects = _with(of.model, named, fixed=fixed)
     predictions = tuple(one.prediction.with_effects(effects) for one in of.tested)
     facts = tuple(one.with_effects(effects) for one in of.facts)
@@ -575,11 +575,11 @@ class _Asked:
     reached: bool
 
 
-def _asked_all(of: Table, question: _Question) -> list[_Asked]:
+def _asked_all(of: ReadyPredictions, question: _Question) -> list[_Asked]:
     return [_asked(of, k, question) for k in range(len(of.tested))]
 
 
-def _asked(of: Table, number: int, question: _Question) -> _Asked:
+def _asked(of: ReadyPredictions, number: int, question: _Question) -> _Asked:
     """`rows` is None where nothing changes here."""
     one = of.tested[number]
     measured, there = one.prediction.measured, one.prediction.tested.carried.standing.there
@@ -597,7 +597,7 @@ def _asked(of: Table, number: int, question: _Question) -> _Asked:
     return _Asked(tested=one, lines=lines, rows=said.rows, before=before, after=after, reached=reached)
 
 
-def _lines(of: Table, one: ReadyCampaign, named: Named) -> Lines:
+def _lines(of: ReadyPredictions, one: ReadyCampaign, named: Named) -> Lines:
     """As many as can be afforded, where most happens."""
     runs = len(one.prediction.measured.runs) if _by_run(named) else 1
     afforded = int(BUDGET / (of.pace * len(of.tested) * runs))
@@ -641,7 +641,7 @@ def _between(frequency: Array, lines: Lines, before: ComplexArray, after: Comple
     return np.asarray(found)
 
 
-def _facts(of: Table, question: _Question) -> dict[str, tuple[float, float]]:
+def _facts(of: ReadyPredictions, question: _Question) -> dict[str, tuple[float, float]]:
     effects = _with(of.model, question.named, fixed=True)
     return {one.name: (one.residual(of.offsets)[0], one.with_effects(effects).residual(question.offsets)[0]) for one in of.facts}
 
@@ -838,7 +838,7 @@ class TrialEffect:
         return str(Named(family=self.family, targets=tuple(self.id.split(":")[1:]), values=values))
 
 
-def reaching(of: Table) -> tuple[TrialEffect, ...]:
+def reaching(of: ReadyPredictions) -> tuple[TrialEffect, ...]:
     """All that act on these data, in the order of the catalogue; those of the model are among them."""
     every = [named for family in FAMILIES.values() for named in _everywhere(of, family)]
     asked = tuple(Added(named=one) for one in every if FAMILIES[one.family].stage == OPENED)
@@ -851,7 +851,7 @@ def reaching(of: Table) -> tuple[TrialEffect, ...]:
     return tuple(found)
 
 
-def _everywhere(of: Table, family: Family) -> Iterator[Named]:
+def _everywhere(of: ReadyPredictions, family: Family) -> Iterator[Named]:
     """The family at each of its targets here, at its start; a pair of channels once."""
     for targets in product(*(of.words.legal(kind) or () for kind in family.targets)):
         alike = len(set(family.targets)) < len(family.targets)
@@ -869,7 +869,7 @@ def _reaches(named: Named, one: ReadyCampaign, opened: Collection[str]) -> bool:
     return acts(named, replace(there, channels=one.prediction.measured.channels))
 
 
-def _effect(of: Table, named: Named, there: tuple[str, ...]) -> TrialEffect:
+def _effect(of: ReadyPredictions, named: Named, there: tuple[str, ...]) -> TrialEffect:
     family = FAMILIES[named.family]
     typical = parse(examples(family)[0]).values
     return TrialEffect(
