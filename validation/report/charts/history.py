@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import log10
 from pathlib import Path
@@ -12,29 +12,26 @@ import numpy as np
 
 from geometry.frames import Array
 from identification.quality import sizes
-from validation.history.history import Body, Errors, HistoryPosition, Version
+from validation.history.history import Body, HistoryPosition, Version
 from validation.reference.statement import COG, QUANTITIES, inertia_of
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
-from validation.report.charts.spec import COLOURS as PALETTE
-from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.spec import ASIDE, COLOURS, FAINT, FURTHER, INK, MEASURED, PAPER, PREDICTED
 from validation.report.charts.static import DPI, Axes, finish, grid_lines, new_figure, require_format
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 
-NOMINAL, PLAIN, HELD_OUT, CHI2, PRICE = "#9aa0a6", "#2456c4", "#d9541e", "#1f8a4c", "#8e6fc0"
-ASIDE = "#c9ced6"
-"""Of what branched off."""
+BRANCH = "#c9ced6"
+"""Of what branched off, in print."""
 
-REFERENCE = "#c8283c"
-LARGEST = 30
-"""Letters of a name below the axis, before it is cut."""
+LARGEST, LONGEST = 30, 28
+"""Letters of a name below the axis, before it is cut: in a file and on a page."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnRung:
-    """One rung.
+    """One rung of a ladder, as both the file and the page show it.
 
     Attributes
     ----------
@@ -55,7 +52,18 @@ class DrawnRung:
     gain: float | None
 
 
-PERCENT = {"nominal": NOMINAL, "plain": PLAIN, "held out": HELD_OUT}
+PERCENT = {"nominal": ASIDE, "plain": PREDICTED, "held out": "held out"}
+FITTED = {"chi² per deg. of freedom": FURTHER, "sum z² over what is due": "prior penalty"}
+"""The errors of the upper and of the lower panel, and their roles."""
+
+ON_PAGE = {
+    "plain": "plain, fitted data",
+    "held out": "plain, held out",
+    "chi² per deg. of freedom": "χ² per degree of freedom",
+    "sum z² over what is due": "z² of the tolerances over what is due",
+}
+"""What a page says in other words than a file."""
+
 NAMED = ("held out", "sum z² over what is due")
 """The errors at which branches have their names."""
 
@@ -64,9 +72,6 @@ BELOW = ("plain", "sum z² over what is due")
 
 LINE = 10.5
 """[points] between two labels, one above the other."""
-
-FITTED = {"chi² per deg. of freedom": CHI2, "sum z² over what is due": PRICE}
-"""The errors of the upper and of the lower panel, and their colours."""
 
 
 def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "", about: str = "") -> None:
@@ -83,15 +88,22 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     upper = figure.add_subplot(grid[0])
     lower = figure.add_subplot(grid[1], sharex=upper)
     for axes, shown in ((upper, PERCENT), (lower, FITTED)):
-        for name, colour in shown.items():
-            _way(axes, rungs, name, colour)
+        for name, role in shown.items():
+            _way(axes, rungs, name, COLOURS[role][0])
         _dress(axes)
     upper.set_ylabel("error of the judged channels [%]", fontsize=10)
     lower.set_ylabel("all tolerances fitted", fontsize=10)
     lower.axhline(1.0, color=FAINT, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1)
     upper.tick_params(labelbottom=False)
-    _gains(upper, rungs)
-    _names(lower, rungs, deepest)
+    for one in rungs:
+        if one.here and one.parent is not None and one.gain is not None and np.isfinite(one.gain):
+            above: dict[str, Any] = {"transform": upper.get_xaxis_transform(), "ha": "center", "fontsize": 9, "color": INK}
+            upper.text(one.depth - 0.5, 1.015, f"{one.gain:+.0f} nats", **above)
+    way = [one for one in rungs if one.here]
+    names = [f"{one.number}  {_cut(one.title)}" for one in way]
+    lower.set_xticks([one.depth for one in way], names, rotation=18, ha="right", rotation_mode="anchor")
+    lower.tick_params(axis="x", labelsize=9.5)
+    lower.set_xlim(-0.4, max(deepest, 1) + 0.8)
     for axes, shown in ((upper, PERCENT), (lower, FITTED)):
         _labels(axes, rungs, shown)
     finish(figure, title, note, path, about)
@@ -103,7 +115,7 @@ def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None
     for one in rungs:
         parent = None if one.parent is None else by_number[one.parent]
         if parent is not None and not one.here and np.isfinite([one.errors[name], parent.errors[name]]).all():
-            axes.plot([parent.depth, one.depth], [parent.errors[name], one.errors[name]], color=ASIDE, linewidth=1.1, zorder=2)
+            axes.plot([parent.depth, one.depth], [parent.errors[name], one.errors[name]], color=BRANCH, linewidth=1.1, zorder=2)
         if not one.here and np.isfinite(one.errors[name]):
             axes.plot(one.depth, one.errors[name], marker="o", markersize=5, color=PAPER, markeredgecolor=colour, zorder=3)
     way = [one for one in rungs if one.here and np.isfinite(one.errors[name])]
@@ -115,7 +127,7 @@ def _labels(axes: Axes, rungs: Sequence[DrawnRung], shown: Mapping[str, str]) ->
     """Figures of the way beside their points, names of branches to the right of theirs, none upon another."""
     for depth in sorted({one.depth for one in rungs}):
         there = [one for one in rungs if one.depth == depth]
-        found = [label for name, colour in shown.items() for label in _of_one(axes, there, name, colour, shown)]
+        found = [label for name, role in shown.items() for label in _of_one(axes, there, name, COLOURS[role][0], shown)]
         for align, beside in (("left", 7.0), ("right", -6.0)):
             _write(axes, depth, [one for one in found if one.align == align], beside)
 
@@ -202,45 +214,12 @@ def _dress(axes: Axes) -> None:
     axes.legend(fontsize=9.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
 
 
-def _gains(axes: Axes, rungs: Sequence[DrawnRung]) -> None:
-    """Evidence gained on the way, above the panel, between a rung and the one before."""
-    place = axes.get_xaxis_transform()
-    for one in rungs:
-        if one.here and one.parent is not None and one.gain is not None and np.isfinite(one.gain):
-            axes.text(one.depth - 0.5, 1.015, f"{one.gain:+.0f} nats", transform=place, ha="center", fontsize=9, color=INK)
+def _cut(text: str, most: int = LARGEST, end: str = " …") -> str:
+    return text if len(text) <= most else text[: most - len(end)] + end
 
 
-def _names(axes: Axes, rungs: Sequence[DrawnRung], deepest: int) -> None:
-    way = [one for one in rungs if one.here]
-    names = [f"{one.number}  {_cut(one.title)}" for one in way]
-    axes.set_xticks([one.depth for one in way], names, rotation=18, ha="right", rotation_mode="anchor")
-    axes.tick_params(axis="x", labelsize=9.5)
-    axes.set_xlim(-0.4, max(deepest, 1) + 0.8)
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= LARGEST else f"{text[: LARGEST - 2]} …"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DrawnQuantity:
-    """One of ten quantities along the rungs.
-
-    Attributes
-    ----------
-    label, unit : of the values
-    identified, half_width, reference : (r,) at every rung; half of the 95 % interval
-    """
-
-    label: str
-    unit: str
-    identified: Array
-    half_width: Array
-    reference: Array
-
-
-def draw_inertia(title: str, names: Sequence[str], quantities: Sequence[DrawnQuantity], path: Path, note: str = "") -> None:
-    """Write identified inertia with its 95 % intervals beside the reference, quantity by quantity, over the rungs `names`.
+def draw_inertia(title: str, bodies: Mapping[str, Body], path: Path, note: str = "") -> None:
+    """Write ten identified values of `bodies`, by rung, with their 95 % intervals, each beside its reference.
 
     Raises
     ------
@@ -249,12 +228,21 @@ def draw_inertia(title: str, names: Sequence[str], quantities: Sequence[DrawnQua
     require_format(path)
     figure = new_figure(16.0, 8.6)
     grid = figure.add_gridspec(2, 5, hspace=0.24, wspace=0.36, left=0.055, right=0.985, top=0.85, bottom=0.19)
-    for k, one in enumerate(quantities):
+    found = list(bodies.values())
+    values, half, reference = (np.array([getattr(one, name) for one in found]) for name in ("values", "half_width", "reference"))
+    at, blue, red = np.arange(len(found)), COLOURS[PREDICTED][0], COLOURS["limit"][0]
+    look: dict[str, Any] = {"color": blue, "marker": "o", "markersize": 6, "capsize": 4, "linewidth": 1.4, "elinewidth": 1.4}
+    dash: dict[str, Any] = {"color": red, "linewidth": 1.6, "marker": "_", "markersize": 16}
+    for k, one in enumerate(QUANTITIES):
         axes = figure.add_subplot(grid[k // 5, k % 5])
-        _quantity(axes, one)
+        axes.plot(at, one.per_si * reference[:, k], label="reference: the model", zorder=2, **dash)
+        axes.errorbar(at, one.per_si * values[:, k], one.per_si * half[:, k], label="identified, 95 % interval", zorder=3, **look)
+        axes.set_xlim(-0.4, len(at) - 0.6)
+        axes.ticklabel_format(axis="y", useOffset=False)
+        grid_lines(axes)
         axes.set_title(f"{one.label} [{one.unit}]", fontsize=11, loc="left", color=INK)
-        last = k >= len(quantities) - 5
-        axes.set_xticks(range(len(names)), [_cut(name) for name in names] if last else [""] * len(names))
+        last = k >= len(QUANTITIES) - 5
+        axes.set_xticks(at, [_cut(name) for name in bodies] if last else [""] * len(at))
         if last:
             axes.tick_params(axis="x", rotation=28, labelsize=8.5)
             for label in axes.get_xticklabels():
@@ -265,22 +253,9 @@ def draw_inertia(title: str, names: Sequence[str], quantities: Sequence[DrawnQua
     finish(figure, title, note, path)
 
 
-def _quantity(axes: Axes, one: DrawnQuantity) -> None:
-    at = np.arange(len(one.identified))
-    axes.plot(
-        at, one.reference, color=REFERENCE, linewidth=1.6, marker="_", markersize=16, label="reference: the model", zorder=2
-    )
-    look: dict[str, Any] = {"color": PLAIN, "marker": "o", "markersize": 6, "capsize": 4, "linewidth": 1.4, "elinewidth": 1.4}
-    axes.errorbar(at, one.identified, one.half_width, label="identified, 95 % interval", zorder=3, **look)
-    axes.set_xlim(-0.4, len(at) - 0.6)
-    axes.ticklabel_format(axis="y", useOffset=False)
-    grid_lines(axes)
-
-
-# The pictures of a ladder: where they go and what is on them.
-
-
-NAN = float("nan")
+def way_to(at: HistoryPosition) -> tuple[Version, ...]:
+    """From the first rung to the one on which the model stands, or from which it was edited."""
+    return () if at.below is None else at.ladder.path(at.below.number)
 
 
 def draw(at: HistoryPosition, folder: Path) -> list[Path]:
@@ -291,66 +266,33 @@ def draw(at: HistoryPosition, folder: Path) -> list[Path]:
     OSError : they cannot be written.
     """
     found: list[Path] = []
-    name, way = at.path.stem, _ladder_way(at)
+    name, way = at.path.stem, way_to(at)
     if any(one.errors for one in at.ladder.rungs):
         found.append(folder / f"{name}-ladder.png")
         note = "Strong: the way to the rung on which the model stands. Thin: branches. Above: evidence that a rung gained."
-        draw_fall(f"{at.path.name}: errors from rung to rung", _drawn(at), found[-1], note)
-    for article in dict.fromkeys(body.article for one in way for body in one.bodies):
-        seen = [(one, body) for one in way for body in one.bodies if body.article == article]
-        found.append(folder / f"{name}-ladder-{article.replace('+', '-')}.png")
-        _inertia(at, article, seen, found[-1])
-    return found
-
-
-def _ladder_way(at: HistoryPosition) -> tuple[Version, ...]:
-    return () if at.below is None else at.ladder.path(at.below.number)
-
-
-def _drawn(at: HistoryPosition) -> list[DrawnRung]:
-    way = {one.number for one in _ladder_way(at)}
-    return [
-        DrawnRung(
-            number=one.number,
-            parent=one.parent,
-            title=one.title,
-            depth=len(at.ladder.path(one.number)) - 1,
-            here=one.number in way,
-            errors=_errors(one.errors),
-            gain=one.gain,
-        )
-        for one in at.ladder.rungs
-    ]
-
-
-def _errors(errors: Errors | None) -> dict[str, float]:
-    if errors is None:
-        return dict.fromkeys((*PERCENT, *FITTED), NAN)
-    held_out = NAN if errors.held_out is None else errors.held_out
-    figures = (errors.nominal, errors.plain, held_out, errors.chi2_per_dof, errors.z2_over_due)
-    seen = (one if one > 0 else NAN for one in figures)  # an error of nothing but noise is 0 and has no place on these axes
-    return dict(zip((*PERCENT, *FITTED), seen, strict=True))
-
-
-def _inertia(at: HistoryPosition, article: str, seen: Sequence[tuple[Version, Body]], path: Path) -> None:
-    values, half, reference = (
-        np.array([getattr(body, name) for _, body in seen]) for name in ("values", "half_width", "reference")
-    )
-    quantities = [
-        DrawnQuantity(
-            label=one.label,
-            unit=one.unit,
-            identified=one.per_si * values[:, k],
-            half_width=one.per_si * half[:, k],
-            reference=one.per_si * reference[:, k],
-        )
-        for k, one in enumerate(QUANTITIES)
-    ]
+        draw_fall(f"{at.path.name}: errors from rung to rung", _rungs(at), found[-1], note)
     note = (
         "CoG from the article's own origin; moments and products about the CoG. "
         "The reference is the model with the effects of each rung."
     )
-    draw_inertia(f"{article}: identified inertia", [f"{one.number}  {one.title}" for one, _ in seen], quantities, path, note)
+    for article in dict.fromkeys(body.article for one in way for body in one.bodies):
+        bodies = {f"{one.number}  {one.title}": body for one in way for body in one.bodies if body.article == article}
+        found.append(folder / f"{name}-ladder-{article.replace('+', '-')}.png")
+        draw_inertia(f"{article}: identified inertia", bodies, found[-1], note)
+    return found
+
+
+def _rungs(at: HistoryPosition) -> list[DrawnRung]:
+    """What both the picture and the figure show; an error of nothing but noise is 0 and has no place on their axes."""
+    way = {one.number for one in way_to(at)}
+    found = []
+    for one in at.ladder.rungs:
+        of = one.errors
+        told = (None,) * 5 if of is None else (of.nominal, of.plain, of.held_out, of.chi2_per_dof, of.z2_over_due)
+        errors = dict(zip((*PERCENT, *FITTED), (size if size and size > 0 else np.nan for size in told), strict=True))
+        place: dict[str, Any] = {"depth": len(at.ladder.path(one.number)) - 1, "here": one.number in way}
+        found.append(DrawnRung(number=one.number, parent=one.parent, title=one.title, errors=errors, gain=one.gain, **place))
+    return found
 
 
 # Ten identified values with their 95 % intervals, each beside its reference.
@@ -363,7 +305,7 @@ PANELS = (
 )
 """What shares a unit, by index in `QUANTITIES`."""
 
-COLOURS = (PALETTE["measured"][1], PALETTE["predicted"][1], PALETTE["further"][1], "#9a6fd0", PALETTE["aside"][1])
+BODIES = tuple(COLOURS[role][1] for role in (MEASURED, PREDICTED, FURTHER, "prior penalty", ASIDE))
 
 
 def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
@@ -379,8 +321,9 @@ def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: boo
     widths, names = [len(own) for _, own in PANELS], [name for name, _ in PANELS]
     figure = make_subplots(rows=1, cols=3, column_widths=widths, horizontal_spacing=0.07, subplot_titles=names)
     for number, (name, body) in enumerate(bodies.items()):
+        shift = 0.0 if len(bodies) == 1 else 0.5 * (number / (len(bodies) - 1) - 0.5)
         for column, (_, own) in enumerate(PANELS, start=1):
-            figure.add_trace(_points(go, name, body, own, _shift(number, len(bodies)), number, legend=column == 1), 1, column)
+            figure.add_trace(_points(go, name, body, own, shift, number, legend=column == 1), 1, column)
     for column, (_, own) in enumerate(PANELS, start=1):
         ticks = [QUANTITIES[k].label.split(" ", 1)[1] for k in own]
         figure.update_xaxes(
@@ -393,25 +336,20 @@ def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: boo
     return dressed(figure, said, 390, dark, legend=legend_above(0.09), margin={"t": TITLE_ROOM + LEGEND_ROOM + 26, "b": 36})
 
 
-def shown_half_width(body: Body) -> Array:
-    """(10,) half of each 95 % interval in the units in which `Body.shown` tells distances."""
+def _points(go: Any, name: str, body: Body, own: tuple[int, ...], shift: float, number: int, *, legend: bool) -> Any:
     size = sizes(inertia_of(body.reference))
     size[COG] = 0.1
-    return np.asarray(100 * body.half_width / size)
-
-
-def _points(go: Any, name: str, body: Body, own: tuple[int, ...], shift: float, number: int, *, legend: bool) -> Any:
-    distance, half = body.shown, shown_half_width(body)
+    half = 100 * body.half_width / size  # in the units in which `Body.shown` tells distances
     chosen = list(own)
     told = [
         f"{QUANTITIES[k].label}: {body.values[k] * QUANTITIES[k].per_si:.6g} ± {body.half_width[k] * QUANTITIES[k].per_si:.2g} "
         f"{QUANTITIES[k].unit}, reference {body.reference[k] * QUANTITIES[k].per_si:.6g}"
         for k in chosen
     ]
-    colour = COLOURS[number % len(COLOURS)]
+    colour = BODIES[number % len(BODIES)]
     return go.Scatter(
         x=[at + shift for at in range(len(chosen))],
-        y=distance[chosen],
+        y=body.shown[chosen],
         error_y={"type": "data", "array": half[chosen], "thickness": 1.8, "width": 5, "color": colour},
         mode="markers",
         marker={"color": colour, "size": 9, "symbol": ("circle", "diamond", "square", "triangle-up", "x")[number % 5]},
@@ -423,29 +361,7 @@ def _points(go: Any, name: str, body: Body, own: tuple[int, ...], shift: float, 
     )
 
 
-def _shift(number: int, count: int) -> float:
-    """Beside each other where there are several."""
-    return 0.0 if count == 1 else 0.5 * (number / (count - 1) - 0.5)
-
-
-# The errors of a model falling from rung to rung.
-
-
-Error = tuple[str, str, Callable[[Errors], float | None]]
-"""Name, colour, and the figure."""
-
-UPPER: tuple[Error, ...] = (
-    ("nominal", PALETTE["aside"][1], lambda of: of.nominal),
-    ("plain, fitted data", PALETTE["predicted"][1], lambda of: of.plain),
-    ("plain, held out", PALETTE["measured"][1], lambda of: of.held_out),
-)
-LOWER: tuple[Error, ...] = (
-    ("χ² per degree of freedom", "#1f9d61", lambda of: of.chi2_per_dof),
-    ("z² of the tolerances over what is due", "#9a6fd0", lambda of: of.z2_over_due),
-)
-
-LONGEST = 28
-"""Letters of a name below the axis before it is cut."""
+# The errors of a model falling from rung to rung, on a page.
 
 
 def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
@@ -455,94 +371,58 @@ def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
     """
     from plotly.subplots import make_subplots
 
+    rungs = _rungs(at)
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.62, 0.38], vertical_spacing=0.06)
-    way = way_to(at)
-    aside = [one for one in at.ladder.rungs if one not in way]
-    for row, group in ((1, UPPER), (2, LOWER)):
-        for name, colour, tell in group:
-            _line(figure, row, name, colour, tell, way, lambda one: way.index(one))
-            _line(figure, row, name, colour, tell, aside, lambda one: len(at.ladder.path(one.number)) - 1, aside=True)
-    names = [f"{one.number}  {escaped(_ladder_cut(one.title))}" for one in way]
-    depth = max((len(at.ladder.path(one.number)) for one in at.ladder.rungs), default=1)
-    figure.update_xaxes(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(depth - 1, 1) + 0.35])
-    for row, (group, title) in enumerate(((UPPER, "error [%]"), (LOWER, "all fitted [1]")), start=1):
-        figure.update_yaxes(title_text=title, **_range(at, group), row=row, col=1)
+    way = sorted((one for one in rungs if one.here), key=lambda one: one.depth)
+    for row, (group, title) in enumerate(((PERCENT, "error [%]"), (FITTED, "all fitted [1]")), start=1):
+        for name in group:
+            _line(figure, row, name, way, group)
+            _line(figure, row, name, [one for one in rungs if not one.here], group, aside=True)
+        known = [one.errors[name] for one in rungs for name in group if np.isfinite(one.errors[name])] or [1.0]
+        low, high = log10(min(known)), log10(max(known))
+        room = 0.22 * max(high - low, 0.4)  # for figures above and below
+        figure.update_yaxes(title_text=title, **decades(low - room, high + room), row=row, col=1)
+    names = [f"{one.number}  {escaped(_cut(one.title, LONGEST, '…'))}" for one in way]
+    deepest = max((one.depth for one in rungs), default=0)
+    figure.update_xaxes(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(deepest, 1) + 0.35])
     figure.add_hline(1.0, line={"dash": "dash", "width": 1}, row=2, col=1)
     for k, one in enumerate(way[1:], start=1):
         if one.gain is not None:
             said = f"{one.gain:+.0f} nats"
             figure.add_annotation(x=k - 0.5, y=1, yref="paper", yanchor="bottom", text=said, showarrow=False, font={"size": 11})
-    return dressed(
-        figure,
-        "Errors from rung to rung",
-        500,
-        dark,
-        legend=legend_above(0.05),
-        margin={"t": TITLE_ROOM + LEGEND_ROOM + 24, "b": 40},
-    )
-
-
-def way_to(at: HistoryPosition) -> tuple[Version, ...]:
-    """From the first rung to the one on which the model stands, or from which it was edited."""
-    return () if at.below is None else at.ladder.path(at.below.number)
+    margin = {"t": TITLE_ROOM + LEGEND_ROOM + 24, "b": 40}
+    return dressed(figure, "Errors from rung to rung", 500, dark, legend=legend_above(0.05), margin=margin)
 
 
 def _line(
-    figure: Figure,
-    row: int,
-    name: str,
-    colour: str,
-    tell: Callable[[Errors], float | None],
-    rungs: Sequence[Version],
-    depth: Callable[[Version], int],
-    *,
-    aside: bool = False,
+    figure: Figure, row: int, error: str, rungs: Sequence[DrawnRung], group: Mapping[str, str], *, aside: bool = False
 ) -> None:
     """One error on some rungs; none where it is not known."""
     from plotly import graph_objects as go
 
-    seen = [(depth(one), value, one) for one in rungs if one.errors is not None and (value := tell(one.errors))]
+    seen = [(one, one.errors[error]) for one in rungs if np.isfinite(one.errors[error])]
     if not seen:
         return
-    group = UPPER if row == 1 else LOWER
-    places = [_beside(value, one, group) for _, value, one in seen]
+    places = []  # of figures: of the greatest above its point, of the least below, of what is between to the right
+    for one, value in seen:
+        known = [one.errors[name] for name in group if np.isfinite(one.errors[name])]
+        places.append("top center" if value >= max(known) else "bottom center" if value <= min(known) else "middle right")
+    name, colour = ON_PAGE.get(error, error), COLOURS[group[error]][1]
     symbol = {"symbol": "circle-open", "size": 8} if aside else {"symbol": "circle", "size": 9}
-    figure.add_trace(
-        go.Scatter(
-            x=[at for at, _, _ in seen],
-            y=[value for _, value, _ in seen],
-            customdata=[one.number for _, _, one in seen],
-            text=[f"{value:.3g}" for _, value, _ in seen],
-            hovertext=[escaped(f"rung {one.number}, {one.title}: {value:.4g}") for _, value, one in seen],
-            hovertemplate=f"{name}<br>%{{hovertext}}<extra></extra>",
-            mode="markers" if aside else "lines+markers+text",
-            textposition=places,
-            cliponaxis=False,
-            name=name,
-            legendgroup=name,
-            showlegend=not aside,
-            marker={"color": colour, **symbol},
-            line={"color": colour, "width": 2.2},
-        ),
-        row,
-        1,
+    points = go.Scatter(
+        x=[one.depth for one, _ in seen],
+        y=[value for _, value in seen],
+        customdata=[one.number for one, _ in seen],
+        text=[f"{value:.3g}" for _, value in seen],
+        hovertext=[escaped(f"rung {one.number}, {one.title}: {value:.4g}") for one, value in seen],
+        hovertemplate=f"{name}<br>%{{hovertext}}<extra></extra>",
+        mode="markers" if aside else "lines+markers+text",
+        textposition=places,
+        cliponaxis=False,
+        name=name,
+        legendgroup=name,
+        showlegend=not aside,
+        marker={"color": colour, **symbol},
+        line={"color": colour, "width": 2.2},
     )
-
-
-def _beside(value: float, rung: Version, group: Sequence[Error]) -> str:
-    """Where a figure stands: of the greatest above its point, of the least below, of what is between to the right."""
-    known = [one for _, _, tell in group if rung.errors is not None and (one := tell(rung.errors)) is not None]
-    return "top center" if value >= max(known) else "bottom center" if value <= min(known) else "middle right"
-
-
-def _range(at: HistoryPosition, group: Sequence[Error]) -> dict[str, Any]:
-    """Of the axis, with room for figures above and below."""
-    told = [tell(one.errors) for one in at.ladder.rungs if one.errors is not None for _, _, tell in group]
-    sizes = [one for one in told if one is not None and one > 0] or [1.0]
-    low, high = log10(min(sizes)), log10(max(sizes))
-    room = 0.22 * max(high - low, 0.4)
-    return decades(low - room, high + room)
-
-
-def _ladder_cut(text: str) -> str:
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    figure.add_trace(points, row, 1)
