@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 
 from validation.output import shown
-from validation.reference.reference import result_file_read
+from validation.reference.reference import read_result
 from validation.report import identify
 from validation.report.document import page
 
@@ -23,7 +23,7 @@ def main(console: Console, path: str) -> None:
     """The table of the article that the identification in the file `path` is about."""
     article = json.loads(Path(path).read_text(encoding="utf-8"))["article"]
     identified = {
-        f"identified, {way}": result_file_read(path, article=article, way=way).statement for way in ("plain", "self-calibrated")
+        f"identified, {way}": read_result(path, article=article, way=way).statement for way in ("plain", "self-calibrated")
     }
     with shown(f"CAD, exudyn and pendulum of {article}"):
         found = identify.rows(article, identified)

@@ -1,4 +1,8 @@
-"""Every tuned number of the search and of the fits stands alone on its line and says its unit, its meaning and what holds it."""
+"""Every tuned number of the search and of the fits stands alone on its line and says its unit, its meaning and what holds it.
+
+"Held by" a test: the test was seen to fail with the number four (a small one a hundred) times as large or as small. "Exercised
+by": the test runs it, and whether it would notice was not shown. Figures of `make blind` stand in docs/diagnosis-proven-blind.md.
+"""
 
 import ast
 import re

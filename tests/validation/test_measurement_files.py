@@ -305,7 +305,7 @@ def test_what_does_not_exist_is_refused_with_what_does(command: str, arguments: 
     assert words in str(result.exception)
 
 
-REDUCE = {"weighing": weigh.reduce, "crane-cog": weigh.crane_cog_reduce, "pendulum": pendulum.reduce, "results": files.reduce}
+REDUCE = {"weighing": weigh.reduce, "crane-cog": weigh.reduce_cog, "pendulum": pendulum.reduce, "results": files.reduce}
 ODD = [None, True, -1, 0, 1e300, float("nan"), "", "x", "-1 kg", "1 m", "0 s", [], [1], {}, {"a": 1}, "1e308 kg"]
 
 

@@ -16,7 +16,7 @@ from geometry.inertia import Inertia
 from identification.quality import NORMAL_95
 from validation.output import inertia_json
 from validation.reference import statement
-from validation.reference.reference import cross_check, result_file_read, route_statement, summary
+from validation.reference.reference import cross_check, read_result, route_statement, summary
 from validation.reference.statement import Statement, pose_of
 
 BODY = Inertia.from_cog(33.0, [0.01, -0.02, 0.27], [[6.4, 0.11, -0.07], [0.11, 6.0, 0.05], [-0.07, 0.05, 0.8]])
@@ -112,7 +112,7 @@ def test_a_covariance_counts_what_its_values_share() -> None:
 def test_an_interval_counts_with_its_farther_end(tmp_path: Path) -> None:
     path = tmp_path / "r.toml"
     path.write_text('format = 1\n[inertia]\nmass = "10 kg"\n[interval95]\nmass = ["9.5 kg", "10.2 kg"]\n', encoding="utf-8")
-    mass = result_file_read(str(path), article="cuboid").statement.values[0]
+    mass = read_result(str(path), article="cuboid").statement.values[0]
     assert_allclose(mass.tolerance or 0, 0.5, rtol=1e-12)  # rounding
 
 
@@ -128,7 +128,7 @@ def written(folder: Path, value: object) -> str:
 
 @pytest.mark.parametrize("value", [inertia_json(BODY), identified(), identified(interval95={"mass_kg": [32.0, 34.0]})])
 def test_what_massline_prints_can_be_handed_back(tmp_path: Path, value: dict[str, Any]) -> None:
-    result = result_file_read(written(tmp_path, value), article="clumod-1").statement
+    result = read_result(written(tmp_path, value), article="clumod-1").statement
     assert_allclose(result.inertia.parameters, BODY.parameters, rtol=0, atol=1e-12)  # rounding
 
 
@@ -136,11 +136,11 @@ def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
     value = identified(origin="F")
     name = written(tmp_path, value)
     with pytest.raises(BadInput, match="clumod-1 does not say where F is"):
-        result_file_read(name, article="clumod-1")
+        read_result(name, article="clumod-1")
     frame = Pose(position=np.array([0, 0, -0.045]))
-    assert result_file_read(name, article="clumod-1", frame=frame).statement.complete
+    assert read_result(name, article="clumod-1", frame=frame).statement.complete
     whole = written(tmp_path, {**value, "article": "fmd+clumod-1"})
-    assert result_file_read(whole, article="fmd+clumod-1").statement.complete
+    assert read_result(whole, article="fmd+clumod-1").statement.complete
 
 
 @pytest.mark.parametrize(
@@ -149,17 +149,17 @@ def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
 def test_a_result_about_another_article_is_refused(tmp_path: Path, about: object, against: str) -> None:
     name = written(tmp_path, identified(article=about))
     with pytest.raises(BadInput, match=f"about {about}, held against {against}") as caught:
-        result_file_read(name, article=against)
+        read_result(name, article=against)
     assert (caught.value.source, caught.value.field) == (name, "article")
 
 
 @pytest.mark.parametrize(("about", "against"), [("Disc", "disc"), ("fmd + disc", "fmd+disc"), ("rig", "some/Rig.step")])
 def test_a_result_about_the_same_article_in_other_letters_is_read(tmp_path: Path, about: str, against: str) -> None:
-    assert result_file_read(written(tmp_path, identified(article=about)), article=against).warnings == ()
+    assert read_result(written(tmp_path, identified(article=about)), article=against).warnings == ()
 
 
 def test_a_result_about_another_name_of_the_users_own_is_said(tmp_path: Path) -> None:
-    (warning,) = result_file_read(written(tmp_path, identified(article="rig")), article="my.step").warnings
+    (warning,) = read_result(written(tmp_path, identified(article="rig")), article="my.step").warnings
     assert "about rig, held against my.step" in warning
 
 
@@ -211,7 +211,7 @@ def test_a_file_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: s
     path = tmp_path / "r.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadInput) as caught:
-        result_file_read(str(path), article="cuboid")
+        read_result(str(path), article="cuboid")
     assert words in str(caught.value)
     assert str(path) in str(caught.value)
 
@@ -234,7 +234,7 @@ def test_json_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: str
     path = tmp_path / "r.json"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadInput) as caught:
-        result_file_read(str(path), article="cuboid")
+        read_result(str(path), article="cuboid")
     assert words in str(caught.value)
 
 
@@ -258,7 +258,7 @@ def test_parameters_that_no_body_has_are_a_failed_check_not_bad_input() -> None:
 
 
 def test_the_papers_own_result_ships_as_a_result_file() -> None:
-    result = result_file_read("clumod-1-table2", article="clumod-1").statement
+    result = read_result("clumod-1-table2", article="clumod-1").statement
     assert [v is None for v in result.values] == [False] * 7 + [True] * 3
 
 

@@ -95,19 +95,19 @@ def test_the_lever_recovers_the_cog_of_a_body_whose_statics_are_solved_numerical
 
 def test_without_offsets_the_inclination_does_not_matter() -> None:
     level, leaning = (
-        weigh.crane_cog_reduce(fields(CRANE, f'inclination = "{angle}"')).results["cog_z"] for angle in ("0 deg", "20 +/- 5 deg")
+        weigh.reduce_cog(fields(CRANE, f'inclination = "{angle}"')).results["cog_z"] for angle in ("0 deg", "20 +/- 5 deg")
     )
     assert_allclose([leaning.nominal_value, leaning.std_dev], [level.nominal_value, level.std_dev], rtol=1e-13)
 
 
 def test_with_offsets_the_tolerance_of_the_inclination_counts() -> None:
-    reduced = weigh.crane_cog_reduce(fields(CRANE, 'inclination = "0 +/- 1 deg"\nsupport_offset = "-100 mm"'))
+    reduced = weigh.reduce_cog(fields(CRANE, 'inclination = "0 +/- 1 deg"\nsupport_offset = "-100 mm"'))
     part = {item.name: item.contribution for item in itemised(reduced.results["cog_z"])}["inclination"]
     assert_allclose(part, 30.12 / 47.4 * 0.1 * np.radians(1), rtol=1e-12)
 
 
 def test_the_rope_carries_what_the_balance_does_not() -> None:
-    reduced = weigh.crane_cog_reduce(fields('gravity = "10 m/s^2"\n' + CRANE))
+    reduced = weigh.reduce_cog(fields('gravity = "10 m/s^2"\n' + CRANE))
     assert_allclose(reduced.results["rope_force"].nominal_value, 172.8, rtol=1e-13)
 
 
@@ -159,5 +159,5 @@ def test_bad_weighings_are_refused_in_words(old: str, new: str, words: str) -> N
 def test_bad_crane_tests_are_refused_in_words(old: str, new: str, words: str) -> None:
     assert old in CRANE
     with pytest.raises(BadInput) as refusal:
-        weigh.crane_cog_reduce(fields(CRANE.replace(old, new)))
+        weigh.reduce_cog(fields(CRANE.replace(old, new)))
     assert words in str(refusal.value)

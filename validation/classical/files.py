@@ -221,14 +221,6 @@ def dominating(result: UFloat) -> str:
     return items[0].name if items else ""
 
 
-def budget_json(items: Sequence[Item]) -> list[dict[str, Any]]:
-    """`items` for machine reading; contributions in the unit of the result, in SI."""
-    return [
-        {"input": i.name, "value_si": i.value, "tolerance_si": i.tolerance, "contribution_si": i.contribution, "share": i.share}
-        for i in items
-    ]
-
-
 def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) -> Table:
     """`items` as a table to print; contributions in `unit`, which is SI times `factor`."""
     from rich import box
@@ -305,7 +297,19 @@ class Reduction:
 
     def json(self, reference: Mapping[str, UFloat] | None = None) -> dict[str, Any]:
         """The object of the output contract, with the budgets and notes beside the rows."""
-        budgets = {QUANTITIES[key][0]: budget_json(itemised(value)) for key, value in self.results.items()}
+        budgets = {}
+        for key, value in self.results.items():
+            # `itemised(value)` for machine reading; contributions in the unit of the result, in SI
+            budgets[QUANTITIES[key][0]] = [
+                {
+                    "input": i.name,
+                    "value_si": i.value,
+                    "tolerance_si": i.tolerance,
+                    "contribution_si": i.contribution,
+                    "share": i.share,
+                }
+                for i in itemised(value)
+            ]
         terms = {QUANTITIES[key][0]: {name: 100 * part for name, part in parts.items()} for key, parts in self.terms.items()}
         return {
             "rows": rows_json(self.rows(reference)),
@@ -387,7 +391,13 @@ def reduce(file: Fields, keys: tuple[str, ...] = _PUBLISHABLE) -> Reduction:
     """
     file.only((*HEAD, "tolerance", *_PUBLISHABLE))
     assumed = file.inner("tolerance").only(("assumed",)).switch("assumed", False)
-    results = {key: _value(file.inner(key), key, assumed) for key in _PUBLISHABLE if key in file.table and key in keys}
+    results = {}
+    for key in _PUBLISHABLE:
+        if key in file.table and key in keys:
+            fields = file.inner(key)
+            dimension = _DIMENSIONS[QUANTITIES[key][1]]
+            value = fields.only(("value",)).quantity("value", dimension)
+            results[key] = tagged(value.nominal_value, value.std_dev, "assumed tolerance" if assumed else "stated tolerance")
     if not results:
         raise BadInput(
             source=file.source, problem=f"it holds none of {', '.join(keys)}", remedy="Use weigh, cog or pendulum as fits"
@@ -429,9 +439,3 @@ def reference(name: str) -> dict[str, UFloat]:
         return dict(reduce(read(name, ("results",))).results)
     remedy = f"{nearest(name, articles)}Known are {', '.join(articles)}, or a file of kind results"
     raise BadInput(source="--against", problem=f"nothing is published here about {name!r}", remedy=remedy)
-
-
-def _value(fields: Fields, key: str, assumed: bool) -> UFloat:
-    dimension = _DIMENSIONS[QUANTITIES[key][1]]
-    value = fields.only(("value",)).quantity("value", dimension)
-    return tagged(value.nominal_value, value.std_dev, "assumed tolerance" if assumed else "stated tolerance")

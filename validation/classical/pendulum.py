@@ -408,7 +408,12 @@ def from_cycles(count: int, time: UFloat, source: str) -> UFloat:
     """
     if count < 1:
         raise BadInput(source=source, field="cycles", problem=f"at least one cycle is needed, found {count}", remedy="Count them")
-    return require_positive(time / count, "time", source)
+    # `value` unchanged; BadInput when it is not positive
+    value = time / count
+    if value.nominal_value > 0:
+        return value
+    problem = f"it must be positive, found {value.nominal_value:.6g}"
+    raise BadInput(source=source, field="time", problem=problem, remedy="Check the sign and the unit")
 
 
 def from_times(times: Sequence[UFloat], source: str) -> UFloat:
@@ -454,14 +459,19 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
     """
     t, y = _checked(time, signal, source)
     t = t - t[0]
-    omega0 = _spectral_peak(t, y)
+    even = np.linspace(t[0], t[-1], len(t))
+    flat = np.interp(even, t, y)
+    flat = (flat - np.polyval(np.polyfit(even, flat, 1), even)) * np.hanning(len(t))
+    spectrum = np.abs(np.fft.rfft(flat, 8 * len(t)))
+    omega0 = float(2 * np.pi * np.argmax(spectrum) / (8 * len(t) * (even[1] - even[0])))
     _require_resolved(omega0 * t[-1] / (2 * np.pi), len(t), source)
     delta, omega, covariance, fit = _fitted(t, y, omega0)
     _require_resolved(omega * t[-1] / (2 * np.pi), len(t), source)
     residual, swing = y - fit.full, fit.full - fit.baseline
     noise = float(np.std(residual) / np.std(swing))
     _require_decay(delta, omega, t[-1], noise, source)
-    correlation = _correlation(residual) if noise > ROUNDING else 0.0
+    # Correlation of neighbouring residuals; a negative one is taken as none
+    correlation = max(0.0, float(np.corrcoef(residual[:-1], residual[1:])[0, 1])) if noise > ROUNDING else 0.0
     widening = np.sqrt((1 + correlation) / (1 - min(correlation, 0.99)))
     s_delta, s_omega = widening * np.sqrt(np.diag(covariance))
     return Decay(
@@ -472,14 +482,6 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
         fitted=fit.full,
         notes=_notes(noise, correlation, fit, swing),
     )
-
-
-def require_positive(value: UFloat, field: str, source: str) -> UFloat:
-    """`value` unchanged; BadInput when it is not positive."""
-    if value.nominal_value > 0:
-        return value
-    problem = f"it must be positive, found {value.nominal_value:.6g}"
-    raise BadInput(source=source, field=field, problem=problem, remedy="Check the sign and the unit")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -507,14 +509,6 @@ def _checked(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> tuple[A
     )
 
 
-def _spectral_peak(t: Array, y: Array) -> float:
-    even = np.linspace(t[0], t[-1], len(t))
-    flat = np.interp(even, t, y)
-    flat = (flat - np.polyval(np.polyfit(even, flat, 1), even)) * np.hanning(len(t))
-    spectrum = np.abs(np.fft.rfft(flat, 8 * len(t)))
-    return float(2 * np.pi * np.argmax(spectrum) / (8 * len(t) * (even[1] - even[0])))
-
-
 def _require_resolved(cycles: float, samples: int, source: str) -> None:
     if cycles < LEAST_CYCLES:
         problem = f"at least {LEAST_CYCLES} cycles are needed, found {cycles:.1f}"
@@ -534,23 +528,17 @@ def _require_decay(delta: float, omega: float, duration: float, noise: float, so
     raise BadInput(source=source, field="signal", problem=problem, remedy="Record a free decay, or filter what disturbs it")
 
 
-def _correlation(residual: Array) -> float:
-    """Correlation of neighbouring residuals; a negative one is taken as none."""
-    return max(0.0, float(np.corrcoef(residual[:-1], residual[1:])[0, 1]))
-
-
-def _columns(t: Array, delta: float, omega: float) -> Array:
-    envelope = np.exp(-delta * (t - t[-1] / 2))
-    ramp = t / t[-1] - 0.5
-    return np.column_stack([envelope * np.cos(omega * t), envelope * np.sin(omega * t), np.ones_like(t), ramp])
-
-
 def _fitted(t: Array, y: Array, omega0: float) -> tuple[float, float, Array, _Fit]:
     """δ, ω, their (2, 2) covariance, and the fitted record."""
     from scipy.optimize import least_squares
 
     def linear(p: Array) -> tuple[Array, Array]:
-        columns = _columns(t, p[0] * omega0, p[1] * omega0)
+        omega = p[1] * omega0
+        columns_envelope = np.exp(-(p[0] * omega0) * (t - t[-1] / 2))
+        ramp = t / t[-1] - 0.5
+        columns = np.column_stack(
+            [columns_envelope * np.cos(omega * t), columns_envelope * np.sin(omega * t), np.ones_like(t), ramp]
+        )
         coefficients: Array = np.linalg.lstsq(columns, y, rcond=None)[0].astype(np.float64)
         return columns, coefficients
 
@@ -678,7 +666,27 @@ def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:
     BadInput : something in the file cannot be used, contradicts itself, or does not determine the tensor.
     """
     found = swings(file, off)
-    results, terms = _moments(found, file)
+    coordinate = all(swing.axis in _AXES.values() for swing in found)
+    if not coordinate or "components" in file.table:
+        components = file.table.get("components", list(SIX))
+        if not isinstance(components, list) or not components or not set(map(str, components)) <= set(SIX):
+            raise file.refused("components", f"found {components!r}", f"A list of some of {', '.join(SIX)}")
+        moments = [swing.moment for swing in found]
+        tensor = tensor_from_axes([swing.axis for swing in found], moments, components, file.source)
+        results, terms = {f"I{name}": value for name, value in tensor.items()}, {}
+    else:
+        moments_results: dict[str, UFloat] = {}
+        moments_terms: dict[str, Mapping[str, float]] = {}
+        for letter, axis in _AXES.items():
+            same = [swing for swing in found if swing.axis == axis]
+            if same:
+                moments_results[f"I{letter}{letter}"] = sum(swing.moment for swing in same) / len(same)
+                each = [swing.effects() for swing in same]
+                names = [name for name in TERMS if any(name in effects for effects in each)]
+                moments_terms[f"I{letter}{letter}"] = {
+                    name: sum(effects.get(name, 0.0) for effects in each) / len(each) for name in names
+                }
+        results, terms = moments_results, moments_terms
     return Reduction(
         title=file.text("title", "Pendulum"),
         origin=file.text("origin", "origin not stated"),
@@ -701,35 +709,26 @@ def swings(file: Fields, off: tuple[str, ...] = ()) -> list[RecordedSwing]:
     return [_swing(entry, file, article, off) for entry in file.each("swing")]
 
 
-def _moments(swings: list[RecordedSwing], file: Fields) -> tuple[dict[str, UFloat], dict[str, Mapping[str, float]]]:
-    coordinate = all(swing.axis in _AXES.values() for swing in swings)
-    if not coordinate or "components" in file.table:
-        components = file.table.get("components", list(SIX))
-        if not isinstance(components, list) or not components or not set(map(str, components)) <= set(SIX):
-            raise file.refused("components", f"found {components!r}", f"A list of some of {', '.join(SIX)}")
-        moments = [swing.moment for swing in swings]
-        tensor = tensor_from_axes([swing.axis for swing in swings], moments, components, file.source)
-        return {f"I{name}": value for name, value in tensor.items()}, {}
-    results: dict[str, UFloat] = {}
-    terms: dict[str, Mapping[str, float]] = {}
-    for letter, axis in _AXES.items():
-        same = [swing for swing in swings if swing.axis == axis]
-        if same:
-            results[f"I{letter}{letter}"] = sum(swing.moment for swing in same) / len(same)
-            terms[f"I{letter}{letter}"] = _mean_effects(same)
-    return results, terms
-
-
-def _mean_effects(swings: list[RecordedSwing]) -> dict[str, float]:
-    each = [swing.effects() for swing in swings]
-    names = [name for name in TERMS if any(name in effects for effects in each)]
-    return {name: sum(effects.get(name, 0.0) for effects in each) / len(each) for name in names}
-
-
 def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -> RecordedSwing:
     suspension = entry.choice("suspension", tuple(_OWN_KEYS))
     entry.only(("about", "suspension", *_PERIOD_KEYS, *_OWN_KEYS[suspension]))
-    period, recorded, notes = _period(entry)
+    # The period [s], the fitted decay where a signal was recorded, and notes
+    ways = [key for key in ("period", "cycles", "times", "signal") if key in entry.table]
+    if len(ways) != 1 or ("time" in entry.table) != (ways == ["cycles"]):
+        remedy = "Give period, or cycles and time, or times, or signal"
+        raise entry.refused("period", f"the period must be given in one way, found {', '.join(ways) or 'none'}", remedy)
+    source = f"{entry.source}: {entry.place}"
+    notes: tuple[str, ...] = ()
+    if ways == ["period"]:
+        period, recorded = entry.positive("period", "time"), None
+    elif ways == ["cycles"]:
+        count = entry.integer("cycles", 1, 1)
+        period, recorded, notes = from_cycles(count, entry.positive("time", "time", "time of the cycles"), source), None, ()
+    elif ways == ["times"]:
+        period, recorded, notes = from_times(_times(entry), source), None, ()
+    else:
+        decay = from_signal(*_record(entry), source)
+        period, recorded, notes = decay.period, decay, decay.notes
     pendulum = _SUSPENSIONS[suspension](entry, file, article, period)
     (terms, stated), ropes = (
         _terms(entry, file, off, recorded),
@@ -767,7 +766,18 @@ def _gravity(file: Fields) -> UFloat:
 
 
 def _ropes(entry: Fields, file: Fields, article: Fields, period: UFloat) -> RopeSwing:
-    s1, s2 = _radii(entry, article)
+    # s1 and s2 [m], in whichever of three ways the file gives them
+    ways = [key for key in ("s1", "positions", "radius") if key in entry.table]
+    if len(ways) != 1:
+        remedy = "Give s1 and s2, or positions and positions_along, or radius (three ropes or more)"
+        raise entry.refused("s1", f"the attachments must be given in one way, found {len(ways)}", remedy)
+    if ways == ["radius"]:
+        radius = entry.positive("radius", "length")
+        s1, s2 = radius, radius
+    elif ways == ["s1"]:
+        s1, s2 = entry.positive("s1", "length"), entry.positive("s2", "length")
+    else:
+        s1, s2 = _radii_from_positions(entry, article)
     mass, length = article.positive("mass", "mass"), entry.positive("rope_length", "length")
     return RopeSwing(mass=mass, gravity=_gravity(file), s1=s1, s2=s2, length=length, period=period)
 
@@ -797,20 +807,6 @@ _SUSPENSIONS: Mapping[str, Callable[[Fields, Fields, Fields, UFloat], RopeSwing 
 }
 
 
-def _radii(entry: Fields, article: Fields) -> tuple[UFloat, UFloat]:
-    """s1 and s2 [m], in whichever of three ways the file gives them."""
-    ways = [key for key in ("s1", "positions", "radius") if key in entry.table]
-    if len(ways) != 1:
-        remedy = "Give s1 and s2, or positions and positions_along, or radius (three ropes or more)"
-        raise entry.refused("s1", f"the attachments must be given in one way, found {len(ways)}", remedy)
-    if ways == ["radius"]:
-        radius = entry.positive("radius", "length")
-        return radius, radius
-    if ways == ["s1"]:
-        return entry.positive("s1", "length"), entry.positive("s2", "length")
-    return _radii_from_positions(entry, article)
-
-
 def _radii_from_positions(entry: Fields, article: Fields) -> tuple[UFloat, UFloat]:
     letter = entry.choice("positions_along", tuple(_AXES))
     texts = entry.table["positions"]
@@ -828,24 +824,6 @@ def _radii_from_positions(entry: Fields, article: Fields) -> tuple[UFloat, UFloa
         problem = f"the CoG at {cog.nominal_value:.6g} m is not between the ropes at {places}"
         raise entry.refused("positions", problem, "One rope would have to push; check the places and the CoG")
     return s1, s2  # both negative where the places are listed downwards: only their product and squares are used
-
-
-def _period(entry: Fields) -> tuple[UFloat, Decay | None, tuple[str, ...]]:
-    """The period [s], the fitted decay where a signal was recorded, and notes."""
-    ways = [key for key in ("period", "cycles", "times", "signal") if key in entry.table]
-    if len(ways) != 1 or ("time" in entry.table) != (ways == ["cycles"]):
-        remedy = "Give period, or cycles and time, or times, or signal"
-        raise entry.refused("period", f"the period must be given in one way, found {', '.join(ways) or 'none'}", remedy)
-    source = f"{entry.source}: {entry.place}"
-    if ways == ["period"]:
-        return entry.positive("period", "time"), None, ()
-    if ways == ["cycles"]:
-        count = entry.integer("cycles", 1, 1)
-        return from_cycles(count, entry.positive("time", "time", "time of the cycles"), source), None, ()
-    if ways == ["times"]:
-        return from_times(_times(entry), source), None, ()
-    decay = from_signal(*_record(entry), source)
-    return decay.period, decay, decay.notes
 
 
 def _times(entry: Fields) -> list[UFloat]:

@@ -407,7 +407,17 @@ def recorded(setup: Setup, progress: Progress | None = None) -> Record:
     CheckFailed : exudyn failed, or a rope slacks.
     """
     require_recordable(setup)
-    run = _run(setup, progress)
+    s1, s2 = setup.s1_s2
+    small = small_period(setup.inertia, setup.suspension, setup.gravity)
+    kappa = setup.inertia.mass * s1 * s2 / setup.reference
+    cycle = small * rope_amplitude_factor(setup.suspension.amplitude, s1 * s2 / setup.suspension.length**2, kappa)
+    more: dict[str, Any] = {"step": setup.step, "rate": setup.rate, "gravity": setup.gravity, "progress": progress}
+    run_run = swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * cycle, **more)
+    took = _cycle(run_run)
+    if run_run.time[-1] > (setup.cycles + LEAST_SURPLUS) * took:
+        run = run_run
+    else:
+        run = swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * took, **more)
     noise = np.random.default_rng(setup.seed).normal(0.0, setup.noise, len(run.yaw)) if setup.noise else 0.0
     signal = run.yaw + noise
     decay = _fitted(setup, run, signal)
@@ -432,45 +442,7 @@ def write(folder: Path, setup: Setup, run: Swing, signal: Array, decay: Decay) -
     head = f"# Simulated by massline swing with exudyn {run.settings['version']}, not measured. Columns: time [s], twist [rad]"
     rows = [f"{t:.9g},{y:.9g}" for t, y in zip(run.time, signal, strict=True)]
     write_text(folder / RECORD, "\n".join([head, *rows]) + "\n")
-    write_text(folder / MEASUREMENT, _measurement(setup, run, decay))
-    return folder / MEASUREMENT
-
-
-def _run(setup: Setup, progress: Progress | None) -> Swing:
-    s1, s2 = setup.s1_s2
-    small = small_period(setup.inertia, setup.suspension, setup.gravity)
-    kappa = setup.inertia.mass * s1 * s2 / setup.reference
-    cycle = small * rope_amplitude_factor(setup.suspension.amplitude, s1 * s2 / setup.suspension.length**2, kappa)
-    more: dict[str, Any] = {"step": setup.step, "rate": setup.rate, "gravity": setup.gravity, "progress": progress}
-    run = swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * cycle, **more)
-    took = _cycle(run)
-    if run.time[-1] > (setup.cycles + LEAST_SURPLUS) * took:
-        return run
-    return swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * took, **more)
-
-
-def _cycle(run: Swing) -> float:
-    """[s] of one cycle on average, from the passages through the middle of the twist."""
-    y = run.yaw - np.mean(run.yaw)
-    k = np.flatnonzero(np.signbit(y[1:]) != np.signbit(y[:-1]))
-    t = run.time[k] + np.diff(run.time)[k] * y[k] / (y[k] - y[k + 1])
-    return float(2 * (t[-1] - t[0]) / (len(t) - 1)) if len(t) > 1 else 0.0
-
-
-def _fitted(setup: Setup, run: Swing, signal: Array) -> Decay:
-    """The decaying sinusoid in `signal`; what cannot be fitted is said of what can be changed here."""
-    try:
-        return from_signal(run.time, signal, "the simulated record")
-    except BadInput as error:
-        name = "noise" if setup.noise else "amplitude"
-        remedy = "Use less noise or a larger twist" if setup.noise else "Use a smaller twist, or lighter and more equal ropes"
-        raise BadInput(
-            source=SOURCE, field=name, problem=f"its record cannot be reduced: {error.problem}", remedy=remedy
-        ) from None
-
-
-def _measurement(setup: Setup, run: Swing, decay: Decay) -> str:
-    """The measurement file: what the laboratory would know. Stretch and an off-centre CoG it would not."""
+    # The measurement file: what the laboratory would know. Stretch and an off-centre CoG it would not.
     s, version = setup.suspension, run.settings["version"]
     radii = [f's{i} = "{radius!r} m"' for i, radius in enumerate(setup.radii, start=1)]
     lines = [
@@ -494,7 +466,28 @@ def _measurement(setup: Setup, run: Swing, decay: Decay) -> str:
         f'amplitude = "{decay.amplitude:.9g} rad" # root mean square of the peaks over the record',
         *([f'rope_mass = "{s.rope_mass!r} kg"'] if s.rope_mass else []),
     ]
-    return "\n".join(lines) + "\n"
+    write_text(folder / MEASUREMENT, "\n".join(lines) + "\n")
+    return folder / MEASUREMENT
+
+
+def _cycle(run: Swing) -> float:
+    """[s] of one cycle on average, from the passages through the middle of the twist."""
+    y = run.yaw - np.mean(run.yaw)
+    k = np.flatnonzero(np.signbit(y[1:]) != np.signbit(y[:-1]))
+    t = run.time[k] + np.diff(run.time)[k] * y[k] / (y[k] - y[k + 1])
+    return float(2 * (t[-1] - t[0]) / (len(t) - 1)) if len(t) > 1 else 0.0
+
+
+def _fitted(setup: Setup, run: Swing, signal: Array) -> Decay:
+    """The decaying sinusoid in `signal`; what cannot be fitted is said of what can be changed here."""
+    try:
+        return from_signal(run.time, signal, "the simulated record")
+    except BadInput as error:
+        name = "noise" if setup.noise else "amplitude"
+        remedy = "Use less noise or a larger twist" if setup.noise else "Use a smaller twist, or lighter and more equal ropes"
+        raise BadInput(
+            source=SOURCE, field=name, problem=f"its record cannot be reduced: {error.problem}", remedy=remedy
+        ) from None
 
 
 def _text(words: str) -> str:

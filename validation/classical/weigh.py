@@ -68,7 +68,12 @@ class Balance:
     def mean(self, readings: Sequence[UFloat]) -> UFloat:
         """Mean [kg] of `readings`, with the scatter of the mean where there are several, and the gain."""
         average = sum(readings) / len(readings)
-        return (average + _scatter_of(readings)) * self.gain
+        if len(readings) < 2:
+            scatter_of = exact(0.0)
+        else:
+            shown = np.array([reading.nominal_value for reading in readings])
+            scatter_of = tagged(0.0, float(shown.std(ddof=1) / np.sqrt(len(shown))), "scatter of the readings")
+        return (average + scatter_of) * self.gain
 
 
 def balance(fields: Fields) -> Balance:
@@ -89,13 +94,6 @@ def balance(fields: Fields) -> Balance:
     )
 
 
-def _scatter_of(readings: Sequence[UFloat]) -> UFloat:
-    if len(readings) < 2:
-        return exact(0.0)
-    shown = np.array([reading.nominal_value for reading in readings])
-    return tagged(0.0, float(shown.std(ddof=1) / np.sqrt(len(shown))), "scatter of the readings")
-
-
 def reduce(file: Fields) -> Reduction:
     """The mass [kg] that the weighing `file` comes down to.
 
@@ -111,14 +109,28 @@ def reduce(file: Fields) -> Reduction:
         raise file.refused(
             "reading", f"the net mass must be positive, found {weighed.nominal_value:.6g} kg", "Check gross and tare"
         )
-    factor = _buoyancy(file.inner("buoyancy"))
+    # Mass over weighing; None where the densities are not stated and not wanted
+    fields = file.inner("buoyancy")
+    fields.only(("apply", "air_density", "weights_density", "article_density"))
+    if not fields.switch("apply", False) and len(fields.table.keys() - {"apply"}) < 3:
+        factor: UFloat | None = None
+    else:
+        air, weights, own = (fields.positive(f"{what}_density", "density") for what in ("air", "weights", "article"))
+        if air.nominal_value >= min(own.nominal_value, weights.nominal_value):
+            raise fields.refused("air_density", "the article and the weights must be denser than air", "Densities in kg/m^3")
+        factor = (1 - air / weights) / (1 - air / own)
     applied = file.inner("buoyancy").switch("apply", False)
+    if applied:
+        notes: tuple[str, ...] = ()
+    else:
+        size = f"; it would change the mass by {100 * (factor.nominal_value - 1):+.4f} %" if factor is not None else ""
+        notes = (f"Buoyancy is not corrected{size}.",)
     return Reduction(
         title=file.text("title", "Weighing"),
         origin=file.text("origin", "origin not stated"),
         article=article.text("name"),
         results={"mass": weighed * factor if applied and factor is not None else weighed},
-        notes=_notes(applied, factor),
+        notes=notes,
         terms={"mass": {"buoyancy": factor.nominal_value - 1}} if applied and factor is not None else {},
     )
 
@@ -129,24 +141,6 @@ def _net(entry: Fields, scale: Balance) -> UFloat:
     if "tare" not in entry.table:
         return gross
     return gross - scale.reading(entry.quantity("tare", "mass", "tare reading"))
-
-
-def _buoyancy(fields: Fields) -> UFloat | None:
-    """Mass over weighing; None where the densities are not stated and not wanted."""
-    fields.only(("apply", "air_density", "weights_density", "article_density"))
-    if not fields.switch("apply", False) and len(fields.table.keys() - {"apply"}) < 3:
-        return None
-    air, weights, own = (fields.positive(f"{what}_density", "density") for what in ("air", "weights", "article"))
-    if air.nominal_value >= min(own.nominal_value, weights.nominal_value):
-        raise fields.refused("air_density", "the article and the weights must be denser than air", "Densities in kg/m^3")
-    return (1 - air / weights) / (1 - air / own)
-
-
-def _notes(applied: bool, factor: UFloat | None) -> tuple[str, ...]:
-    if applied:
-        return ()
-    size = f"; it would change the mass by {100 * (factor.nominal_value - 1):+.4f} %" if factor is not None else ""
-    return (f"Buoyancy is not corrected{size}.",)
 
 
 # CoG height by crane and balance (paper 3.3): one end hangs on the crane's rope, the other stands on the balance.
@@ -215,7 +209,7 @@ def cog_height(
     return rope - rope_offset * tilt + reading / mass * lever
 
 
-def crane_cog_reduce(file: Fields) -> Reduction:
+def reduce_cog(file: Fields) -> Reduction:
     """The CoG height [m] and the rope's force [N] that the crane-cog `file` comes down to.
 
     Raises
@@ -226,23 +220,12 @@ def crane_cog_reduce(file: Fields) -> Reduction:
     article = file.inner("article").only(("name", "mass"))
     mass = article.positive("mass", "mass")
     scale = balance(file.inner("balance"))
-    reading = scale.mean([scale.reading(_shown(entry)) for entry in file.each("reading")])
+    reading = scale.mean(
+        [scale.reading(entry.only(("shown",)).positive("shown", "mass", "balance reading")) for entry in file.each("reading")]
+    )
     _require_rope_in_tension(reading, mass, file)
     gravity = file.positive("gravity", "acceleration") if "gravity" in file.table else exact(STANDARD_GRAVITY)
-    return Reduction(
-        title=file.text("title", "CoG by crane and balance"),
-        origin=file.text("origin", "origin not stated"),
-        article=article.text("name"),
-        results={"cog_z": _height(file.inner("distances"), mass, reading), "rope_force": (mass - reading) * gravity},
-        notes=("Assumed: rope vertical, no side force on the balance, rigid article.",),
-    )
-
-
-def _shown(entry: Fields) -> UFloat:
-    return entry.only(("shown",)).positive("shown", "mass", "balance reading")
-
-
-def _height(fields: Fields, mass: UFloat, reading: UFloat) -> UFloat:
+    fields = file.inner("distances")
     fields.only(("rope", "support", "inclination", "rope_offset", "support_offset"))
     rope, support = (fields.quantity(key, "length", f"{key} position") for key in ("rope", "support"))
     if rope.nominal_value == support.nominal_value:
@@ -253,7 +236,14 @@ def _height(fields: Fields, mass: UFloat, reading: UFloat) -> UFloat:
             "inclination", f"above 45 deg it is no lever, found {lean.nominal_value:.3g} rad", "Lay the article down"
         )
     offsets = {key: fields.quantity_or_zero(key, "length") for key in ("rope_offset", "support_offset")}
-    return cog_height(mass=mass, reading=reading, rope=rope, support=support, inclination=lean, **offsets)
+    height = cog_height(mass=mass, reading=reading, rope=rope, support=support, inclination=lean, **offsets)
+    return Reduction(
+        title=file.text("title", "CoG by crane and balance"),
+        origin=file.text("origin", "origin not stated"),
+        article=article.text("name"),
+        results={"cog_z": height, "rope_force": (mass - reading) * gravity},
+        notes=("Assumed: rope vertical, no side force on the balance, rigid article.",),
+    )
 
 
 def _require_rope_in_tension(reading: UFloat, mass: UFloat, file: Fields) -> None:

@@ -86,7 +86,7 @@ def _warnings(tables: Sequence[ReferenceTable]) -> tuple[str, ...]:
 
 
 def _result(identified: str, names: Sequence[str], pose: Pose | None) -> StatedResult:
-    from validation.reference.reference import result_file_read
+    from validation.reference.reference import read_result
 
     if len(names) > 1:
         raise BadInput(
@@ -94,7 +94,7 @@ def _result(identified: str, names: Sequence[str], pose: Pose | None) -> StatedR
             problem=f"a result is about one article, found {len(names)}",
             remedy="Name the one that was identified: massline reference ARTICLE --identified RESULT",
         )
-    return result_file_read(identified, article=names[0], frame=pose)
+    return read_result(identified, article=names[0], frame=pose)
 
 
 def _completed(table: ReferenceTable, result: StatedResult | None, pose: Pose | None, frame: str | None) -> ReferenceTable:
@@ -161,7 +161,7 @@ def cog_command(file: str, against: str | None, as_json: bool) -> None:
     from validation.classical.files import readings_or_results
     from validation.report.reference import show
 
-    show(readings_or_results(file, "crane-cog", weigh.crane_cog_reduce, ("cog_x", "cog_y", "cog_z")), against, as_json)
+    show(readings_or_results(file, "crane-cog", weigh.reduce_cog, ("cog_x", "cog_y", "cog_z")), against, as_json)
 
 
 # `massline pendulum`: moments of inertia from pendulum periods.
@@ -234,16 +234,16 @@ def validate_command(
         IDENTIFIED,
         changes_note,
         cross_check,
+        read_result,
         reference,
         require_use,
-        result_file_read,
         summary,
     )
     from validation.reference.statement import read_frame
 
     options.require_articles([article])
     pose = None if frame is None else read_frame(frame)
-    said = result_file_read(result, article=article, frame=pose)
+    said = read_result(result, article=article, frame=pose)
     asked = options.reading(chord, unit, material, settings)
     require_use([article], asked)
     with shown(f"reference of {article}", quiet=as_json):

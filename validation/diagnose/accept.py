@@ -23,12 +23,12 @@ from validation.study import Study
 
 SCATTER = 3.0
 """[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
-estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Held by
-tests/validation/diagnosing/test_goodness_of_fit.py."""
+estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Set by the development
+draws of `make blind`, exercised by tests/validation/diagnosing/test_goodness_of_fit.py."""
 
 UNLIKELY = 1e-4
-"""[probability] of a sum of z² below which the tolerances pay for something that is missing. Held by
-tests/validation/diagnosing/test_goodness_of_fit.py."""
+"""[probability] of a sum of z² below which the tolerances pay for something that is missing. Set by the development draws of
+`make blind`, exercised by tests/validation/diagnosing/test_goodness_of_fit.py."""
 
 ABSURD = 4.8
 """[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_goodness_of_fit.py."""

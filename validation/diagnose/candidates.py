@@ -56,8 +56,8 @@ RESONATOR = ("m", "f", "zeta")
 """Keys of the sizes of a resonator."""
 
 TINY = 1e-6
-"""[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Held by
-tests/validation/diagnosing/test_dictionary.py."""
+"""[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Set by the development draws of
+`make blind`, exercised by tests/validation/diagnosing/test_dictionary.py."""
 
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
@@ -241,8 +241,8 @@ PER_OCTAVE = 24
 """[count] of frequencies in an octave at which a resonator is looked up. Set by the development draws of `make blind`."""
 
 OCCAM = 4.0
-"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Held by
-tests/validation/diagnosing/test_dictionary.py."""
+"""[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Set by the development draws
+of `make blind`, exercised by tests/validation/diagnosing/test_dictionary.py."""
 
 
 SAME_DIRECTION = 0.02

@@ -175,8 +175,8 @@ REACH = 6.0
 tests/validation/diagnosing/test_swings.py."""
 
 LIGHTEST = 0.5
-"""[share] of the mass of an article that is left at the least: more is not missing in a drawing. Held by
-tests/validation/diagnosing/test_swings.py."""
+"""[share] of the mass of an article that is left at the least: more is not missing in a drawing. Set by the development draws of
+`make blind`, exercised by tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -267,11 +267,11 @@ DEGREE = 10
 tests/validation/diagnosing/test_weighed.py."""
 
 NARROWER = 0.7
-"""[factor] by which an interval shrinks whose end no pendulum and no body can have. Held by
-tests/validation/diagnosing/test_swings.py."""
+"""[factor] by which an interval shrinks whose end no pendulum and no body can have. Set by the development draws of `make blind`,
+exercised by tests/validation/diagnosing/test_swings.py."""
 
 TRIES = 12
-"""[count] of times that such an interval shrinks. Held by tests/validation/diagnosing/test_swings.py."""
+"""[count] of times that such an interval shrinks. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -345,7 +345,7 @@ class ObservedFacts:
     @property
     def precision(self) -> Array:
         """(n, n) inverse of the covariance."""
-        return inverse(self.covariance)
+        return inverse_covariance(self.covariance)
 
     @property
     def of_period(self) -> Array:
@@ -381,7 +381,7 @@ def shifted(of: ObservedFacts, added: Added, sizes: Array) -> Array:
     return found
 
 
-def inverse(covariance: Array) -> Array:
+def inverse_covariance(covariance: Array) -> Array:
     """(n, n) of a covariance, in units in which it has ones on its diagonal."""
     sd = np.sqrt(np.diag(covariance))
     return np.asarray(np.linalg.inv(covariance / np.outer(sd, sd)) / np.outer(sd, sd), dtype=np.float64)
@@ -397,7 +397,7 @@ def _left(fact: ArticleFact, offsets: dict[str, float] | None = None) -> float:
 
 
 ANSWERS = 0.1
-"""[sd] of some measurement that an effect at its prior sd must move to be looked at. Held by
+"""[sd] of some measurement that an effect at its prior sd must move to be looked at. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 
@@ -450,12 +450,13 @@ def _moves(one: Answering, of: ObservedFacts) -> bool:
 
 
 DISAGREE = 4.0
-"""[sd] from which two measurements of one quantity contradict each other. Held by tests/validation/diagnosing/test_swings.py."""
+"""[sd] from which two measurements of one quantity contradict each other. Exercised by
+tests/validation/diagnosing/test_swings.py."""
 
 MASS = "mass"
 
 
-def contradictions(of: ObservedFacts, beside: tuple[MeasurementComparison, ...]) -> tuple[str, ...]:
+def contradicting_measurements(of: ObservedFacts, beside: tuple[MeasurementComparison, ...]) -> tuple[str, ...]:
     """Each in a sentence."""
     return (*_of_one_quantity(of, beside), *_of_masses(of))
 
@@ -530,16 +531,17 @@ def _of_masses(of: ObservedFacts) -> Iterator[str]:
 
 
 POINTS = 401
-"""[count] of sizes in each look at one effect. Held by tests/validation/diagnosing/test_weighed.py."""
+"""[count] of sizes in each look at one effect. Exercised by tests/validation/diagnosing/test_weighed.py."""
 
 LOOKS = 4
-"""[count] of looks, each closer than the one before. Held by tests/validation/diagnosing/test_weighed.py."""
+"""[count] of looks, each closer than the one before. Exercised by tests/validation/diagnosing/test_weighed.py."""
 
 FAR = 30.0
-"""[nats] below the summit at which nothing is left. Held by tests/validation/diagnosing/test_weighed.py."""
+"""[nats] below the summit at which nothing is left. Exercised by tests/validation/diagnosing/test_weighed.py."""
 
 NEAR = 1e-4
-"""[nats] below the summit within which the summit itself is looked for. Held by tests/validation/diagnosing/test_weighed.py."""
+"""[nats] below the summit within which the summit itself is looked for. Exercised by
+tests/validation/diagnosing/test_weighed.py."""
 
 TAIL = 0.05
 """[probability] on either side of a 90 % interval. By definition."""
@@ -646,11 +648,11 @@ def steps(sizes: Array) -> Array:
 # measured ``M (1 - s₁/M) (1 - s₂/M)`` is left, so that s = s₁ + s₂ - s₁ s₂ / M.
 
 
-PAIRS_POINTS = 121
-"""[count] of sizes in each look at a pair of effects, along either. Held by tests/validation/diagnosing/test_weighed.py."""
+PAIR_POINTS = 121
+"""[count] of sizes in each look at a pair of effects, along either. Exercised by tests/validation/diagnosing/test_weighed.py."""
 
-PAIRS_LOOKS = 5
-"""[count] of looks at a pair, each closer than the one before. Held by tests/validation/diagnosing/test_weighed.py."""
+PAIR_LOOKS = 5
+"""[count] of looks at a pair, each closer than the one before. Exercised by tests/validation/diagnosing/test_weighed.py."""
 
 
 def both(
@@ -666,12 +668,12 @@ def both(
     The evidence of either is that of both together, and so is what they leave; value and interval are its own.
     """
     ends = [(one.low, one.high) for one in curves]
-    for _ in range(PAIRS_LOOKS):
-        sizes = [np.linspace(low, high, PAIRS_POINTS) for low, high in ends]
-        gained = _pairs_gain(curves, sizes, left, precision, np.zeros(len(left)) if shared is None else shared)
+    for _ in range(PAIR_LOOKS):
+        sizes = [np.linspace(low, high, PAIR_POINTS) for low, high in ends]
+        gained = _pair_gain(curves, sizes, left, precision, np.zeros(len(left)) if shared is None else shared)
         density = gained + sum(np.expand_dims(prior(sizes[k], curves[k], plausible[k]), 1 - k) for k in (0, 1))
         there = density > density.max() - FAR
-        ends = [_pairs_around(sizes[k], there.any(axis=1 - k)) for k in (0, 1)]
+        ends = [_around_pair(sizes[k], there.any(axis=1 - k)) for k in (0, 1)]
     share = np.exp(density - density.max()) * np.outer(steps(sizes[0]), steps(sizes[1]))
     evidence = float(density.max() + np.log(share.sum()))
     best = np.unravel_index(int(np.argmax(gained)), gained.shape)
@@ -680,7 +682,7 @@ def both(
     return one, other
 
 
-def _pairs_gain(
+def _pair_gain(
     curves: tuple[InterpolatedCurve, InterpolatedCurve], sizes: list[Array], left: Array, precision: Array, shared: Array
 ) -> Array:
     """(k, l) logarithm of the likelihood against that of neither."""
@@ -689,7 +691,7 @@ def _pairs_gain(
     return np.asarray(-(s @ precision @ left) - 0.5 * np.einsum("kln,nm,klm->kl", s, precision, s))
 
 
-def _pairs_around(sizes: Array, there: Array) -> tuple[float, float]:
+def _around_pair(sizes: Array, there: Array) -> tuple[float, float]:
     at = np.flatnonzero(there)
     return float(sizes[max(at[0] - 1, 0)]), float(sizes[min(at[-1] + 1, len(sizes) - 1)])
 
@@ -707,27 +709,28 @@ def _weighed(curve: InterpolatedCurve, sizes: Array, share: Array, best: float, 
 
 
 ALIAS_CHI2 = 2.0
-"""[chi²] by which an alias may fit worse than the best. Held by tests/validation/diagnosing/test_swings.py."""
+"""[chi²] by which an alias may fit worse than the best. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 LARGE = 3.0
-"""[prior sd] up to which a size is possible. Held by tests/validation/diagnosing/test_swings.py."""
+"""[prior sd] up to which a size is possible. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 UNLIKELY = 1e-3
-"""[probability] of a misfit below which an explanation explains too little. Held by
+"""[probability] of a misfit below which an explanation explains too little. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 UNKNOWN_BELOW = 1e-5
-"""[probability] of a misfit below which the cause is unknown though nothing is worth a name. Held by
+"""[probability] of a misfit below which the cause is unknown though nothing is worth a name. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 NO_SIZE = 5e-3
-"""[prior sd] below which the best size is none. Held by tests/validation/diagnosing/test_swings.py."""
+"""[prior sd] below which the best size is none. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 PAIR = 2
 """[count] of effects in a pair. By definition."""
 
 OF_PAIRS = 8
-"""[count] of effects, the best by themselves, of which pairs are tried. Held by tests/validation/diagnosing/test_swings.py."""
+"""[count] of effects, the best by themselves, of which pairs are tried. Exercised by
+tests/validation/diagnosing/test_swings.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -844,12 +847,12 @@ def explains(one: ClassicalCandidateFit, measurements: int) -> bool:
 
 
 HALVINGS = 12
-"""[count] of halvings of the interval that holds the size. Held by tests/validation/diagnosing/test_swings.py."""
+"""[count] of halvings of the interval that holds the size. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 
 def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tuple[Detectable, ...]:
     """Of every effect that measurements with this `covariance` (n, n) would name within its reach."""
-    return tuple(_found(tried, inverse(covariance)))
+    return tuple(_found(tried, inverse_covariance(covariance)))
 
 
 def _found(tried: Sequence[ClassicalCandidateFit], precision: Array) -> Iterator[Detectable]:
@@ -876,7 +879,7 @@ def _named(one: ClassicalCandidateFit, size: float, precision: Array) -> bool:
 
 
 ROUNDING = 1e-12
-"""[share] of a variance that is left of one which a single input makes alone. Held by
+"""[share] of a variance that is left of one which a single input makes alone. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 
@@ -893,7 +896,7 @@ def _wrong(of: ObservedFacts) -> Iterator[MeasurementInput]:
     spreads = [fact.spread for fact in of.facts]
     for one in dict.fromkeys(each for spread in spreads for each in spread):
         a = np.array([spread.get(one, 0.0) for spread in spreads])
-        P = inverse(of.covariance - np.outer(a, a) + ROUNDING * np.diag(np.diag(of.covariance)))
+        P = inverse_covariance(of.covariance - np.outer(a, a) + ROUNDING * np.diag(np.diag(of.covariance)))
         z = float(a @ P @ of.left / (a @ P @ a))
         left = of.left - z * a
         if one.name and chance(float(left @ P @ left), len(left) - 1) > UNLIKELY:

@@ -28,7 +28,7 @@ from validation.diagnose.classical import (
     InterpolatedCurve,
     ObservedFacts,
     evidence,
-    inverse,
+    inverse_covariance,
     observed,
     shifted,
 )
@@ -56,22 +56,22 @@ HALF = 0.5
 """[factor] by which the other test differs: shorter or lighter, or twice as well known. By definition."""
 
 BALANCE = 5e-4
-"""[share] One sd of a mass on the balance of an article. Held by tests/validation/diagnosing/test_swings.py."""
+"""[share] One sd of a mass on the balance of an article. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 SMALL_BALANCE = 1e-3
-"""[kg] One sd of the mass of the ropes. Held by tests/validation/diagnosing/test_swings.py."""
+"""[kg] One sd of the mass of the ropes. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 RULER = 2.5e-4
-"""[m] One sd of a stretch; a ruler reads 0.5 mm. Held by tests/validation/diagnosing/test_swings.py."""
+"""[m] One sd of a stretch; a ruler reads 0.5 mm. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 SHARE = 5e-3
-"""[share] of the weight: one sd of what a rope carries. Held by tests/validation/diagnosing/test_swings.py."""
+"""[share] of the weight: one sd of what a rope carries. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 DECAY = 2.5e-4
-"""[1] One sd of a damping ratio from a decay. Held by tests/validation/diagnosing/test_swings.py."""
+"""[1] One sd of a damping ratio from a decay. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 CRANE = 5e-4
-"""[m] One sd of a centre of gravity on the crane. Held by tests/validation/diagnosing/test_swings.py."""
+"""[m] One sd of a centre of gravity on the crane. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 OFF_CENTRE = "off-centre-suspension"
 
@@ -256,17 +256,17 @@ def _swing(fact: ArticleFact) -> RecordedSwing:
 
 
 EXPLANATIONS_TOLD_APART = 6
-"""[count] of explanations that are told apart at most, the best of each family first. Held by
+"""[count] of explanations that are told apart at most, the best of each family first. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 SURE = 30.0
-"""[nats] beyond which nobody is surer. Held by tests/validation/diagnosing/test_swings.py."""
+"""[nats] beyond which nobody is surer. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 WORTH_WHILE = 1.0
-"""[nats] below which a test is not worth the work. Held by tests/validation/diagnosing/test_swings.py."""
+"""[nats] below which a test is not worth the work. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 NAMED = 3
-"""[count] of explanations whose expected reading stands in the words of a test. Held by
+"""[count] of explanations whose expected reading stands in the words of a test. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 
@@ -286,7 +286,7 @@ class _Thought:
     covariance: Array
 
 
-def advised(
+def advised_measurements(
     of: ObservedFacts, rivals: Sequence[ClassicalCandidateFit], progress: Callable[[float], None] | None = None
 ) -> tuple[Advice, ...]:
     """The tests that tell `rivals` apart, the most telling first; of a single one, those that add most to its evidence."""
@@ -372,7 +372,7 @@ def _gains(told: Array) -> Array:
 
 def _evidence(rivals: Sequence[ClassicalCandidateFit], of: _Thought) -> Array:
     """(k, k) were the first true, of the second, without noise."""
-    precision = inverse(of.covariance)
+    precision = inverse_covariance(of.covariance)
     pairs = list(zip(rivals, of.curves, strict=True))
     told = [
         [evidence(curve, rival.answering.plausible, left, precision) for rival, curve in pairs] for left in _truths(rivals, of)

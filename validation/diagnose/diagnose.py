@@ -400,7 +400,7 @@ def _linear_or_not(right: Study, only: Sequence[str], leave_out: Sequence[str], 
 OPTION = "--candidate"
 
 FEWEST_RUNS = 2
-"""[count] of runs of all campaigns together: what one teaches another must confirm. Held by
+"""[count] of runs of all campaigns together: what one teaches another must confirm. Exercised by
 tests/validation/diagnosing/command/test_bad_input.py."""
 
 OTHERWISE = {

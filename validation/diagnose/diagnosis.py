@@ -31,7 +31,7 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
 )
 
 MANY_NATS = 1000.0
-"""[nats] beyond which a forecast of evidence says only that it is decided. Held by
+"""[nats] beyond which a forecast of evidence says only that it is decided. Exercised by
 tests/validation/diagnosing/command/test_page.py."""
 
 
@@ -396,7 +396,7 @@ class Screened:
 
 
 NAMED = 4
-"""[count] of effects that a sentence names; of more, their number is. Held by
+"""[count] of effects that a sentence names; of more, their number is. Exercised by
 tests/validation/diagnosing/command/test_page.py."""
 
 

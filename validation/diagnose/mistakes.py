@@ -54,39 +54,39 @@ from validation.study import Study as FittedData
 
 
 REACH = 1.5
-"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] on the lowest line up to which lines are used. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 LINES = 4
-"""[count] of those lines. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[count] of those lines. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 MOTIONS_OF_A_PLATE = 6
 """[count] of motions of a rigid plate. By definition."""
 
 DRAWS = 400
-"""[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Held by
+"""[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 CONDITION = 40.0
-"""[1] Condition number of the rows of six channels beyond which they do not tell the motion. Held by
+"""[1] Condition number of the rows of six channels beyond which they do not tell the motion. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 DISTANT = 0.15
-"""[share] Distance of a reading from what it should be at which it stops to count much. Held by
+"""[share] Distance of a reading from what it should be at which it stops to count much. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 NEAR = 0.25
-"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Held by
+"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 PORTION = 100
 """[count] of sets that are worked on at once; memory only. By definition."""
 
 ROUNDS = 3
-"""[count] of times that the final estimate is repeated with the channels that are near. Held by
+"""[count] of times that the final estimate is repeated with the channels that are near. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 FAINT = 0.3
-"""[share] of what a channel should read over all runs that counts as its level where it should read less. Held by
+"""[share] of what a channel should read over all runs that counts as its level where it should read less. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 
@@ -204,38 +204,38 @@ def _condition(A: ComplexArray, sets: npt.NDArray[np.int64]) -> Array:
 
 
 OFF = 0.15
-"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[share] by which readings may be off for other reasons. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 SIGN_PENALTY = 8.0
-"""[nats] Prior penalty of a wrong sign. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a wrong sign. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 UNIT_PENALTY = 10.0
-"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a known unit. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 FACTOR_PENALTY = 16.0
-"""[nats] Prior penalty of a factor that is no unit. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a factor that is no unit. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 PLUG_PENALTY = 6.0
-"""[nats] Prior penalty of a channel that reads another's plug. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a channel that reads another's plug. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 SURE = 20.0
-"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Exercised
+by tests/validation/diagnosing/test_mistakes.py."""
 
 USUAL = 2.5
-"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] Nearer to 1 than this a factor is a gain. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 SNAP = 0.2
-"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by
+"""[log] How far the factor that fits best may lie from that of a unit to be it. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 
 FAR = 0.25
-"""[share] Distance, as of `distance`, at which a reading still is not what a mistake says: a gain of two thirds. Held by
+"""[share] Distance, as of `distance`, at which a reading still is not what a mistake says: a gain of two thirds. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
 IMPOSSIBLE = -1e9
-"""[nats] of an accelerometer that holds a force: never taken. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] of an accelerometer that holds a force: never taken. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 

@@ -107,7 +107,7 @@ OTHERS = (
 )
 
 TURNS = ((90.0, 2.0), (180.0, 2.0))
-"""[deg], [h] Turns about z, and the work of each. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[deg], [h] Turns about z, and the work of each. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def named(article: str) -> str:
@@ -218,7 +218,7 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
                     kind=method.words,
                     words=method.words.format(named(what)),
                     hours=method.hours,
-                    facts=partial(_classical_with, facts),
+                    facts=partial(_with_measurement, facts),
                 )
 
 
@@ -237,7 +237,7 @@ def _facts(model: Model, what: str, method: Method) -> tuple[ArticleFact, ...]:
     return tuple(found)
 
 
-def _classical_with(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> tuple[Fact, ...]:
+def _with_measurement(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> tuple[Fact, ...]:
     return tuple(one.with_effects(effects) for one in facts)
 
 
@@ -245,17 +245,18 @@ def _classical_with(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> t
 
 
 LOWEST = 2.0
-"""[Hz] that a shaker of the kind can be driven down to. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[Hz] that a shaker of the kind can be driven down to. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 HIGHEST = 50.0
-"""[Hz] that it can be driven up to; above it a model's modes count as computed. Held by
+"""[Hz] that it can be driven up to; above it a model's modes count as computed. Exercised by
 tests/validation/diagnosing/advisor/test_advised.py."""
 
 FINER = 0.05
-"""[Hz] between lines at the low end. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[Hz] between lines at the low end. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 HALF_LEVEL = 0.5
-"""[share] of the level of a run at which a second one is offered. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[share] of the level of a run at which a second one is offered. Exercised by
+tests/validation/diagnosing/advisor/test_advised.py."""
 
 
 def lower(templates: Sequence[Template]) -> Iterator[OfferedTest]:
@@ -294,16 +295,16 @@ def _what(of: Template) -> str:
 CORNER = "cover-1"
 
 ON_PLATE = 5.0
-"""[kg] that is put on the corner of the cover plate. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[kg] that is put on the corner of the cover plate. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 ON_ARTICLE = 0.5
-"""[kg] that is put on a place of the article. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[kg] that is put on a place of the article. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 HOURS = 1.0
-"""[h] that putting a mass on takes. Held by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[h] that putting a mass on takes. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 PLACES_OF_A_MASS = 2
-"""[count] of places of an article at which a mass is offered at most. Held by
+"""[count] of places of an article at which a mass is offered at most. Exercised by
 tests/validation/diagnosing/advisor/test_advised.py."""
 
 
@@ -347,11 +348,12 @@ WHERE = ("accelerometer-position", "accelerometer-misalignment")
 """What it gets anew when it is moved."""
 
 INWARDS = 0.6
-"""[share] of its distance from the middle of its group to which an accelerometer is moved. Held by
+"""[share] of its distance from the middle of its group to which an accelerometer is moved. Exercised by
 tests/validation/diagnosing/advisor/test_expected.py."""
 
 PARALLEL = 0.99
-"""[1] Cosine between two directions that are the same to a hand. Held by tests/validation/diagnosing/advisor/test_expected.py."""
+"""[1] Cosine between two directions that are the same to a hand. Exercised by
+tests/validation/diagnosing/advisor/test_expected.py."""
 
 TILTED = ("gravity", "accelerometer-tilt", "cable")
 """Families that look like a tilt."""
@@ -460,7 +462,7 @@ CHANGED: Mapping[str, str] = MappingProxyType(
 """By family, how it is changed."""
 
 LEFT_AFTER_TORQUING = 0.5
-"""[share] of an effect that is taken to be left when bolts were torqued again. Held by
+"""[share] of an effect that is taken to be left when bolts were torqued again. Exercised by
 tests/validation/diagnosing/advisor/test_expected.py."""
 
 

@@ -32,9 +32,11 @@ from validation.diagnose.classical import (
     answering,
     candidates,
     chance,
+    contradicting_measurements,
     curve,
     detectable,
     explains,
+    inverse_covariance,
     judged,
     observed,
     pendulum_candidates,
@@ -42,10 +44,7 @@ from validation.diagnose.classical import (
     shifted,
     weighed,
 )
-from validation.diagnose.classical import contradictions as classical_contradictions
-from validation.diagnose.classical import inverse as observed_inverse
-from validation.diagnose.classical_tests import advised as swings_advised
-from validation.diagnose.classical_tests import period_per_inertia
+from validation.diagnose.classical_tests import advised_measurements, period_per_inertia
 from validation.diagnose.diagnosis import (
     AMBIGUOUS,
     MISSING,
@@ -73,16 +72,16 @@ from validation.study import Study as FittedData
 
 
 PLAUSIBLE = 1.0
-"""[prior sd] up to which an effect is nothing special. Held by tests/validation/diagnosing/test_swings.py."""
+"""[prior sd] up to which an effect is nothing special. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 NOTEWORTHY = 1e-2
-"""[probability] of a misfit below which it is said. Held by tests/validation/diagnosing/test_swings.py."""
+"""[probability] of a misfit below which it is said. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 RARE = 1e-6
-"""[probability] of a misfit below which no figure is said. Held by tests/validation/diagnosing/test_swings.py."""
+"""[probability] of a misfit below which no figure is said. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 FREQUENT = 0.5
-"""[probability] of a misfit above which no figure is said. Held by tests/validation/diagnosing/test_swings.py."""
+"""[probability] of a misfit above which no figure is said. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 
 def answer(found: ClassicalVerdict, facts: Sequence[MeasurementComparison]) -> str:
@@ -194,12 +193,12 @@ TRYING = 0.5
 """[share] of the work that is done when every effect has been tried; progress bar only. By definition."""
 
 OTHERS = 15.0
-"""[nats] behind the best within which another explanation is worth a test that excludes it. Held by
+"""[nats] behind the best within which another explanation is worth a test that excludes it. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 
 STANDS_OUT = 3.0
-"""[sd] from which a measurement is named. Held by tests/validation/diagnosing/test_swings.py."""
+"""[sd] from which a measurement is named. Exercised by tests/validation/diagnosing/test_swings.py."""
 
 
 def only_classical(
@@ -225,7 +224,7 @@ def only_classical(
     answers = answering(of, candidates(found, model.effects, only), lambda share: tell(TRYING * share))
     verdict = judged(answers, of.left, of.precision, of.of_period)
     shown = tuple(_beside(fact, left) for fact, left in zip(of.facts, of.left, strict=True))
-    against = classical_contradictions(of, shown)
+    against = contradicting_measurements(of, shown)
     return SwingAnswer(
         title=model.title or model.article,
         source=model.source,
@@ -235,7 +234,7 @@ def only_classical(
         ranking=tuple(_cause(one, verdict) for one in verdict.tried),
         equivalence_class=tuple(one.id for one in verdict.alike),
         advice=(
-            *swings_advised(of, _rivals(verdict), lambda share: tell(TRYING + (1 - TRYING) * share)),
+            *advised_measurements(of, _rivals(verdict), lambda share: tell(TRYING + (1 - TRYING) * share)),
             *_otherwise(verdict, shown),
         ),
         leftover=_leftover(of, verdict, against),
@@ -358,7 +357,7 @@ def _leftover(of: ObservedFacts, verdict: ClassicalVerdict, against: Sequence[st
 FAMILY = "rigid-inertia"
 
 DISAGREE = 4.0
-"""[sd] from which a fact and the campaigns contradict each other. Held by
+"""[sd] from which a fact and the campaigns contradict each other. Exercised by
 tests/validation/diagnosing/test_facts_beside_campaigns.py."""
 
 
@@ -492,12 +491,12 @@ def advised(data: FittedData, at: Candidate, ids: Sequence[str]) -> tuple[Advice
     of = observed(_swings(data, every), every)
     answers = answering(of, [one for one in candidates(of.facts, every) if one.id in ids])
     tried = judged(answers, of.left, of.precision, of.of_period).tried
-    return swings_advised(of, [one for one in tried if one.helps])
+    return advised_measurements(of, [one for one in tried if one.helps])
 
 
 def _told(of: ObservedFacts, one: ClassicalCandidate) -> tuple[Added, Weighed]:
     answer = curve(partial(shifted, of, one.added), one.low, one.high)
-    found = weighed(answer, one.size.plausible, of.left, observed_inverse(of.covariance))
+    found = weighed(answer, one.size.plausible, of.left, inverse_covariance(of.covariance))
     named = replace(one.added.named, values={one.size.key: found.value})
     return replace(one.added, named=named), found
 

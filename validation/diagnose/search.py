@@ -43,7 +43,7 @@ UNSEEN_STEP = 0.05
 draws of `make blind`."""
 
 SIGNIFICANT = 2.0
-"""[sd] from no effect at which an effect is one. Held by tests/validation/diagnosing/test_diagnosed.py."""
+"""[sd] from no effect at which an effect is one. Exercised by tests/validation/diagnosing/test_diagnosed.py."""
 
 FitProgress = Callable[[float], None]
 
@@ -154,11 +154,11 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
 # best of them.
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_restarts.py."""
+"""[octave] of the prior sd: sizes at which an effect is looked at. Exercised by tests/validation/diagnosing/test_restarts.py."""
 
 SIZE_SCAN_FLOOR = 0.2
-"""[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide. Held by
-tests/validation/diagnosing/test_restarts.py."""
+"""[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide.
+Exercised by tests/validation/diagnosing/test_restarts.py."""
 
 
 def can_restart(added: Added) -> bool:
@@ -300,11 +300,11 @@ def indistinguishable(of: SearchStep) -> tuple[CandidateFit, ...]:
 
 
 RIVALS = 5
-"""[count] of names at most that an earlier effect is held against. Held by
+"""[count] of names at most that an earlier effect is held against. Exercised by
 tests/validation/diagnosing/test_backward_elimination.py."""
 
 RIVAL_SHARE = 0.25
-"""[share] of the evidence of the best that such a name must have brought. Held by
+"""[share] of the evidence of the best that such a name must have brought. Exercised by
 tests/validation/diagnosing/test_backward_elimination.py."""
 
 
@@ -387,20 +387,20 @@ MOST_STEPS = 6
 `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of candidates that are fitted in a step at most. Exercised by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_A_FAMILY = 3
-"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of these of one family at most. Exercised by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_THE_STRUCTURE = 2
-"""[count] of these of the structure at least, where any promises something. Held by
+"""[count] of these of the structure at least, where any promises something. Exercised by
 tests/validation/diagnosing/test_search.py."""
 
 WORTH_A_FIT = 4.0
-"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_search.py."""
+"""[nats] that a straight line must promise for a fit. Exercised by tests/validation/diagnosing/test_search.py."""
 
 NULL_MARGIN = 1.0
-"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Held by
+"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Exercised by
 tests/validation/diagnosing/test_search.py."""
 
 SCREENING_MARGIN = 12.0
@@ -422,22 +422,22 @@ REFITS = 1
 `make blind`."""
 
 REPLACEMENTS = 2
-"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Held by
+"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Exercised by
 tests/validation/diagnosing/test_search.py."""
 
 KEPT_SHARE = 0.5
-"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
+"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Exercised by
 tests/validation/diagnosing/test_search.py."""
 
 RESTARTS = 3
-"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of fits of a step that restart from the priors. Exercised by tests/validation/diagnosing/test_search.py."""
 
 LEAST_EXPLAINED = 0.25
 """[share] of the excess cost that an effect must explain for others to be looked for beside it. Set by the development draws of
 `make blind`."""
 
 ALIAS_FITS = 3
-"""[count] of rivals that are fitted though no straight line promised them. Held by
+"""[count] of rivals that are fitted though no straight line promised them. Exercised by
 tests/validation/diagnosing/test_search.py."""
 
 ALIAS_OWN_SHARE = 0.3

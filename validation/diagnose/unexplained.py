@@ -57,17 +57,17 @@ from validation.estimation.screening import Products
 from validation.prediction.series import SeriesPrediction
 
 NEAR = 0.04
-"""[share] of its frequency to either side in which a resonance is looked for again. Held by
+"""[share] of its frequency to either side in which a resonance is looked for again. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 STEPS = 17
-"""[count] of frequencies there. Held by tests/validation/diagnosing/unexplained/test_described.py."""
+"""[count] of frequencies there. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
 
 TIMES = (0.35, 0.6, 1.0, 1.7, 3.0)
-"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/unexplained/test_described.py."""
+"""[factor] on its damping ratio, at each frequency. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
 
 BEST = 4
-"""[count] of explanations of one kind of place and one scope that are kept. Held by
+"""[count] of explanations of one kind of place and one scope that are kept. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 
@@ -220,7 +220,7 @@ OF_PARTS: Mapping[str, tuple[str, str]] = MappingProxyType(
 """By family of parameter: what it looks like, and what it is."""
 
 
-def leftover(found: Explanation, share: float, resonance: float | None) -> Leftover:
+def as_unexplained(found: Explanation, share: float, resonance: float | None) -> Leftover:
     """`found`, which covers `share`, as what the unexplained residual looks like; `resonance` [Hz] of the mode that it names."""
     size, unit = _size(found)
     return Leftover(
@@ -316,15 +316,15 @@ def _size(found: Explanation) -> tuple[float | None, str]:
 
 
 HELD = 0.5
-"""[share] of what is unexplained that a channel must hold to be named. Held by
+"""[share] of what is unexplained that a channel must hold to be named. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 SMOOTH = 0.4
-"""[1] Correlation of neighbouring lines above which what is unexplained is no noise. Held by
+"""[1] Correlation of neighbouring lines above which what is unexplained is no noise. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 ALONE = 1e-6
-"""[share] of a channel that inputs must leave for anything to be known of it. Held by
+"""[share] of a channel that inputs must leave for anything to be known of it. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 
@@ -389,32 +389,32 @@ def held(data: Sequence[Whitened]) -> list[Held]:
 
 NULL = 0.89
 """[cost/dof] Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a
-bound. Held by tests/validation/diagnosing/unexplained/test_described.py."""
+bound. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
 
 SURE = 0.4
-"""[share] of what is unexplained that an explanation must cover to be what it looks like. Held by
+"""[share] of what is unexplained that an explanation must cover to be what it looks like. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 NEARLY = 0.95
-"""[share] of the best gain at which a plainer explanation is as good. Held by
+"""[share] of the best gain at which a plainer explanation is as good. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 MATRIX_WEIGHT = 0.95
-"""[factor] on the gain of a whole matrix, which has many numbers. Held by
+"""[factor] on the gain of a whole matrix, which has many numbers. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 AXIS_WEIGHT = 0.75
-"""[factor] on the gain of a whole axis, which can be many things. Held by
+"""[factor] on the gain of a whole axis, which can be many things. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 ONE_DATA_SET_WEIGHT = 0.8
 """[factor] on the gain of what acts in one of several data sets alone, where shared tolerances give back what they took
-elsewhere. Held by tests/validation/diagnosing/unexplained/test_described.py."""
+elsewhere. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
 
 WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MATRIX_WEIGHT, AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
-"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by
+"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 
@@ -441,7 +441,7 @@ def described(candidate: Candidate) -> Leftover:
     excess = 2 * candidate.fit.cost - float(slope @ slope) - NULL * candidate.fit.degrees_of_freedom
     share = 2 * best.gain / max(excess, 2 * best.gain, HARDLY * candidate.fit.degrees_of_freedom)
     if share >= SURE:
-        return leftover(best, share, _resonance(best, candidate))
+        return as_unexplained(best, share, _resonance(best, candidate))
     return irregular([one.of for one in data], excess, best, share)
 
 

@@ -112,19 +112,19 @@ def _whitened(one: Prediction, lines: Lines, seen: ObservedLines, predicted: Pre
 
 
 FEWEST = 12.0
-"""[count] of free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own. Held by
+"""[count] of free real numbers below which a channel of a run, or a stretch of it, gets no figure of its own. Exercised by
 tests/validation/diagnosing/unexplained/test_misfit.py."""
 
 STRETCHES = 5
-"""[count] of stretches of equally many lines in which a channel of a run is looked at. Held by
+"""[count] of stretches of equally many lines in which a channel of a run is looked at. Exercised by
 tests/validation/diagnosing/unexplained/test_misfit.py."""
 
 SCALES = ("loss",)
 """Families that are relative changes of what scatters by its logarithm: a loss factor may be three times as large, never none."""
 
 TOLD = 0.1
-"""[share] of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due. Held by
-tests/validation/diagnosing/unexplained/test_misfit.py."""
+"""[share] of its prior variance that the data must have taken off a tolerance for its z to be compared with what is due.
+Exercised by tests/validation/diagnosing/unexplained/test_misfit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -318,14 +318,14 @@ STIFFNESS, MASS, DAMPING, RESONANCE, DELAY, GAIN, TILT, NOISE, IRREGULAR = LIKEN
 """What an unexplained residual can look like."""
 
 REFERENCE = 10.0
-"""[Hz] at which shares are stated that change with frequency. Held by
+"""[Hz] at which shares are stated that change with frequency. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 FREQUENCIES = 36
-"""[count] of frequencies of resonances over the band. Held by tests/validation/diagnosing/unexplained/test_described.py."""
+"""[count] of frequencies of resonances over the band. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
 
 RATIOS = (0.004, 0.015, 0.05)
-"""[1] Damping ratios of these resonances. Held by tests/validation/diagnosing/unexplained/test_described.py."""
+"""[1] Damping ratios of these resonances. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -465,7 +465,7 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
 
 
 LEAST = 1e-4
-"""[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Held by
+"""[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Exercised by
 tests/validation/diagnosing/unexplained/test_described.py."""
 
 
@@ -533,7 +533,7 @@ def swallowing(data: Sequence[Whitened], candidate: Candidate) -> list[Swallowin
     away, rows = cost.knowledge(cost.at(fit.by_name))
     acting = [[k for k, one in enumerate(free) if one.name in each.predicted.changes] for each in data]
     names = [tuple(free[k].name for k in some) for some in acting]
-    moved = [_tangents_moved(one, some) for one, some in zip(data, names, strict=True)]
+    moved = [_change_by(one, some) for one, some in zip(data, names, strict=True)]
     gradient = rows.T @ away
     for some, V, one in zip(acting, moved, data, strict=True):
         # (p,) J^T r
@@ -545,7 +545,7 @@ def swallowing(data: Sequence[Whitened], candidate: Candidate) -> list[Swallowin
     return [Swallowing(of=one, names=mine, moved=V, root=R[some], slope=slope) for one, mine, V, some in found]
 
 
-def _tangents_moved(of: Whitened, names: Sequence[str]) -> ComplexArray:
+def _change_by(of: Whitened, names: Sequence[str]) -> ComplexArray:
     r, m, c = of.values.shape
     found = np.empty((m, r, c, len(names)), dtype=np.complex128)
     for run in range(r):

@@ -86,7 +86,23 @@ def own_family(path: Path) -> Family:
     ------
     BadInput : it is no Python, it fails, or it holds no `Family` of that name.
     """
-    module = _executed(path)
+    # The module at `path`. Compiled here, since an import would leave its cache in the folder.
+    file = str(path)
+    name = f"massline_effect_{sha256(file.encode()).hexdigest()[:12]}"
+    module = ModuleType(name)
+    module.__file__ = file
+    sys.modules[name] = module
+    try:
+        with tokenize.open(file) as source:
+            code = compile(source.read(), file, "exec", dont_inherit=True)
+        with redirect_stdout(sys.stderr):  # standard output belongs to the command
+            exec(code, module.__dict__)
+    except OSError:
+        del sys.modules[name]
+        raise
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise in_words(error, file, "") from None
     if not hasattr(module, "FAMILY"):
         raise BadInput(source=str(path), field="FAMILY", problem="is missing", remedy="Write FAMILY = Family(name=..., ...)")
     return of(module.FAMILY, str(path))
@@ -125,15 +141,12 @@ def guarded(function: Callable[..., Any], file: str, what: str) -> Callable[...,
 def in_words(error: BaseException, file: str, what: str) -> BadInput:
     """`error` that code of `file` raised, with the line where it happened."""
     said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-    line = _line(error, file)
+    if isinstance(error, SyntaxError) and error.filename == file:
+        line = error.lineno or 0
+    else:
+        line = next((one.lineno or 0 for one in reversed(extract_tb(error.__traceback__)) if one.filename == file), 0)
     number = f"line {line}, `{getline(file, line).strip()}`, " if line else ""
     return BadInput(source=file, field=what, problem=f"{number}raised {said}", remedy="Correct the file")
-
-
-def _line(error: BaseException, file: str) -> int:
-    if isinstance(error, SyntaxError) and error.filename == file:
-        return error.lineno or 0
-    return next((one.lineno or 0 for one in reversed(extract_tb(error.__traceback__)) if one.filename == file), 0)
 
 
 def _guarded_plant(plant: Callable[[Any], Any], file: str) -> Callable[[Any], Any]:
@@ -148,27 +161,6 @@ def _guarded_plant(plant: Callable[[Any], Any], file: str) -> Callable[[Any], An
         return replace(effect, **{name: guarded(one, file, "plant") for name, one in made.items() if callable(one)})
 
     return call
-
-
-def _executed(path: Path) -> ModuleType:
-    """The module at `path`. Compiled here, since an import would leave its cache in the folder."""
-    file = str(path)
-    name = f"massline_effect_{sha256(file.encode()).hexdigest()[:12]}"
-    module = ModuleType(name)
-    module.__file__ = file
-    sys.modules[name] = module
-    try:
-        with tokenize.open(file) as source:
-            code = compile(source.read(), file, "exec", dont_inherit=True)
-        with redirect_stdout(sys.stderr):  # standard output belongs to the command
-            exec(code, module.__dict__)
-    except OSError:
-        del sys.modules[name]
-        raise
-    except (Exception, SystemExit) as error:
-        del sys.modules[name]
-        raise in_words(error, file, "") from None
-    return module
 
 
 GROUP = "massline.effects"
@@ -467,8 +459,20 @@ def parse(text: str, words: Vocabulary | None = None, *, source: str = "--effect
     words = Vocabulary(places=built_in_places()) if words is None else words
     name, equals, value = (part.strip() for part in text.partition("="))
     family, *targets = (part.strip() for part in name.split(":"))
-    known = _family(family, source)
-    _require_targets(known, name, targets, words, source)
+    if family not in FAMILIES:
+        remedy = f"{nearest(family, FAMILIES)}`massline effects` lists all of them; your own come with --effects-from DIR"
+        raise BadInput(source=source, field=family, problem=f"no effect is called {family!r}", remedy=remedy)
+    known = FAMILIES[family]
+    kinds = known.targets
+    if not len(kinds) - known.optional <= len(targets) <= len(kinds):
+        wanted = " and ".join(kinds) or "no target"
+        raise _refused(source, name, f"it acts on {wanted}, found {':'.join(targets) or 'none'}", known)
+    for kind, target in zip(kinds, targets, strict=False):
+        legal = words.legal(kind)
+        if legal is not None and target not in legal:
+            _refuse_target(known, name, kind, target, legal, source)
+    if len(set(targets)) < len(targets) and len(set(kinds)) < len(kinds):
+        raise _refused(source, name, f"{targets[0]} is named twice", known)
     sizes = known.sizes_at(tuple(targets))
     if equals and not value:
         raise _refused(source, name, "its value is missing", known)
@@ -495,26 +499,6 @@ def parse_all(texts: Sequence[str], words: Vocabulary | None = None, *, source: 
     return tuple(found.values())
 
 
-def _family(name: str, source: str) -> Family:
-    if name not in FAMILIES:
-        remedy = f"{nearest(name, FAMILIES)}`massline effects` lists all of them; your own come with --effects-from DIR"
-        raise BadInput(source=source, field=name, problem=f"no effect is called {name!r}", remedy=remedy)
-    return FAMILIES[name]
-
-
-def _require_targets(family: Family, name: str, targets: list[str], words: Vocabulary, source: str) -> None:
-    kinds = family.targets
-    if not len(kinds) - family.optional <= len(targets) <= len(kinds):
-        wanted = " and ".join(kinds) or "no target"
-        raise _refused(source, name, f"it acts on {wanted}, found {':'.join(targets) or 'none'}", family)
-    for kind, target in zip(kinds, targets, strict=False):
-        legal = words.legal(kind)
-        if legal is not None and target not in legal:
-            _refuse_target(family, name, kind, target, legal, source)
-    if len(set(targets)) < len(targets) and len(set(kinds)) < len(kinds):
-        raise _refused(source, name, f"{targets[0]} is named twice", family)
-
-
 def _refuse_target(family: Family, name: str, kind: str, target: str, legal: tuple[str, ...], source: str) -> None:
     near = nearest(target, legal)
     remedy = f"{near}Known are {', '.join(legal)}" if legal else "Leave it out"
@@ -527,34 +511,30 @@ def _values(name: str, text: str, family: Family, sizes: tuple[SizeSpec, ...], s
     for part in text.split(",") if text else ():
         key, colon, number = (piece.strip() for piece in part.rpartition(":"))
         if key not in by_key or bool(colon) != bool(key):
-            raise _refused(source, name, _surplus(part.strip(), by_key), family)
+            surplus_part = part.strip()
+            if not by_key:
+                surplus = f"it is there or not and has no value, found {surplus_part!r}"
+            else:
+                expected = ", ".join(f"{key}:number" if key else "a number" for key in by_key)
+                surplus = f"its value is {expected}, found {surplus_part!r}"
+            raise _refused(source, name, surplus, family)
         if key in values:
             raise _refused(source, name, f"{key or 'its value'} is given twice", family)
-        values[key] = _sane(source, name, number, by_key[key], family)
+        size = by_key[key]
+        try:
+            value = float(number)
+        except ValueError:
+            raise _refused(source, name, f"a number in SI units is expected, found {number!r}", family) from None
+        what = f"{size.key} [{size.unit}]" if size.key else f"its size [{size.unit}]"
+        if not isfinite(value) or (size.whole and value != round(value)) or not size.low <= value <= size.high:
+            limits = f"{size.low:g} or {size.high:g}" if size.whole else f"between {size.low:g} and {size.high:g}"
+            problem = f"{what} must be {limits}, found {number}"
+            raise BadInput(source=source, field=name, problem=problem, remedy=f"Check its unit; for example {family.example}")
+        values[key] = value
     missing = [size for size in sizes if size.key not in values and size.default is None]
     if missing:
         raise _refused(source, name, f"its {missing[0].key or 'value'} [{missing[0].unit}] is missing", family)
     return {size.key: values.get(size.key, size.default or 0.0) for size in sizes}
-
-
-def _surplus(part: str, sizes: Mapping[str, SizeSpec]) -> str:
-    if not sizes:
-        return f"it is there or not and has no value, found {part!r}"
-    expected = ", ".join(f"{key}:number" if key else "a number" for key in sizes)
-    return f"its value is {expected}, found {part!r}"
-
-
-def _sane(source: str, name: str, text: str, size: SizeSpec, family: Family) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise _refused(source, name, f"a number in SI units is expected, found {text!r}", family) from None
-    what = f"{size.key} [{size.unit}]" if size.key else f"its size [{size.unit}]"
-    if not isfinite(value) or (size.whole and value != round(value)) or not size.low <= value <= size.high:
-        limits = f"{size.low:g} or {size.high:g}" if size.whole else f"between {size.low:g} and {size.high:g}"
-        problem = f"{what} must be {limits}, found {text}"
-        raise BadInput(source=source, field=name, problem=problem, remedy=f"Check its unit; for example {family.example}")
-    return value
 
 
 def _as_factor(text: str, channel: str, words: Vocabulary, name: str, source: str) -> str:
@@ -750,7 +730,10 @@ def acts(named: Named, there: There) -> bool:
     """Whether the effect `named` has something to act on; one whose place may be left out, and is, acts on all."""
     if is_local(named):
         return named.target in known(named, there) if named.targets else bool(known(named, there))
-    return _is_recorded(named, there) and (not on_article(named) or bool(there.article))
+    pairs = zip(FAMILIES[named.family].targets, named.targets, strict=False)
+    asked = [target for kind, target in pairs if kind in (CHANNEL, FORCE, ACCELEROMETER)]
+    is_recorded = there.channels is None or all(target in there.channels for target in asked)
+    return is_recorded and (not on_article(named) or bool(there.article))
 
 
 def known(named: Named, there: There) -> tuple[str, ...]:
@@ -771,12 +754,6 @@ def of_parts(named: Named) -> bool:
 def on_article(named: Named) -> bool:
     """Whether it needs something that stands on the cover plate."""
     return (FAMILIES[named.family].side == STRUCTURE and named.family != "gravity") or named.family == "friction"
-
-
-def _is_recorded(named: Named, there: There) -> bool:
-    pairs = zip(FAMILIES[named.family].targets, named.targets, strict=False)
-    asked = [target for kind, target in pairs if kind in (CHANNEL, FORCE, ACCELEROMETER)]
-    return there.channels is None or all(target in there.channels for target in asked)
 
 
 # Whether a family that somebody brings is whole: all that every command needs, and an equation that keeps its promises.
@@ -803,16 +780,35 @@ def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[
     BadInput : its file (`source`), the field, what was found, and what to write.
     """
     require_form(family, source)
-    _require_name(family.name, known, sources, source)
+    name = family.name
+    if not NAME.fullmatch(name):
+        raise _refused_as_unsound(
+            source, "name", f"must be lower-case words joined by -, found {name!r}", "Write for example rope-slack"
+        )
+    if name in known:
+        where = sources.get(name, "massline itself")
+        raise _refused_as_unsound(
+            source, "name", f"an effect called {name!r} is there already, from {where}", "Choose another name"
+        )
     for field, remedy in WORDS.items():
         if not getattr(family, field).strip():
-            raise _sound_refused(source, field, "is missing", f"{field}=...: {remedy}")
+            raise _refused_as_unsound(source, field, "is missing", f"{field}=...: {remedy}")
     _require_word(family.side, SIDES, "side", source)
     _require_word(family.stage, STAGES, "stage", source)
     for kind in family.targets:
         _require_word(kind, KINDS, "targets", source)
     for size in dict.fromkeys((*family.sizes, *(one for sizes in family.varying.values() for one in sizes))):
-        _require_size(size, source)
+        what = f"sizes ({size.key})" if size.key else "sizes"
+        if not size.unit.strip():
+            raise _refused_as_unsound(source, what, "its unit is missing", 'Give it in SI, "1" for a ratio')
+        if not (isfinite(size.low) and isfinite(size.high) and size.low < size.high):
+            raise _refused_as_unsound(
+                source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them"
+            )
+        if not (isfinite(size.plausible) and size.plausible >= 0):
+            raise _refused_as_unsound(
+                source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation"
+            )
     _require_equation(family, source)
 
 
@@ -827,52 +823,36 @@ def require_usable(family: Family, source: str) -> None:
     try:
         example = parse(family.example.split(", or ")[0])
     except BadInput as error:
-        raise _sound_refused(source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy) from None
+        raise _refused_as_unsound(
+            source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy
+        ) from None
     if example.family != family.name:
-        raise _sound_refused(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
+        raise _refused_as_unsound(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
     if family.change is None:
         return
     trial = FamilyTrial(change=family.change, example=example, source=source)
     require_kept(trial, family.stage, null_values(family, example.targets, example.values))
 
 
-def _require_name(name: str, known: Mapping[str, Family], sources: Mapping[str, str], source: str) -> None:
-    if not NAME.fullmatch(name):
-        raise _sound_refused(
-            source, "name", f"must be lower-case words joined by -, found {name!r}", "Write for example rope-slack"
-        )
-    if name in known:
-        where = sources.get(name, "massline itself")
-        raise _sound_refused(source, "name", f"an effect called {name!r} is there already, from {where}", "Choose another name")
-
-
 def _require_word(word: str, words: tuple[str, ...], field: str, source: str) -> None:
     if word not in words:
         remedy = f"{nearest(word, words)}Known are {', '.join(words)}"
-        raise _sound_refused(source, field, f"must be one of those known, found {word!r}", remedy)
-
-
-def _require_size(size: SizeSpec, source: str) -> None:
-    what = f"sizes ({size.key})" if size.key else "sizes"
-    if not size.unit.strip():
-        raise _sound_refused(source, what, "its unit is missing", 'Give it in SI, "1" for a ratio')
-    if not (isfinite(size.low) and isfinite(size.high) and size.low < size.high):
-        raise _sound_refused(source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them")
-    if not (isfinite(size.plausible) and size.plausible >= 0):
-        raise _sound_refused(source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation")
+        raise _refused_as_unsound(source, field, f"must be one of those known, found {word!r}", remedy)
 
 
 def _require_equation(family: Family, source: str) -> None:
     if family.stage == OPENED:
         problem = "is opened, and no parameter of a laboratory has its name"
-        raise _sound_refused(
+        raise _refused_as_unsound(
             source, "stage", problem, f"Name what it changes, one of {', '.join(STAGES[:-1])}, and give `change`"
         )
     if family.change is None:
-        raise _sound_refused(source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage")
+        raise _refused_as_unsound(
+            source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage"
+        )
 
 
-def _sound_refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
+def _refused_as_unsound(source: str, field: str, problem: str, remedy: str) -> BadInput:
     return BadInput(source=source, field=field, problem=problem, remedy=remedy)
 
 
@@ -914,7 +894,12 @@ class FamilyTrial:
             problem = f"must return the changed {type(stage).__name__}, found {type(found).__name__}"
             raise self.refused(problem, "Return dataclasses.replace(stage, ...)")
         for name, was, now in arrays(stage, found):
-            needed = _grown(was.shape, stage, found)
+            # `was.shape` with the coordinates that matrices have gained; nothing else may grow
+            if not isinstance(stage, Matrices):
+                needed = was.shape
+            else:
+                k = len(stage.mass)
+                needed = tuple(len(found.mass) if n == k else n for n in was.shape)
             if np.shape(now) != needed:
                 problem = f"leaves `{name}` of shape {np.shape(now)}, where {needed} is needed"
                 raise self.refused(problem, "Return arrays of the shape that came in")
@@ -942,17 +927,13 @@ def require_kept(trial: FamilyTrial, stage: str, null: Mapping[str, float] | Non
         sizes = ", ".join(f"{key or 'size'} {value:g}" for key, value in null.items())
         raise trial.refused(f"changes something at {sizes}, where there is no effect", "Correct it, or `null`")
     if stage == CHANNEL_STAGE:
-        _require_linear(trial, before, after)
+        turned = 2.0 * np.exp(0.7j)
+        twice = trial.on(replace(before, rows=turned * before.rows))
+        if not _behave_alike(twice.rows, turned * after.rows):
+            problem = "is not linear in `rows`: derivatives could not pass through it"
+            raise trial.refused(problem, "Multiply rows, or add one to another; take levels from `amplitude`")
     if stage == STRUCTURE_STAGE:
         _require_adding(trial, before, after)
-
-
-def _require_linear(trial: FamilyTrial, before: Any, after: Any) -> None:
-    turned = 2.0 * np.exp(0.7j)
-    twice = trial.on(replace(before, rows=turned * before.rows))
-    if not _trial_alike(twice.rows, turned * after.rows):
-        problem = "is not linear in `rows`: derivatives could not pass through it"
-        raise trial.refused(problem, "Multiply rows, or add one to another; take levels from `amplitude`")
 
 
 def _require_adding(trial: FamilyTrial, before: Any, after: Any) -> None:
@@ -960,18 +941,10 @@ def _require_adding(trial: FamilyTrial, before: Any, after: Any) -> None:
     n = len(before.mass)
     for name in ADDED_TO:
         was, shift = getattr(before, name), getattr(other, name) - getattr(after, name)
-        if not _trial_alike(shift[:n, :n], 0.5 * was):
+        if not _behave_alike(shift[:n, :n], 0.5 * was):
             problem = f"adds to `{name}` what depends on the matrices that are there: derivatives could not pass it"
             raise trial.refused(problem, "Build what is added of `places`, `parts` and `cog`")
 
 
-def _trial_alike(found: Any, expected: Any) -> bool:
+def _behave_alike(found: Any, expected: Any) -> bool:
     return bool(np.allclose(found, expected, rtol=0, atol=SAME * float(np.max(np.abs(expected)))))
-
-
-def _grown(shape: tuple[int, ...], before: Any, after: Any) -> tuple[int, ...]:
-    """`shape` with the coordinates that matrices have gained; nothing else may grow."""
-    if not isinstance(before, Matrices):
-        return shape
-    k = len(before.mass)
-    return tuple(len(after.mass) if n == k else n for n in shape)

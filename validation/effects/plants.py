@@ -35,12 +35,10 @@ def at(place: Place, maker: Maker | str) -> Callable[[Named], PlantedEffect]:
 def _planted(place: Place, maker: Maker | str, named: Named) -> PlantedEffect:
     from validation.virtual_test.plan import PlantedEffect
 
-    changes: dict[str, Any] = {place: _made(maker)(named)}
-    return PlantedEffect(id=named.id, value=dict(named.values), **changes)
-
-
-def _made(maker: Maker | str) -> Maker:
     if not isinstance(maker, str):
-        return maker
-    found: Maker = getattr(import_module("validation.virtual_test.planted"), maker)
-    return found
+        made = maker
+    else:
+        found: Maker = getattr(import_module("validation.virtual_test.planted"), maker)
+        made = found
+    changes: dict[str, Any] = {place: made(named)}
+    return PlantedEffect(id=named.id, value=dict(named.values), **changes)

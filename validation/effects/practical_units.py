@@ -50,17 +50,23 @@ def is_ratio(family: str, key: str = "") -> bool:
     return any(_is_share(size) for size in _described(family) if size.key == key)
 
 
-def is_signed(family: str, key: str = "") -> bool:
-    """Whether it may be more or less than none."""
-    return any(size.low < 0 for size in _described(family) if size.key == key)
-
-
 def written(family: str, key: str, unit: str, values: Sequence[float]) -> tuple[tuple[str, ...], str]:
     """`values` of one size of `family` with the digits that their differences deserve, and the unit in which they stand."""
     ratio = is_ratio(family, key)
     chosen = scale(unit, max((abs(one) for one in values if isfinite(one)), default=0.0), ratio=ratio)
     shown = [chosen.per_si * one for one in values]
-    form, signed = _form(shown), is_signed(family, key)
+    # With two digits of the width of `shown`, of one alone with three digits; with an exponent where zeros would be counted
+    finite = [value for value in shown if isfinite(value)]
+    most, width = max(map(abs, finite), default=0.0), max(finite, default=0.0) - min(finite, default=0.0)
+    if most == 0:
+        form: str = "{:g}"
+    elif not SMALL <= most < LARGE:
+        form = "{:.3g}"
+    else:
+        first = floor(log10(width)) - 1 if width > 1e-6 * most else floor(log10(most)) - 2
+        form = f"{{:.{max(-first, 0)}f}}"
+    # Whether it may be more or less than none
+    signed = any(size.low < 0 for size in _described(family) if size.key == key)
     return tuple(("+" if signed and value > 0 else "") + form.format(value) for value in shown), chosen.unit
 
 
@@ -73,18 +79,6 @@ def one(family: str, key: str, unit: str, value: float) -> str:
 def with_unit(text: str, unit: str) -> str:
     """A figure and its unit; a degree follows at once."""
     return text + (unit if unit == "°" else f" {unit}" if unit else "")
-
-
-def _form(values: Sequence[float]) -> str:
-    """With two digits of the width of `values`, of one alone with three digits; with an exponent where zeros would be counted."""
-    finite = [value for value in values if isfinite(value)]
-    most, width = max(map(abs, finite), default=0.0), max(finite, default=0.0) - min(finite, default=0.0)
-    if most == 0:
-        return "{:g}"
-    if not SMALL <= most < LARGE:
-        return "{:.3g}"
-    first = floor(log10(width)) - 1 if width > 1e-6 * most else floor(log10(most)) - 2
-    return f"{{:.{max(-first, 0)}f}}"
 
 
 def _described(family: str) -> tuple[Described, ...]:

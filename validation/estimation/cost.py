@@ -181,7 +181,7 @@ def _determinant(A: ComplexArray) -> float:
 
 
 ALONE = 1e-9
-"""[share] 1 - h of a channel below which no other tells what it does. Held by tests/validation/engine/test_likelihood.py."""
+"""[share] 1 - h of a channel below which no other tells what it does. Exercised by tests/validation/engine/test_likelihood.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

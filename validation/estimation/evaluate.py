@@ -31,7 +31,7 @@ from validation.estimation.result import Evaluation, Fit, Share
 
 FLOOR = 0.005
 """[share] Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
-measurement, of some 0.3 % to 1.5 %, are not fitted here. Held by tests/validation/engine/test_errors.py."""
+measurement, of some 0.3 % to 1.5 %, are not fitted here. Exercised by tests/validation/engine/test_errors.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,7 +130,7 @@ Runs = Mapping[str, tuple[str, ...]]
 NOBODY: Runs = MappingProxyType({})
 
 SHORTEST = 1.0
-"""[Hz] that a block of frequencies is at least. Held by tests/validation/engine/test_hold_out.py."""
+"""[Hz] that a block of frequencies is at least. Exercised by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -286,14 +286,15 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
 
 
 NEAR = 3.0
-"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Held by
+"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Exercised by
 tests/validation/engine/test_hold_out.py."""
 
 FEW = 8
-"""[count] of evaluations that a fold may take beyond that. Held by tests/validation/engine/test_hold_out.py."""
+"""[count] of evaluations that a fold may take beyond that. Exercised by tests/validation/engine/test_hold_out.py."""
 
 SHORTER = 8
-"""[count] of times that a step is halved at which the model breaks down. Held by tests/validation/engine/test_hold_out.py."""
+"""[count] of times that a step is halved at which the model breaks down. Exercised by
+tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -345,14 +346,14 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
             break
         step[beyond] = there[beyond] - x[beyond]
         moving &= ~beyond
-    step = _standing(rest, at.x, step)
+    step = _within_bounds(rest, at.x, step)
     offsets = rest.offsets(at.x + step)
     if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
         return offsets
-    return _further(rest, offsets)
+    return _descended(rest, offsets)
 
 
-def _standing(cost: Cost, x: Array, step: Array) -> Array:
+def _within_bounds(cost: Cost, x: Array, step: Array) -> Array:
     """`step`, or its longest half from which the model does not break down: no body has every ten parameters.
 
     That is no matter of frequency: one line of every data set tells it.
@@ -372,7 +373,7 @@ def _solve(matrix: Array, force: Array) -> Array:
     return np.asarray(scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * force))
 
 
-def _further(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
+def _descended(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
     """From `offsets` with the data that are left; these themselves where the model breaks down there."""
 
     def nobody(share: float) -> None:
@@ -385,7 +386,7 @@ def _further(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
 
 
 QUICK_STRIDE = 3
-"""[count] Quick errors are told at every third line. Held by tests/validation/engine/test_hold_out.py."""
+"""[count] Quick errors are told at every third line. Exercised by tests/validation/engine/test_hold_out.py."""
 
 
 def evaluate(

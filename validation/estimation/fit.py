@@ -32,31 +32,31 @@ from validation.estimation.result import Fit
 
 
 COARSE = (0.2, 0.06)
-"""[share] Model-error floors of the stages before tolerances of the measurement are released. Held by
+"""[share] Model-error floors of the stages before tolerances of the measurement are released. Exercised by
 tests/validation/engine/test_fit.py."""
 
 FINE = (0.02, 0.006, 0.003)
-"""[share] Model-error floors of the stages after that, before the last. Held by tests/validation/engine/test_fit.py."""
+"""[share] Model-error floors of the stages after that, before the last. Exercised by tests/validation/engine/test_fit.py."""
 
 ROUGHLY = 1.0
-"""[sd] that the last step of a stage may be which is not the last. Held by tests/validation/engine/test_fit.py."""
+"""[sd] that the last step of a stage may be which is not the last. Exercised by tests/validation/engine/test_fit.py."""
 
 STEPS = 6
-"""[count] of evaluations that such a stage may take. Held by tests/validation/engine/test_fit.py."""
+"""[count] of evaluations that such a stage may take. Exercised by tests/validation/engine/test_fit.py."""
 
 STAGE_STRIDE = 3
-"""[count] Such a stage takes every third line, where that leaves enough: its minimum need not be sharp. Held by
+"""[count] Such a stage takes every third line, where that leaves enough: its minimum need not be sharp. Exercised by
 tests/validation/engine/test_fit.py."""
 
 RESTARTS = 6
-"""[count] of times that a descent which did not end by itself begins again where it stopped. Held by
+"""[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by
 tests/validation/engine/test_fit.py."""
 
 RESTART_GAIN = 1.0
-"""[nats] that each of these must gain to go on. Held by tests/validation/engine/test_fit.py."""
+"""[nats] that each of these must gain to go on. Exercised by tests/validation/engine/test_fit.py."""
 
 ROUNDING = 1e-9
-"""[sd] from a bound that are none. Held by tests/validation/engine/test_fit.py."""
+"""[sd] from a bound that are none. Exercised by tests/validation/engine/test_fit.py."""
 
 BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
 """What a prediction raises where its model breaks down."""
@@ -144,17 +144,17 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
         if idle:
             break
     progress(0.95)
-    seen = standing(cost, cost.offsets(solution.seen), converged=converged, data=solution.data)
+    seen = at_its_bounds(cost, cost.offsets(solution.seen), converged=converged, data=solution.data)
     if np.array_equal(solution.x, solution.seen):
         return seen
     try:
-        last = standing(cost, cost.offsets(solution.x), converged=converged)
+        last = at_its_bounds(cost, cost.offsets(solution.x), converged=converged)
     except BREAKDOWNS:  # the last step was taken unseen
         return seen
     return min(last, seen, key=lambda end: end.whole.cost)  # nor need it go down where the valley bends
 
 
-def standing(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
+def at_its_bounds(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
     """The point `offsets` as an end, what stands at a bound there held.
 
     Parameters
@@ -193,20 +193,20 @@ def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solutio
 
 
 FLOOR = 0.0015
-"""[share] of the level of a channel: model-error floor at which fits are compared. Held by
+"""[share] of the level of a channel: model-error floor at which fits are compared. Exercised by
 tests/validation/engine/test_fit.py."""
 
 TRIAL = 20
 """[count] of evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not
-there. Held by tests/validation/engine/test_fit.py."""
+there. Exercised by tests/validation/engine/test_fit.py."""
 
 CHILD_RESTARTS = 3
 """[count] of times that a descent of a child begins again: it has others, one of which ends lower where this one creeps along a
-valley. Held by tests/validation/engine/test_fit.py."""
+valley. Exercised by tests/validation/engine/test_fit.py."""
 
 PLAIN_FLOOR = 0.01
 """[share] The same floor where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a
-prediction. Held by tests/validation/engine/test_fit.py."""
+prediction. Exercised by tests/validation/engine/test_fit.py."""
 
 
 def fit(
@@ -392,19 +392,19 @@ def _degrees(end: End) -> int:
 
 
 SINGLE_PLACES = 41
-"""[count] of places along a single size. Held by tests/validation/engine/test_starting.py."""
+"""[count] of places along a single size. Exercised by tests/validation/engine/test_starting.py."""
 
 SEVERAL_PLACES = 9
-"""[count] of places along each of several sizes. Held by tests/validation/engine/test_starting.py."""
+"""[count] of places along each of several sizes. Exercised by tests/validation/engine/test_starting.py."""
 
 REACH = 2.0
-"""[prior sd] to either side that a grid covers. Held by tests/validation/engine/test_starting.py."""
+"""[prior sd] to either side that a grid covers. Exercised by tests/validation/engine/test_starting.py."""
 
 NEXT_TO_NOTHING = -7.0
-"""[log] Offset of a small amplitude from where it stands: a thousandth. Held by tests/validation/engine/test_starting.py."""
+"""[log] Offset of a small amplitude from where it stands: a thousandth. Exercised by tests/validation/engine/test_starting.py."""
 
 PROMISING = 5
-"""[count] of places whose true cost is looked at. Held by tests/validation/engine/test_starting.py."""
+"""[count] of places whose true cost is looked at. Exercised by tests/validation/engine/test_starting.py."""
 
 
 def start(

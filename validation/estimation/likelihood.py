@@ -41,7 +41,7 @@ from validation.estimation.problem import Change, Conveyed, Lines, Measured, Pre
 
 
 FEW = 24
-"""[count] of parameters of several channels that go no common way up to which it is the quicker. Held by
+"""[count] of parameters of several channels that go no common way up to which it is the quicker. Exercised by
 tests/validation/engine/test_conveying.py."""
 
 
@@ -111,7 +111,7 @@ def ways(changes: Mapping[str, Change | Conveyed], names: Sequence[str], count: 
 
 def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w: Array) -> Normal:
     """Of one run, from its residual (m, c), the directions (m, c, k) of its inputs, these (m, k), and weights (m, c)."""
-    O, R = _conveying_beside_inputs(of, Q, w)
+    O, R = _directions_beside_inputs(of, Q, w)
     y = _conveyed(of, u) @ R.transpose(0, 2, 1)
     single = w[:, of.at].T * np.sum(of.rows * u, axis=-1)
     whole = w * (of.whole @ u[..., None])[..., 0]
@@ -142,7 +142,7 @@ def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w
     return Normal(cost=0.5 * float(np.sum(np.square(np.abs(r)))), gradient=gradient, matrix=matrix)
 
 
-def _conveying_beside_inputs(of: Ways, Q: ComplexArray | None, w: Array) -> tuple[ComplexArray, ComplexArray]:
+def _directions_beside_inputs(of: Ways, Q: ComplexArray | None, w: Array) -> tuple[ComplexArray, ComplexArray]:
     """O (m, c, j) and R (m, j, j)."""
     T = np.zeros((*w.shape, of.through.shape[2]), dtype=np.complex128)
     T[:, of.channels] = w[:, of.channels, None] * of.through

@@ -34,7 +34,7 @@ TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 
 
 WITHIN = 2.5
-"""[tolerance] by which a plain fit may move what is declared. Held by tests/validation/engine/test_fit.py."""
+"""[tolerance] by which a plain fit may move what is declared. Exercised by tests/validation/engine/test_fit.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -253,7 +253,7 @@ class Fact(Protocol):
 ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 
 FEWEST = 20
-"""[count] of lines of a data set below which none is left out. Held by tests/validation/engine/test_problem.py."""
+"""[count] of lines of a data set below which none is left out. Exercised by tests/validation/engine/test_problem.py."""
 
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
@@ -348,11 +348,11 @@ def _require_agreement(first: Parameter, said_by: str, second: Parameter, source
 
 
 AT_MOST = 100
-"""[count] of lines of one data set that a fit uses. Held by tests/validation/engine/test_problem.py."""
+"""[count] of lines of one data set that a fit uses. Exercised by tests/validation/engine/test_problem.py."""
 
 STEEPEST = 0.3
-"""[share] Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines. Held by
-tests/validation/engine/test_problem.py."""
+"""[share] Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines. Exercised
+by tests/validation/engine/test_problem.py."""
 
 
 def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:

@@ -37,7 +37,7 @@ from validation.estimation.problem import EFFECT, Fact, Offsets, Parameter, Pred
 from validation.estimation.result import Fit
 
 KNOWN = 1e-12
-"""[share] of its own square that must be left of a column beside the others for the data to tell it at all. Held by
+"""[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
 tests/validation/engine/test_screening.py."""
 
 

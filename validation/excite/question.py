@@ -94,7 +94,22 @@ def attached(
     BadInput : a text that cannot be read, a value that is not positive or out of all proportion (`Sane`), something said twice, a
         preload without cells.
     """
-    loads = _preloads(preload)
+    loads: dict[str, float] = {}
+    for text in preload:
+        cell, equals, value = text.partition("=")
+        numbers = (_known(cell.strip(), CELLS, "--preload", "cell"),) if equals else CELLS
+        from geometry.toml_file import quantity
+
+        force_text = value if equals else text
+        try:
+            force = float(quantity(force_text, "force", source="--preload", field="").nominal_value)
+        except BadInput as error:
+            raise _refused("--preload", error.problem) from None
+        if force <= 0:
+            raise _refused("--preload", f"a preload presses a cell together and must be positive, found {force_text.strip()}")
+        for number in numbers:
+            _once(number in loads, "--preload", f"cell {number}")
+            loads[number] = force
     if loads and not cells:
         problem = "only cells that are springs can lift off, and they are rigid here"
         raise BadInput(source="--preload", problem=problem, remedy="Add --cells, or leave the preload out")
@@ -125,30 +140,6 @@ def require_places(struts: Sequence[Strut], places: Collection[str], article: st
         raise BadInput(source=option, problem=f"{article} has no place {strut.place!r}", remedy=remedy)
 
 
-def _preloads(texts: Sequence[str]) -> dict[str, float]:
-    loads: dict[str, float] = {}
-    for text in texts:
-        cell, equals, value = text.partition("=")
-        numbers = (_known(cell.strip(), CELLS, "--preload", "cell"),) if equals else CELLS
-        force = _force(value if equals else text)
-        for number in numbers:
-            _once(number in loads, "--preload", f"cell {number}")
-            loads[number] = force
-    return loads
-
-
-def _force(text: str) -> float:
-    from geometry.toml_file import quantity
-
-    try:
-        force = float(quantity(text, "force", source="--preload", field="").nominal_value)
-    except BadInput as error:
-        raise _refused("--preload", error.problem) from None
-    if force <= 0:
-        raise _refused("--preload", f"a preload presses a cell together and must be positive, found {text.strip()}")
-    return force
-
-
 def _flange(texts: Sequence[str]) -> Flange | None:
     compliance = np.zeros(6)
     for text in texts:
@@ -166,19 +157,15 @@ def _frictions(texts: Sequence[str]) -> tuple[Friction, ...]:
         _known(axis, LATERAL, "--friction", "axis")
         _once(axis in found, "--friction", axis)
         force, *more = (part.strip() for part in value.split(","))
-        given = {"axis": axis, "slip_force": _sane("--friction", axis, force, SLIP_FORCE), **_masses(more)}
+        masses: dict[str, float] = {}
+        for masses_text in more:
+            key, _, masses_value = (part.strip() for part in masses_text.partition(":"))
+            _known(key, ("mass",), "--friction", "property")
+            _once(bool(masses), "--friction", key)
+            masses[key] = _sane("--friction", key, masses_value, LOOSE_MASS)
+        given = {"axis": axis, "slip_force": _sane("--friction", axis, force, SLIP_FORCE), **masses}
         found[axis] = Friction(**given)  # type: ignore[arg-type]  # the axis was compared with those that are known
     return tuple(found.values())
-
-
-def _masses(more: Sequence[str]) -> dict[str, float]:
-    masses: dict[str, float] = {}
-    for text in more:
-        key, _, value = (part.strip() for part in text.partition(":"))
-        _known(key, ("mass",), "--friction", "property")
-        _once(bool(masses), "--friction", key)
-        masses[key] = _sane("--friction", key, value, LOOSE_MASS)
-    return masses
 
 
 def _struts(option: str, texts: Sequence[str]) -> dict[str, Array]:
@@ -325,7 +312,10 @@ def drive(
     BadInput : one of them is no such word, no number or out of its range; an axis is named twice, or beside all of them.
     """
     _word("--pattern", pattern, PATTERNS)
-    _require_band(band)
+    low, high = band
+    if not (np.isfinite(low) and np.isfinite(high) and 0 < low < high):
+        problem = f"a band goes from above 0 Hz up to a higher frequency, found {low:g} to {high:g} Hz"
+        raise BadInput(source="--band", problem=problem, remedy="Give the lower end first: --band 4 32")
     _within("--octaves-per-minute", octaves_per_minute, 1e-2, 1e3, "Write 2 for the paper's sweeps")
     _within("--level", level, 1e-6, LARGEST_LEVEL, "1 is the nominal level, 0.5 half of it")
     _within("--cross", cross, 0.0, LARGEST_CROSS, "Write for example 0.03; 0 is a table without cross motion")
@@ -386,13 +376,6 @@ def _axes(axes: Sequence[str], every: bool, pattern: str) -> tuple[str, ...]:
     if axes:
         return tuple(axes)
     return MOTIONS if every or pattern == MULTI else MOTIONS[:1]
-
-
-def _require_band(band: tuple[float, float]) -> None:
-    low, high = band
-    if not (np.isfinite(low) and np.isfinite(high) and 0 < low < high):
-        problem = f"a band goes from above 0 Hz up to a higher frequency, found {low:g} to {high:g} Hz"
-        raise BadInput(source="--band", problem=problem, remedy="Give the lower end first: --band 4 32")
 
 
 def _within(option: str, value: float, low: float, high: float, remedy: str) -> None:

@@ -112,17 +112,14 @@ def passed(found: Amplitudes | None, run: Run, modes: RigModes) -> tuple[Passed,
     held = share.max(axis=0) / (2 * np.maximum(modes.damping_ratio, LEAST_DAMPING))
     inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop) & (held > SHOWS)
     listed = np.flatnonzero(inside)
-    ends = _search_ends(run.sweep, modes.frequency[listed])
+    # Until when [s] the largest load of each resonance of `frequency` (k,) [Hz], ascending, is looked for
+    frequency = modes.frequency[listed]
+    at = run.sweep.time_at(frequency)
+    patience = AFTER / np.sqrt(2 * np.pi * frequency * run.sweep.rate * np.log(2) / 60)
+    following = np.append(at[1:], np.inf)[: len(at)]
+    ends = np.asarray(np.where(following - at > CUT * patience, np.minimum(at + patience, following), at + patience))
     axes = [run.axes[int(np.argmax(share[:, r]))] for r in listed]
     return tuple(_passed(found, run.sweep, modes, *one) for one in zip(listed.tolist(), axes, ends.tolist(), strict=True))
-
-
-def _search_ends(sweep: Sweep, frequency: Array) -> Array:
-    """Until when [s] the largest load of each resonance of `frequency` (k,) [Hz], ascending, is looked for."""
-    at = sweep.time_at(frequency)
-    patience = AFTER / np.sqrt(2 * np.pi * frequency * sweep.rate * np.log(2) / 60)
-    following = np.append(at[1:], np.inf)[: len(at)]
-    return np.asarray(np.where(following - at > CUT * patience, np.minimum(at + patience, following), at + patience))
 
 
 def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int, end: float) -> Passed:

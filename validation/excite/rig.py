@@ -91,10 +91,27 @@ def mounted(article: str, model: str, asked: FlexibleOptions, attached: Attached
     BadInput, CheckFailed : as `validation.flexible.model.flexible`.
     """
     if article == FMD:
-        return ArticleOnTable(article=article, rig=_bare(asked, attached), model=None)
+        from fem.base_excitation import rig
+
+        # The FMD with nothing on it, as its tare is taken: cover plate and article are one half of its moving part each
+        _, cover = _fmd(asked)
+        half = cover.scaled(0.5)
+        bare = Rig(
+            article=rig.rigid(FMD, half, {}),
+            cover=half,
+            cells=_cells(asked, attached, cover.mass),
+            frictions=attached.frictions,
+        )
+        return ArticleOnTable(article=article, rig=bare, model=None)
     above = _above(article)
     own = replace(asked, cells=False, changes=changes_of(above, asked.changes) if is_stack(article) else asked.changes)
-    made = _followed(flexible(above, model, own), above, model, own, highest)
+    # `followed_made`, the `model` of `above`, without its modes above `highest` [Hz], but for the first
+    followed_made = flexible(above, model, own)
+    count = int(np.sum(followed_made.modes.frequency <= highest))
+    if count == len(followed_made.modes.frequency) or followed_made.structure is None:
+        made = followed_made
+    else:
+        made = flexible(above, model, replace(own, count=max(count, 1)))
     return assembled(article, made, asked, attached, highest)
 
 
@@ -123,14 +140,6 @@ def _above(article: str) -> str:
     return rest if plus and first == FMD and is_stack(article) else article
 
 
-def _followed(made: Flexible, article: str, model: str, asked: FlexibleOptions, highest: float) -> Flexible:
-    """`made`, the `model` of `article`, without its modes above `highest` [Hz], but for the first."""
-    count = int(np.sum(made.modes.frequency <= highest))
-    if count == len(made.modes.frequency) or made.structure is None:
-        return made
-    return flexible(article, model, replace(asked, count=max(count, 1)))
-
-
 def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> FlexibleBody:
     """`model` reduced; rigid when even its first mode lies above `highest` [Hz]."""
     from fem.base_excitation import rig
@@ -154,20 +163,6 @@ def _moving(model: Flexible, body: FlexibleBody, places: Mapping[str, Array]) ->
     points = np.array(list(places.values()))
     rows = displacement(structure, body.reduced.basis, article, points, nearest_part(article, points))
     return dict(zip(places, rows, strict=True))
-
-
-def _bare(asked: FlexibleOptions, attached: Attached) -> Rig:
-    """The FMD with nothing on it, as its tare is taken: cover plate and article are one half of its moving part each."""
-    from fem.base_excitation import rig
-
-    _, cover = _fmd(asked)
-    half = cover.scaled(0.5)
-    return Rig(
-        article=rig.rigid(FMD, half, {}),
-        cover=half,
-        cells=_cells(asked, attached, cover.mass),
-        frictions=attached.frictions,
-    )
 
 
 def _fmd(asked: FlexibleOptions) -> tuple[Array, Inertia]:
@@ -353,30 +348,23 @@ def rig_modes(rig: Rig) -> RigModes:
     linear = replace(rig, frictions=(), cells=tuple(replace(cell, preload=None) for cell in rig.cells))
     made = matrices(linear)
     table, rest = slice(None, TABLE), slice(TABLE, None)
-    squares, Phi = eigh(made.stiffness[rest, rest], made.mass[rest, rest]) if len(made.mass) > TABLE else _none()
+    squares, Phi = (
+        eigh(made.stiffness[rest, rest], made.mass[rest, rest]) if len(made.mass) > TABLE else (np.zeros(0), np.zeros((0, 0)))
+    )
     omega = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
     viscous = np.einsum("ir,ij,jr->r", Phi, made.viscous[rest, rest], Phi)
+    # (k,) twice the strain energy of mass-normalised `Phi` (n, k) in the coordinates beside the article's kept modes
+    stiffness = made.stiffness[rest, rest]
+    beside = len(rig.article.reduced.mass) - TABLE - len(rig.article.kept)
+    own = slice(len(stiffness) - beside, None)
+    carried = np.asarray(np.einsum("ir,ij,jr->r", Phi[own], stiffness[own, own], Phi[own]))
+    # (6, 6) what the loose parts add while they are held: point masses at the article's origin
+    G = rigid_transformation(rig.seat)
+    loose = np.asarray(sum(friction.mass for friction in rig.frictions) * (G.T @ G))
     return RigModes(
         frequency=omega / (2 * np.pi),
         damping_ratio=viscous / (2 * omega),
         participation=made.mass[table, rest] @ Phi,
-        rigid_mass=made.mass[table, table] + _loose(rig),
-        resonance=tuple((_carried(rig, made.stiffness[rest, rest], Phi) < omega**2 / 2).tolist()),
+        rigid_mass=made.mass[table, table] + loose,
+        resonance=tuple((carried < omega**2 / 2).tolist()),
     )
-
-
-def _carried(rig: Rig, stiffness: Array, shapes: Array) -> Array:
-    """(k,) twice the strain energy of mass-normalised `shapes` (n, k) in the coordinates beside the article's kept modes."""
-    beside = len(rig.article.reduced.mass) - TABLE - len(rig.article.kept)
-    own = slice(len(stiffness) - beside, None)
-    return np.asarray(np.einsum("ir,ij,jr->r", shapes[own], stiffness[own, own], shapes[own]))
-
-
-def _none() -> tuple[Array, Array]:
-    return np.zeros(0), np.zeros((0, 0))
-
-
-def _loose(rig: Rig) -> Array:
-    """(6, 6) what the loose parts add while they are held: point masses at the article's origin."""
-    G = rigid_transformation(rig.seat)
-    return np.asarray(sum(friction.mass for friction in rig.frictions) * (G.T @ G))

@@ -11,7 +11,6 @@ import numpy as np
 
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Rig
 from geometry.atomic import write_with
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
@@ -26,7 +25,6 @@ from validation.output import percent, shown
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import CrossMotion, Pattern
-    from fem.base_excitation.response import SmallMotion
 
 
 # What a pattern or a route refuses, said of the option that asked for it, with advice that can be typed.
@@ -85,7 +83,34 @@ def of_route(error: BadInput, question: ExciteOptions, mounted: ArticleOnTable, 
         case "sampling_rate":
             return _modes(question, mounted, followed)
         case "subdivision":
-            return _stiff(error, question, mounted, followed)
+            from fem.exudyn.driven_run import highest
+
+            # Something too stiff for exudyn's step: the attachment without which the highest frequency falls most
+            rig = mounted.rig
+            # `rig` without what an option adds to its stiffness, by that option
+            left = {
+                "--cable": replace(rig, struts=tuple(strut for strut in rig.struts if strut.to != "ground")),
+                "--flange": replace(rig, flange=None),
+                "--friction": replace(rig, frictions=()),
+            }
+            there = {
+                "--cable": len(left["--cable"].struts) < len(rig.struts),
+                "--flange": rig.flange,
+                "--friction": rig.frictions,
+            }
+            without = {option: left[option] for option, given in there.items() if given}
+            found = {option: highest(other) for option, other in without.items()}
+            option = min(found, key=lambda name: found[name], default="")
+            if not option or found[option] > SOFTER * highest(rig):
+                if question.every_mode and rig.article.kept.max(initial=0.0) > followed:
+                    return _modes(question, mounted, followed)
+                option, stiff_remedy = "--modes", "Keep fewer"
+            else:
+                stiff_remedy = "Make the part lighter" if option == "--friction" else "Make it softer, leave it out"
+            other = ", or take --route linear" if rig.linear else ""
+            return BadInput(
+                source=option, problem=f"it makes exudyn's steps too short: {error.problem}", remedy=f"{stiff_remedy}{other}"
+            )
         case "displacement":
             return BadInput(source="--level", problem=error.problem, remedy=error.remedy)
         case "":
@@ -105,34 +130,6 @@ def _modes(question: ExciteOptions, mounted: ArticleOnTable, followed: float) ->
     faster = COARSEST * last
     more = f", or record at --rate {np.ceil(faster):.0f}" if faster <= HIGHEST_RATE and question.route != EXUDYN else ""
     return BadInput(source="--modes", problem=problem, remedy=f"{fewer}: the others then answer statically{more}")
-
-
-def _stiff(error: BadInput, question: ExciteOptions, mounted: ArticleOnTable, followed: float) -> BadInput:
-    """Something too stiff for exudyn's step: the attachment without which the highest frequency falls most."""
-    from fem.exudyn.driven_run import highest
-
-    rig = mounted.rig
-    found = {option: highest(other) for option, other in _without(rig).items()}
-    option = min(found, key=lambda name: found[name], default="")
-    if not option or found[option] > SOFTER * highest(rig):
-        if question.every_mode and rig.article.kept.max(initial=0.0) > followed:
-            return _modes(question, mounted, followed)
-        option, remedy = "--modes", "Keep fewer"
-    else:
-        remedy = "Make the part lighter" if option == "--friction" else "Make it softer, leave it out"
-    other = ", or take --route linear" if rig.linear else ""
-    return BadInput(source=option, problem=f"it makes exudyn's steps too short: {error.problem}", remedy=f"{remedy}{other}")
-
-
-def _without(rig: Rig) -> dict[str, Rig]:
-    """`rig` without what an option adds to its stiffness, by that option."""
-    left = {
-        "--cable": replace(rig, struts=tuple(strut for strut in rig.struts if strut.to != "ground")),
-        "--flange": replace(rig, flange=None),
-        "--friction": replace(rig, frictions=()),
-    }
-    there = {"--cable": len(left["--cable"].struts) < len(rig.struts), "--flange": rig.flange, "--friction": rig.frictions}
-    return {option: left[option] for option, given in there.items() if given}
 
 
 STIFF = 10.0
@@ -199,8 +196,26 @@ def ready(question: ExciteOptions, *, quiet: bool = False) -> PreparedRuns:
     ------
     BadInput : something in `question` cannot be.
     """
-    model = _model(question)
-    route = _route(question)
+    from validation.flexible.model import chosen
+
+    model = chosen(question.article, question.model)[0]
+    # The route asked for, or the one that fits
+    nonlinear = [option for option in question.attached.options if option in ("--preload", "--friction")]
+    because = f"{' and '.join(nonlinear)} {'are' if len(nonlinear) > 1 else 'is'} not linear"
+    if question.route is None:
+        if nonlinear:
+            route = Route(name=EXUDYN, why=f"chosen because {because}")
+        else:
+            route = Route(name=LINEAR, why="chosen because everything in the rig is linear")
+    else:
+        if question.route == LINEAR and nonlinear:
+            remedy = "Leave --route out, or take --route exudyn"
+            raise BadInput(
+                source="--route", problem=f"the exact recursion answers linear rigs only, and {because}", remedy=remedy
+            )
+        if question.route == LARGE:
+            _require_plain(question)
+        route = Route(name=question.route, why="as asked")
     require_mountable(question.article, model, question.asked, question.attached)
     to_make = _to_make(question)
     highest = np.inf if question.every_mode else _followed(question)
@@ -267,6 +282,16 @@ def _done(made: PreparedRuns, run: Run, cross: CrossMotion | None, progress: Pro
     simulated = _ROUTES[made.route.name](made, motion, progress, keep)
     response = decimated(simulated, rate)
     found = amplitudes(response, run, made.modes.rigid_mass)
+    # What the route warned of, and that the record is `cut`, in the words of the command line
+    cut = _cut(ring_down.judged(length, motion), length - motion.driven)
+    others = (warning for warning in response.warnings if not warning.startswith(CUT))
+    warnings = (*others, *([cut] if cut else []))
+    # What to do where the table turns beyond the limit of small motion; nothing where all is exact or it does not
+    small = judge(motion)
+    if small.within or made.route.name == "large":
+        turned: tuple[str, ...] = ()
+    else:
+        turned = (f"{small.text[:-1]}. Lower --level, or take --route large, which turns the table really",)
     return Done(
         run=run,
         motion=motion,
@@ -283,24 +308,11 @@ def _done(made: PreparedRuns, run: Run, cross: CrossMotion | None, progress: Pro
             cells=cell_loads(simulated, rig.cells),
             loose=loose_parts(simulated, rig.frictions),
             warnings=(
-                *_warnings(response, _cut(ring_down.judged(length, motion), length - motion.driven)),
-                *_turned(judge(motion), made.route.name),
+                *warnings,
+                *turned,
             ),
         ),
     )
-
-
-def _warnings(response: Response, cut: str) -> tuple[str, ...]:
-    """What the route warned of, and that the record is `cut`, in the words of the command line."""
-    others = (warning for warning in response.warnings if not warning.startswith(CUT))
-    return (*others, *([cut] if cut else []))
-
-
-def _turned(small: SmallMotion, route: str) -> tuple[str, ...]:
-    """What to do where the table turns beyond the limit of small motion; nothing where all is exact or it does not."""
-    if small.within or route == "large":
-        return ()
-    return (f"{small.text[:-1]}. Lower --level, or take --route large, which turns the table really",)
 
 
 def _cut(said: str, needed: float) -> str:
@@ -364,22 +376,6 @@ _ROUTES: dict[str, Callable[[PreparedRuns, BaseMotion, Progress, bool], Response
 }
 
 
-def _route(question: ExciteOptions) -> Route:
-    """The route asked for, or the one that fits."""
-    nonlinear = [option for option in question.attached.options if option in ("--preload", "--friction")]
-    because = f"{' and '.join(nonlinear)} {'are' if len(nonlinear) > 1 else 'is'} not linear"
-    if question.route is None:
-        if nonlinear:
-            return Route(name=EXUDYN, why=f"chosen because {because}")
-        return Route(name=LINEAR, why="chosen because everything in the rig is linear")
-    if question.route == LINEAR and nonlinear:
-        remedy = "Leave --route out, or take --route exudyn"
-        raise BadInput(source="--route", problem=f"the exact recursion answers linear rigs only, and {because}", remedy=remedy)
-    if question.route == LARGE:
-        _require_plain(question)
-    return Route(name=question.route, why="as asked")
-
-
 def _require_plain(question: ExciteOptions) -> None:
     """Refuse what exudyn's own beams on a turning base have not."""
     from validation.model.setups import is_stack
@@ -396,12 +392,6 @@ def _require_plain(question: ExciteOptions) -> None:
     if not is_stack(question.article):
         problem = f"large drives beams made of the dimensions of built-in articles, and {question.article} has none"
         raise BadInput(source="--route", problem=problem, remedy="Take --route linear or exudyn")
-
-
-def _model(question: ExciteOptions) -> str:
-    from validation.flexible.model import chosen
-
-    return chosen(question.article, question.model)[0]
 
 
 # Runs as signal files: every channel of a `Response` by name, as the campaign format has them, whole or not at all.

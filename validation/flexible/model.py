@@ -270,18 +270,14 @@ def _solved(name: str, model: str, structure: Structure, drawn: Article | UserAr
         from fem.modes import fixed_base
 
     modes = fixed_base(structure, asked.count, damping=asked.damping)
-    return Flexible(
-        article=name, model=model, modes=modes, structure=structure, drawn=drawn, notes=_damping_notes(structure, modes, asked)
-    )
-
-
-def _damping_notes(structure: Structure, modes: Modes, asked: FlexibleOptions) -> tuple[str, ...]:
     if asked.damping is not None:
-        return ()
-    if structure.loss_factors and structure.part_stiffness:
+        damping_notes: tuple[str, ...] = ()
+    elif structure.loss_factors and structure.part_stiffness:
         listed = ", ".join(f"{name} {eta:g}" for name, eta in structure.loss_factors.items())
-        return (f"Damping from the loss factors of the parts: {listed}.",)
-    return (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
+        damping_notes = (f"Damping from the loss factors of the parts: {listed}.",)
+    else:
+        damping_notes = (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
+    return Flexible(article=name, model=model, modes=modes, structure=structure, drawn=drawn, notes=damping_notes)
 
 
 _MAKERS: Mapping[str, Callable[[str, FlexibleOptions], Flexible]] = {"beam": _beam, "solid": _solid, "exudyn": _exudyn, OWN: _own}

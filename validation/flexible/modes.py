@@ -38,7 +38,13 @@ BEYOND_THE_ENDS = 0.05
 def displacement(structure: Structure, shapes: Array, article: Article | None, points: Array, parts: Integers) -> Array:
     """Displacement (n, 3, m) of `points` (n, 3) [m] in `shapes` (N, m); `parts` (n,) are their counted parts of `article`."""
     if article is None or not has_rotations(structure):
-        return _among_nodes(structure, shapes, points)
+        from scipy.spatial import cKDTree
+
+        apart, nodes = cKDTree(structure.points).query(points, k=min(NEIGHBOURS, len(structure.points)))
+        apart, nodes = np.reshape(apart, (len(points), -1)), np.reshape(nodes, (len(points), -1))
+        weights = 1 / np.maximum(apart, 1e-9) ** 2
+        weights /= weights.sum(axis=1, keepdims=True)
+        return np.asarray(np.einsum("pk,pkim->pim", weights, node_displacement(structure, shapes)[nodes]))
     moved = np.empty((len(points), 3, shapes.shape[1]))
     for number in np.unique(parts):
         there = parts == number
@@ -60,19 +66,16 @@ def node_displacement(structure: Structure, shapes: Array) -> Array:
     return np.asarray(shapes[structure.translations])
 
 
-def _among_nodes(structure: Structure, shapes: Array, points: Array) -> Array:
-    from scipy.spatial import cKDTree
-
-    apart, nodes = cKDTree(structure.points).query(points, k=min(NEIGHBOURS, len(structure.points)))
-    apart, nodes = np.reshape(apart, (len(points), -1)), np.reshape(nodes, (len(points), -1))
-    weights = 1 / np.maximum(apart, 1e-9) ** 2
-    weights /= weights.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("pk,pkim->pim", weights, node_displacement(structure, shapes)[nodes]))
-
-
 def _with_section(structure: Structure, shapes: Array, part: Part, points: Array) -> Array:
     """Motion (n, 3, m) of `points` of one part with the sections of its axis, or with the nearest node where it has none."""
-    origin, axis, length = _axis(part)
+    # A point of the part's axis [m], its direction, and the part's length along it [m]: of the largest solid
+    largest = max(part.shape.solids, key=lambda placed: placed.primitive.volume)
+    pose, primitive = part.pose @ largest.pose, largest.primitive
+    if isinstance(primitive, Box):
+        k = int(np.argmax(primitive.size))
+        origin, axis, length = pose.position, pose.rotation[:, k], float(primitive.size[k])
+    else:
+        origin, axis, length = pose.position, pose.rotation[:, 2], primitive.height
     arms = structure.points - origin
     along = arms @ axis
     beside = np.linalg.norm(arms - np.outer(along, axis), axis=1)
@@ -101,16 +104,6 @@ def _on_axis(shapes: Array, translations: Integers, s: Array, place: Array, axis
     k = np.clip(np.searchsorted(s, place, side="right") - 1, 0, len(s) - 2)
     share = ((place - s[k]) / (s[k + 1] - s[k]))[:, None, None]
     return np.asarray(CubicHermiteSpline(s, u, slopes)(place)), (1 - share) * turn[k] + share * turn[k + 1]
-
-
-def _axis(part: Part) -> tuple[Array, Array, float]:
-    """A point of the part's axis [m], its direction, and the part's length along it [m]: of the largest solid."""
-    largest = max(part.shape.solids, key=lambda placed: placed.primitive.volume)
-    pose, primitive = part.pose @ largest.pose, largest.primitive
-    if isinstance(primitive, Box):
-        k = int(np.argmax(primitive.size))
-        return pose.position, pose.rotation[:, k], float(primitive.size[k])
-    return pose.position, pose.rotation[:, 2], primitive.height
 
 
 WORTH_NAMING = 0.15
@@ -145,8 +138,25 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
         return tuple(Described(moving={}, strained={}, text="") for _ in modes.frequency)
     energy = modes.shapes * (structure.mass @ modes.shapes)
     u = node_displacement(structure, modes.shapes)
-    names, owner = _owners(structure, article)
-    strain = _strain(structure, modes)
+    # Names of the parts, and for each point the index of its own: by the drawing, else by whose stiffness holds the point
+    if article is not None:
+        families = [family(part.name) for part in article.counted_parts]
+        owners_names = list(dict.fromkeys(families))
+        names, owner = (
+            owners_names,
+            np.array([owners_names.index(name) for name in families])[nearest_part(article, structure.points)],
+        )
+    elif not structure.part_stiffness:
+        names, owner = [""], np.zeros(len(structure.points), dtype=np.intp)
+    else:
+        held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
+        names, owner = list(structure.part_stiffness), np.argmax(held, axis=0)
+    # Share (m,) of the strain energy of each mode by part
+    strain: dict[str, Array] = {}
+    omega2 = (2 * np.pi * modes.frequency) ** 2
+    for name, K in structure.part_stiffness.items():
+        share = np.einsum("nm,nm->m", modes.shapes, K @ modes.shapes) / omega2
+        strain[family(name)] = strain.get(family(name), 0.0) + share
     return tuple(
         _described(structure, names, owner, energy[:, r], u[:, :, r], {k: float(v[r]) for k, v in strain.items()})
         for r in range(len(modes.frequency))
@@ -156,7 +166,13 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
 def _described(
     structure: Structure, names: Sequence[str], owner: Integers, energy: Array, u: Array, strain: dict[str, float]
 ) -> Described:
-    along, whole = energy[structure.translations], _point_energy(structure, energy)
+    # Energy (p,) of each point with its rotations, where it has any: all degrees of freedom up to the next point's
+    order = np.argsort(structure.translations[:, 0])
+    starts = structure.translations[order, 0]
+    sums = np.add.reduceat(energy, starts)
+    result = np.empty(len(order))
+    result[order] = sums
+    along, whole = energy[structure.translations], result
     shares = _sorted({name: float(whole[owner == k].sum()) for k, name in enumerate(names)})
     named = [name for name, share in shares.items() if share >= WORTH_NAMING] or list(shares)[:1]
     moving = []
@@ -172,7 +188,11 @@ def _described(
     pattern = _pattern(structure.points[first], u[first])
     moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
     strained = _sorted(strain)
-    return Described(moving=shares, strained=strained, text="; ".join([*moving, *_bent(strained, named[0])]))
+    # Which part is strained most, if that is another than the one that moves most
+    bent_moving = named[0]
+    key = next(iter(strained), bent_moving)
+    bent = [f"strain: {100 * strained[key]:.0f} % {key}"] if key != bent_moving else []
+    return Described(moving=shares, strained=strained, text="; ".join([*moving, *bent]))
 
 
 def _twists(structure: Structure, own: Array, u: Array, translating: float) -> bool:
@@ -193,12 +213,6 @@ def _twists(structure: Structure, own: Array, u: Array, translating: float) -> b
     return float((sums**2 / np.maximum(counts, 1)).sum()) < 0.5 * float((moved**2).sum())
 
 
-def _bent(strained: dict[str, float], moving: str) -> list[str]:
-    """Which part is strained most, if that is another than the one that moves most."""
-    name = next(iter(strained), moving)
-    return [f"strain: {100 * strained[name]:.0f} % {name}"] if name != moving else []
-
-
 def _pattern(points: Array, u: Array) -> str:
     """Whether the two ends of a part that is longer than everything else go the same way."""
     if len(points) < 3:
@@ -217,38 +231,6 @@ def _pattern(points: Array, u: Array) -> str:
     if ends[0] * ends[1] > 0:
         return "ends together"
     return "ends opposed" if axis == 2 else "turning about z"
-
-
-def _owners(structure: Structure, article: Article | None) -> tuple[list[str], Integers]:
-    """Names of the parts, and for each point the index of its own: by the drawing, else by whose stiffness holds the point."""
-    if article is not None:
-        families = [family(part.name) for part in article.counted_parts]
-        names = list(dict.fromkeys(families))
-        return names, np.array([names.index(name) for name in families])[nearest_part(article, structure.points)]
-    if not structure.part_stiffness:
-        return [""], np.zeros(len(structure.points), dtype=np.intp)
-    held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
-    return list(structure.part_stiffness), np.argmax(held, axis=0)
-
-
-def _point_energy(structure: Structure, energy: Array) -> Array:
-    """Energy (p,) of each point with its rotations, where it has any: all degrees of freedom up to the next point's."""
-    order = np.argsort(structure.translations[:, 0])
-    starts = structure.translations[order, 0]
-    sums = np.add.reduceat(energy, starts)
-    result = np.empty(len(order))
-    result[order] = sums
-    return result
-
-
-def _strain(structure: Structure, modes: Modes) -> dict[str, Array]:
-    """Share (m,) of the strain energy of each mode by part."""
-    shares: dict[str, Array] = {}
-    omega2 = (2 * np.pi * modes.frequency) ** 2
-    for name, K in structure.part_stiffness.items():
-        share = np.einsum("nm,nm->m", modes.shapes, K @ modes.shapes) / omega2
-        shares[family(name)] = shares.get(family(name), 0.0) + share
-    return shares
 
 
 def _sorted(shares: dict[str, float]) -> dict[str, float]:
@@ -336,45 +318,42 @@ def compared(first: Flexible, second: Flexible) -> ModeComparison:
     """Match the modes of `first` with those of `second`: by their shapes, or in ascending order where a model has none."""
     a, b = first.structure, second.structure
     if a is None or b is None or not (len(first.modes.shapes) and len(second.modes.shapes)):
-        return _in_order(first, second)
-    phi, psi, M = _on_common_points(first, a, second, b)
+        n, m = len(first.modes.frequency), len(second.modes.frequency)
+        order = np.arange(n)
+        return ModeComparison(
+            first=first,
+            second=second,
+            mac=np.zeros((0, 0)),
+            partner=np.where(order < m, order, -1),
+            cluster=clusters(first.modes.frequency),
+            space=np.full(n, np.nan),
+        )
+    # Shapes of both on the degrees of freedom of the one that has nodes all through the material, and its mass
+    if a.mass.shape == b.mass.shape and np.array_equal(a.translations, b.translations) and np.allclose(a.points, b.points):
+        phi, psi, M = first.modes.shapes, second.modes.shapes, a.mass
+    elif has_rotations(a) or not has_rotations(b):
+        phi, psi, M = _seen_on(first, a, b), second.modes.shapes, b.mass
+    else:
+        phi, psi, M = first.modes.shapes, _seen_on(second, b, a), a.mass
     phi, psi = _normalised(phi, M), _normalised(psi, M)
     cross = phi.T @ (M @ psi)
     mac = cross**2
     cluster = clusters(first.modes.frequency)
-    partner = _matched(mac)
+    from scipy.optimize import linear_sum_assignment
+
+    # The partner (n,) of each row such that the sum of their MAC is largest; -1 where there are too few columns
+    partner = np.full(len(mac), -1, dtype=np.intp)
+    rows, columns = linear_sum_assignment(-mac)
+    partner[rows] = columns
     space = _spaces(phi, psi, M, partner, cluster)
     partner = _in_order_where_mixed(partner, mac, cluster, space)
     return ModeComparison(first=first, second=second, mac=mac, partner=partner, cluster=cluster, space=space)
-
-
-def _in_order(first: Flexible, second: Flexible) -> ModeComparison:
-    n, m = len(first.modes.frequency), len(second.modes.frequency)
-    order = np.arange(n)
-    return ModeComparison(
-        first=first,
-        second=second,
-        mac=np.zeros((0, 0)),
-        partner=np.where(order < m, order, -1),
-        cluster=clusters(first.modes.frequency),
-        space=np.full(n, np.nan),
-    )
 
 
 def clusters(frequency: Array) -> Integers:
     """Number (n,) of the cluster of each of `frequency` (n,) [Hz], which ascend."""
     gaps = np.diff(frequency) > CLUSTER * frequency[:-1]
     return np.concatenate([[0], np.cumsum(gaps)]).astype(np.intp) if len(frequency) else np.zeros(0, dtype=np.intp)
-
-
-def _matched(mac: Array) -> Integers:
-    """The partner (n,) of each row such that the sum of their MAC is largest; -1 where there are too few columns."""
-    from scipy.optimize import linear_sum_assignment
-
-    partner = np.full(len(mac), -1, dtype=np.intp)
-    rows, columns = linear_sum_assignment(-mac)
-    partner[rows] = columns
-    return partner
 
 
 def _in_order_where_mixed(partner: Integers, mac: Array, cluster: Integers, space: Array) -> Integers:
@@ -404,15 +383,6 @@ def _normalised(shapes: Array, M: Sparse) -> Array:
 def _orthonormal(shapes: Array, M: Sparse) -> Array:
     """Columns that span the same space and are orthonormal in `M`, by Cholesky of their Gram matrix."""
     return np.asarray(np.linalg.solve(np.linalg.cholesky(shapes.T @ (M @ shapes)), shapes.T).T)
-
-
-def _on_common_points(first: Flexible, a: Structure, second: Flexible, b: Structure) -> tuple[Array, Array, Sparse]:
-    """Shapes of both on the degrees of freedom of the one that has nodes all through the material, and its mass."""
-    if a.mass.shape == b.mass.shape and np.array_equal(a.translations, b.translations) and np.allclose(a.points, b.points):
-        return first.modes.shapes, second.modes.shapes, a.mass
-    if has_rotations(a) or not has_rotations(b):
-        return _seen_on(first, a, b), second.modes.shapes, b.mass
-    return first.modes.shapes, _seen_on(second, b, a), a.mass
 
 
 def _seen_on(model: Flexible, own: Structure, other: Structure) -> Array:

@@ -77,11 +77,20 @@ def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput
     """All about a `campaign` that lies, or will lie, in `folder`."""
     noise = noise_floors(campaign)
     known = {name: level for name, one in campaign.recordings.items() if (level := levels(one, campaign.table)) is not None}
+    if noise is None:
+        loud: list[str] = []
+    else:
+        loud = [
+            f"{campaign.source}: {channel.name} reads {floor / channel.noise_rms:.1f} times its stated noise_rms while nothing "
+            "moves; check cable and range, or correct noise_rms"
+            for channel, floor in zip(campaign.table.channels, noise, strict=True)
+            if channel.noise_rms and floor > LOUD * channel.noise_rms
+        ]
     return Summary(
         folder=str(folder),
         campaign=campaign,
         problems=(*problems, *([] if problems else problems_of_runs(campaign))),
-        warnings=(*campaign.warnings, *warnings_of_runs(campaign), *_loud(campaign, noise)),
+        warnings=(*campaign.warnings, *warnings_of_runs(campaign), *loud),
         verdicts=observed(campaign.table),
         levels=known,
         noise=noise,
@@ -95,14 +104,3 @@ def _contradictions(campaign: Campaign) -> list[str]:
     except BadInput:  # no line to look at: that is for whoever wants a result
         return []
     return [f"{campaign.source}: {one.text}" for one in found if not one.holds]
-
-
-def _loud(campaign: Campaign, noise: Array | None) -> list[str]:
-    if noise is None:
-        return []
-    return [
-        f"{campaign.source}: {channel.name} reads {floor / channel.noise_rms:.1f} times its stated noise_rms while nothing "
-        "moves; check cable and range, or correct noise_rms"
-        for channel, floor in zip(campaign.table.channels, noise, strict=True)
-        if channel.noise_rms and floor > LOUD * channel.noise_rms
-    ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import repeat
 from math import isfinite
 from pathlib import Path
 
@@ -17,7 +16,6 @@ from geometry.inertia import PARAMETERS, Inertia, judge, six_from_tensor
 from geometry.sensors import Tolerances
 from geometry.toml_file import nearest, quantity
 from identification import base_motion, campaign_file, consistency
-from identification import identify as identification_identify
 from identification.base_motion import Loss
 from identification.campaign import METHODS, Campaign, Processing
 from identification.consistency import Finding
@@ -25,7 +23,7 @@ from identification.dynamic_mass import CrossMotion
 from identification.elastic.fit import fit
 from identification.elastic.model import dynamic_mass
 from identification.elastic.study import LIMIT, NARROWEST, BandStudy, study
-from identification.identify import Identification, identify
+from identification.identify import Identification, contradictions, failures, identify, judged
 from identification.quality import NORMAL_95, Quality, half_widths, quality
 from identification.request import CONDITION_LIMIT, QUANTITIES, Fact, Identified, Request, Tare, counts
 from identification.setup import CHAIN_ERROR
@@ -65,7 +63,7 @@ def identified(asked: IdentifyOptions, frame: str | None = None, *, quiet: bool 
 
 REDUCED: dict[str, Callable[[Fields], Reduction]] = {
     "weighing": weigh.reduce,
-    "crane-cog": weigh.crane_cog_reduce,
+    "crane-cog": weigh.reduce_cog,
     "pendulum": pendulum.reduce,
     "results": files.reduce,
 }
@@ -87,30 +85,27 @@ def facts(files: Iterable[str], campaign: Campaign, *, tared: bool) -> tuple[tup
     found: list[Fact] = []
     words: list[str] = []
     for name in files:
-        reduction = _reduced(name)
-        words += _about(reduction, name, campaign, above_fmd(campaign.article) if tared else campaign.article)
+        file = read(name, tuple(REDUCED))
+        reduction = REDUCED[file.text("kind")](file)
+        # Refuse a result about another body than the `article` identified; say what is assumed about it
+        article = above_fmd(campaign.article) if tared else campaign.article
+        about_words = [f"{name}: its tolerances are assumed, and so is its weight in the result"] if reduction.assumed else []
+        if not reduction.article:
+            about: list[str] = [*about_words, f"{name}: it does not say which article it is about; {article} is taken"]
+        elif reduction.article == article:
+            about = about_words
+        else:
+            raise BadInput(
+                source=name,
+                field="article.name",
+                problem=f"it is about {reduction.article}, what is identified from {campaign.source} is {article}",
+                remedy="A tare takes the FMD off: --tare CAMPAIGN"
+                if article == f"fmd+{reduction.article}"
+                else "Leave the file out",
+            )
+        words += about
         found += [fact for key, value in reduction.results.items() for fact in _facts(key, value, name, campaign)]
     return tuple(found), tuple(words)
-
-
-def _reduced(name: str) -> Reduction:
-    file = read(name, tuple(REDUCED))
-    return REDUCED[file.text("kind")](file)
-
-
-def _about(reduction: Reduction, name: str, campaign: Campaign, article: str) -> list[str]:
-    """Refuse a result about another body than the `article` identified; say what is assumed about it."""
-    words = [f"{name}: its tolerances are assumed, and so is its weight in the result"] if reduction.assumed else []
-    if not reduction.article:
-        return [*words, f"{name}: it does not say which article it is about; {article} is taken"]
-    if reduction.article == article:
-        return words
-    raise BadInput(
-        source=name,
-        field="article.name",
-        problem=f"it is about {reduction.article}, what is identified from {campaign.source} is {article}",
-        remedy="A tare takes the FMD off: --tare CAMPAIGN" if article == f"fmd+{reduction.article}" else "Leave the file out",
-    )
 
 
 def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]:
@@ -119,7 +114,14 @@ def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]
     if key == "mass":
         return [Fact(quantity="mass_kg", value=size, sd=sd, source=name)]
     if key.startswith("cog_"):
-        pose = _pose(campaign, name)
+        pose = stated(campaign)
+        if pose is None:
+            raise BadInput(
+                source=f"{campaign.source}/campaign.toml",
+                field="mounting",
+                problem=f"is missing, and {name} states the CoG from the article's own origin",
+                remedy="State where that origin is mounted, [mounting] with origin",
+            )
         axis, sign = _axis("xyz".index(key[-1]), pose, name, key)
         origin = float(pose.position[axis])
         return [Fact(quantity=f"cog_{'xyz'[axis]}_mm", value=sign * size + origin, sd=sd, source=name)]
@@ -130,18 +132,6 @@ def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]
         kind = "moi" if letters[0] == letters[1] else "poi"
         return [Fact(quantity=f"{kind}_{letters}_cog_kgm2", value=pair[0][1] * pair[1][1] * size, sd=sd, source=name)]
     return []
-
-
-def _pose(campaign: Campaign, name: str) -> Pose:
-    pose = stated(campaign)
-    if pose is None:
-        raise BadInput(
-            source=f"{campaign.source}/campaign.toml",
-            field="mounting",
-            problem=f"is missing, and {name} states the CoG from the article's own origin",
-            remedy="State where that origin is mounted, [mounting] with origin",
-        )
-    return pose
 
 
 def _axis(k: int, pose: Pose, name: str, key: str) -> tuple[int, float]:
@@ -227,7 +217,17 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
     _require_limit(asked.condition_limit)
     share = _share(asked.known_tolerance)
     _require_band(asked.band, study=asked.study)
-    names = _known_names(asked)
+    # The known article of every tare; empty for the one that the tare's campaign says
+    if asked.known and not asked.tares:
+        problem = f"{asked.known[0]} is known, but there is no tare"
+        raise BadInput(source="--known", problem=problem, remedy="Name its campaign, --tare CAMPAIGN")
+    if not asked.known:
+        names: tuple[str, ...] = ("",) * len(asked.tares)
+    else:
+        if len(asked.known) != len(asked.tares):
+            problem = f"one known article for each of {len(asked.tares)} tares is needed, found {len(asked.known)}"
+            raise BadInput(source="--known", problem=problem, remedy="Repeat it in the order of --tare, or leave it out")
+        names = asked.known
     described = campaign_file.read_description(asked.campaign)
     below = [campaign_file.read_description(folder) for folder in asked.tares]
     words: list[str] = []
@@ -286,19 +286,6 @@ def _share(text: str) -> float:
 def _source(name: str, tare: Campaign) -> str:
     """Who named the known article: the option, or the campaign itself."""
     return "--known" if name else f"{tare.source}/{campaign_file.NAME}: campaign.article"
-
-
-def _known_names(asked: IdentifyOptions) -> Sequence[str]:
-    """The known article of every tare; empty for the one that the tare's campaign says."""
-    if asked.known and not asked.tares:
-        problem = f"{asked.known[0]} is known, but there is no tare"
-        raise BadInput(source="--known", problem=problem, remedy="Name its campaign, --tare CAMPAIGN")
-    if not asked.known:
-        return list(repeat("", len(asked.tares)))
-    if len(asked.known) != len(asked.tares):
-        problem = f"one known article for each of {len(asked.tares)} tares is needed, found {len(asked.known)}"
-        raise BadInput(source="--known", problem=problem, remedy="Repeat it in the order of --tare, or leave it out")
-    return asked.known
 
 
 def _modes(text: str) -> int | None:
@@ -402,9 +389,9 @@ def _require_lines(band: tuple[float, float] | None, campaign: Campaign) -> None
 
 def _fmd(name: str) -> Inertia:
     """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
-    from validation.reference.reference import result_file_read
+    from validation.reference.reference import read_result
 
-    said = result_file_read(name, article="fmd").statement
+    said = read_result(name, article="fmd").statement
     try:
         return said.inertia
     except ValueError as error:
@@ -658,18 +645,21 @@ def gathered(
     both = tuple(one for one in (found.plain, found.self_calibrated) if one is not None)
     best = both[counts(both)]
     results = tuple(reported(one, pose) for one in both if one is best or one.inertia.mass > 0)
-    checked = _checks(found)
+    checks_request = found.request
+    checked = consistency.checks(
+        found.estimate.dynamic_mass, found.article, checks_request.tolerances, gravity=checks_request.campaign.gravity
+    )
     chosen = next(one for one in results if one.identified is best)
     said = [*made.warnings, *found.warnings, *(text for one in both for text in one.warnings), *_said(chosen, both)]
-    against = (*identification_identify.contradictions(checked), *_of_tares(found))
-    failed = identification_identify.failures(best)
+    against = (*contradictions(checked), *_of_tares(found))
+    failed = failures(best)
     return IdentificationFindings(
         article=above_fmd(request.campaign.article) if off else request.campaign.article,
         origin="F" if mount is None else "article",
         frame=frame,
         request=request,
         results=results,
-        verdict=identification_identify.judged(_verdict(chosen, study, rigid=request.modes == 0), against, failed),
+        verdict=judged(_verdict(chosen, study, rigid=request.modes == 0), against, failed),
         doubts=(*against, *failed),
         study=None if study is None else maps(found, study, pose),
         checks=checked,
@@ -700,17 +690,12 @@ def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[
     return told if study is None else verdicts(told, study, rigid=rigid)
 
 
-def _checks(found: Identification) -> tuple[Finding, ...]:
-    request = found.request
-    return consistency.checks(found.estimate.dynamic_mass, found.article, request.tolerances, gravity=request.campaign.gravity)
-
-
 def _of_tares(found: Identification) -> Iterator[str]:
     """What contradicts itself in the tares, each with the tare's name."""
     request = found.request
     for tare, spectra in zip(request.tares, found.tares, strict=True):
         checks = consistency.of_spectra(spectra, request.tolerances, gravity=tare.campaign.gravity)
-        yield from (f"{text}, in the tare {tare.campaign.article}" for text in identification_identify.contradictions(checks))
+        yield from (f"{text}, in the tare {tare.campaign.article}" for text in contradictions(checks))
 
 
 def rigid(found: Identification, one: Identified) -> Array:

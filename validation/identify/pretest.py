@@ -35,7 +35,7 @@ from validation.identify.identify import Reported, reported, tolerances_of
 from validation.virtual_test import simulate
 from validation.virtual_test.plan import BEAM, NOISE, Plan, Scatter
 from validation.virtual_test.shaker import nominal_fmd
-from validation.virtual_test.simulate import DrivenRun, ShakerLaboratory, cross_motion, laboratory, runs
+from validation.virtual_test.simulate import DrivenRun, cross_motion, laboratory, runs
 
 FMD = "fmd"
 
@@ -208,13 +208,19 @@ def planned(plan: Plan, table: ChannelTable | None = None) -> PlannedCampaign:
     ------
     BadInput : an article that cannot be built, channels that the chain cannot predict, a drive that cannot be.
     """
-    lab = _nominal(plan)
+    lab = laboratory(replace(plan, tolerances=Tolerances().scaled(0.0), scatter=Scatter().scaled(0.0)))
     channels = lab.layout.table if table is None else table
-    lines = _lines(plan)
+    low, high = plan.band
+    lines = np.asarray(low + Processing().step * np.arange(round((high - low) / Processing().step) + 1), dtype=np.float64)
     H = dynamic_mass(replace(lab.rig, cells=()), lines)
     driven = runs(plan)
     motions, durations = zip(*(_motion(plan, run, lines) for run in driven), strict=True)
-    values = _read(channels, np.asarray(lab.rig.cells[0].stiffness), H, np.stack(motions), plan.gravity)
+    # (r, n, c): what the nominal chain reads of `read_motions` (r, n, 6); 0 in channels on the structure
+    read_motions = np.stack(motions)
+    of = chain(channels, stiffness=np.asarray(lab.rig.cells[0].stiffness), gravity=plan.gravity)
+    A0, A1 = of.rows(np.zeros(len(of.parameters)), H.frequency)
+    values = np.zeros((*read_motions.shape[:2], len(channels)), dtype=np.complex128)
+    values[:, :, list(of.columns)] = np.einsum("nck,rnk->rnc", A0 + A1 @ H.matrix, read_motions)
     floors = np.array([one.noise_rms or 0.0 for one in channels.channels])
     density = np.broadcast_to(floors**2 / plan.rate, values.shape)
     spectra = Spectra(
@@ -231,30 +237,12 @@ def planned(plan: Plan, table: ChannelTable | None = None) -> PlannedCampaign:
     )
 
 
-def _nominal(plan: Plan) -> ShakerLaboratory:
-    return laboratory(replace(plan, tolerances=Tolerances().scaled(0.0), scatter=Scatter().scaled(0.0)))
-
-
-def _lines(plan: Plan) -> Array:
-    low, high = plan.band
-    return np.asarray(low + Processing().step * np.arange(round((high - low) / Processing().step) + 1), dtype=np.float64)
-
-
 def _motion(plan: Plan, run: DrivenRun, lines: Array) -> tuple[np.ndarray, float]:
     """Spectra (n, 6) of the table's accelerations in `run`, and the length of its record [s]."""
     motion = run.pattern.motion(  # type: ignore[attr-defined]
         plan.rate, ring_down=REST + plan.quiet, cross=cross_motion(plan, run.name)
     )
     return full_record(motion.acceleration, plan.rate, lines), len(motion.acceleration) / plan.rate
-
-
-def _read(table: ChannelTable, stiffness: Array, H: DynamicMass, motions: np.ndarray, gravity: float) -> np.ndarray:
-    """(r, n, c): what the nominal chain reads of `motions` (r, n, 6); 0 in channels on the structure."""
-    of = chain(table, stiffness=stiffness, gravity=gravity)
-    A0, A1 = of.rows(np.zeros(len(of.parameters)), H.frequency)
-    values = np.zeros((*motions.shape[:2], len(table)), dtype=np.complex128)
-    values[:, :, list(of.columns)] = np.einsum("nck,rnk->rnc", A0 + A1 @ H.matrix, motions)
-    return values
 
 
 # Where on an article a pick-up moves with the base alone: how large its elastic motion is, place by place.
@@ -453,7 +441,13 @@ def findings(question: PretestOptions, progress: Callable[[float], None] | None 
     found = expected(evidence, settings, fmd, lost=question.lost, progress=progress)
     pose = Pose(position=article.seat) if question.above else Pose()
     best = reported(found.best, pose)
-    model = _model(question.plan)
+    # The beam model of what stands on the FMD; None for the FMD alone
+    plan = question.plan
+    if not plan.on_fmd:
+        model: Flexible | None = None
+    else:
+        changes = changes_of(plan.on_fmd, plan.dimensions)
+        model = flexible(plan.on_fmd, plan.model, FlexibleOptions(count=MODES, damping=plan.damping, changes=changes))
     places, height = ((), None) if model is None else _rigid(model, question, article)
     return PretestFindings(
         question=question,
@@ -486,14 +480,6 @@ def _known(tare: PlannedCampaign, plan: Plan) -> TareSpectra:
 
 def _half(best: Reported, covariance: Array, pose: Pose) -> Array:
     return reported(replace(best.identified, covariance=covariance), pose).half_width
-
-
-def _model(plan: Plan) -> Flexible | None:
-    """The beam model of what stands on the FMD; None for the FMD alone."""
-    if not plan.on_fmd:
-        return None
-    changes = changes_of(plan.on_fmd, plan.dimensions)
-    return flexible(plan.on_fmd, plan.model, FlexibleOptions(count=MODES, damping=plan.damping, changes=changes))
 
 
 def _rigid(model: Flexible, question: PretestOptions, article: PlannedCampaign) -> tuple[tuple[Rigidity, ...], float | None]:

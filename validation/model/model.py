@@ -200,11 +200,41 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
         problem = "there is no campaign to hold it against"
         raise BadInput(source=model.source, problem=problem, remedy="Name at least one campaign folder")
     for campaign in campaigns:
-        _require_known(model, campaign)
+        if _own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES):
+            pass
+        else:
+            near = nearest(campaign.article, (*model.own, model.article))
+            raise BadInput(
+                source=str(Path(campaign.source) / NAME),
+                field="campaign.article",
+                problem=f"is {campaign.article}, which is not built in, and {model.source} has no model of it",
+                remedy=f"{near}Name its file in [structure.own] of {model.source}, or correct the article",
+            )
         _require_same_hardware(model, campaign, campaigns[0])
-        _require_same_gravity(model, campaign)
-    _require_common_part(model, campaigns)
-    for one, other in _of_one_hardware(campaigns):
+        if abs(campaign.gravity - model.gravity) <= GRAVITY:
+            pass
+        else:
+            raise BadInput(
+                source=str(Path(campaign.source) / NAME),
+                field="environment.gravity",
+                problem=f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}",
+                remedy="Correct the one that is wrong; 0 is a test without gravity",
+            )
+    wanted = _families(model.article)
+    if not wanted or any(_families(campaign.article) & wanted for campaign in campaigns):
+        pass
+    else:
+        articles = ", ".join(f"{campaign.article} ({campaign.source})" for campaign in campaigns)
+        raise BadInput(
+            source=model.source,
+            field="model.article",
+            problem=f"is {model.article}, of which no campaign has a part: {articles}",
+            remedy="Name the campaign of this article, or the model of these",
+        )
+    # Each campaign with the first that has its hardware
+    first: dict[str, Campaign] = {}
+    of_one_hardware = [(first.setdefault(campaign.hardware, campaign), campaign) for campaign in campaigns]
+    for one, other in of_one_hardware:
         _require_same_channels(one, other)
     for added in model.effects:
         require_target(model, campaigns, added.named, model.source)
@@ -231,14 +261,14 @@ def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
     """The channels of `campaigns`, and the places and parts of their articles as `model` describes them."""
     own = any(_own(model, campaign) for campaign in campaigns)
     return Vocabulary(
-        accelerometers=_pairing_channels(campaigns, ("acceleration",)),
-        forces=_pairing_channels(campaigns, ("force", "moment")),
+        accelerometers=_channels_of_both(campaigns, ("acceleration",)),
+        forces=_channels_of_both(campaigns, ("force", "moment")),
         places=None if own else _places(model, campaigns),
         parts=None if own and model.kind != RIGID else _parts(model, campaigns),
     )
 
 
-def _pairing_channels(campaigns: Sequence[Campaign], quantities: tuple[str, ...]) -> tuple[str, ...]:
+def _channels_of_both(campaigns: Sequence[Campaign], quantities: tuple[str, ...]) -> tuple[str, ...]:
     tables = [campaign.table for campaign in campaigns]
     return tuple(dict.fromkeys(table.names[k] for table in tables for k in table.select(quantity=quantities)))
 
@@ -289,31 +319,6 @@ def _own(model: Model, campaign: Campaign) -> bool:
     return campaign.article in model.own or above in model.own or (bool(above) and is_model(above))
 
 
-def _require_known(model: Model, campaign: Campaign) -> None:
-    if _own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES):
-        return
-    near = nearest(campaign.article, (*model.own, model.article))
-    raise BadInput(
-        source=str(Path(campaign.source) / NAME),
-        field="campaign.article",
-        problem=f"is {campaign.article}, which is not built in, and {model.source} has no model of it",
-        remedy=f"{near}Name its file in [structure.own] of {model.source}, or correct the article",
-    )
-
-
-def _require_common_part(model: Model, campaigns: Sequence[Campaign]) -> None:
-    wanted = _families(model.article)
-    if not wanted or any(_families(campaign.article) & wanted for campaign in campaigns):
-        return
-    articles = ", ".join(f"{campaign.article} ({campaign.source})" for campaign in campaigns)
-    raise BadInput(
-        source=model.source,
-        field="model.article",
-        problem=f"is {model.article}, of which no campaign has a part: {articles}",
-        remedy="Name the campaign of this article, or the model of these",
-    )
-
-
 def _families(article: str) -> set[str]:
     """The parts above the FMD; Clumod with any blades is one."""
     return {part.split("-")[0] if part in NAMES else part for part in above_fmd(article).split("+") if part}
@@ -328,23 +333,6 @@ def _require_same_hardware(model: Model, campaign: Campaign, first: Campaign) ->
     if campaign.hardware and first.hardware and campaign.hardware != first.hardware:
         problem = f"is {campaign.hardware}, and that of {first.source} is {first.hardware}: one model describes one hardware"
         raise BadInput(source=source, field="campaign.hardware", problem=problem, remedy="Compare them one after the other")
-
-
-def _require_same_gravity(model: Model, campaign: Campaign) -> None:
-    if abs(campaign.gravity - model.gravity) <= GRAVITY:
-        return
-    raise BadInput(
-        source=str(Path(campaign.source) / NAME),
-        field="environment.gravity",
-        problem=f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}",
-        remedy="Correct the one that is wrong; 0 is a test without gravity",
-    )
-
-
-def _of_one_hardware(campaigns: Sequence[Campaign]) -> list[tuple[Campaign, Campaign]]:
-    """Each campaign with the first that has its hardware."""
-    first: dict[str, Campaign] = {}
-    return [(first.setdefault(campaign.hardware, campaign), campaign) for campaign in campaigns]
 
 
 def _require_same_channels(one: Campaign, other: Campaign) -> None:

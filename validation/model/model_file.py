@@ -83,7 +83,7 @@ def shortest(target: float, read: Callable[[float], float], near: float) -> floa
 LARGEST = 1e15
 
 
-def model_number(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGEST, above: bool = False) -> float:
+def as_number(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGEST, above: bool = False) -> float:
     """The number under `key` of `table`, from `low` to `high`; `above` leaves `low` itself out.
 
     Raises
@@ -147,22 +147,30 @@ def effects_of(whole: Fields, *, anywhere: bool) -> tuple[Added, ...]:
     """
     if "effect" not in whole.table or whole.table["effect"] == []:
         return ()
-    words = words_of(anywhere=anywhere)
+    # What an effect of a model file may act on
+    if anywhere:
+        words = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
+    else:
+        words = Vocabulary(accelerometers=None, forces=None, places=built_in_places())
     found: dict[str, Added] = {}
     for entry in whole.each("effect"):
-        added = _effect(entry, words)
+        entry.only(EFFECT)
+        name = entry.text("id")
+        if not name or "=" in name:
+            effect_problem = "is missing" if not name else f"an id without its value is expected, found {name!r}"
+            raise entry.refused("id", effect_problem, 'Write for example id = "force-gain:fmd-z2" and value = 0.08')
+        value = _written(entry, "value")
+        try:
+            named = parse(f"{name}={value}" if value else name, words, source=entry.source)
+        except BadInput as error:
+            at = f"{entry.path('value' if name == error.field and value else 'id')}, {name}"
+            raise BadInput(source=entry.source, field=at, problem=error.problem, remedy=error.remedy) from None
+        added = Added(named=named, deviation=_deviation(entry, named), fixed=entry.switch("fixed", False))
         if added.named.id in found:
             problem = f"{added.named.id} stands there twice"
             raise entry.refused("id", problem, "Keep one of them, with the whole size")
         found[added.named.id] = added
     return tuple(found.values())
-
-
-def words_of(*, anywhere: bool) -> Vocabulary:
-    """What an effect of a model file may act on."""
-    if anywhere:
-        return Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
-    return Vocabulary(accelerometers=None, forces=None, places=built_in_places())
 
 
 def effect_text(added: Added) -> str:
@@ -176,31 +184,13 @@ def entries(added: Added) -> dict[str, str]:
     found = {"id": string(added.named.id)}
     for key, values in (("value", added.named.values), ("sd", added.deviation)):
         if values:
-            found[key] = _values(values)
+            if tuple(values) == ("",):
+                found[key] = number(values[""])
+            elif "" in values:  # a number of its own and others with a name: as on the command line
+                found[key] = string(",".join(f"{key}:{number(one)}" if key else number(one) for key, one in values.items()))
+            else:
+                found[key] = "{ " + ", ".join(f"{key} = {number(one)}" for key, one in values.items()) + " }"
     return found | ({"fixed": "true"} if added.fixed else {})
-
-
-def _values(values: Mapping[str, float]) -> str:
-    if tuple(values) == ("",):
-        return number(values[""])
-    if "" in values:  # a number of its own and others with a name: as on the command line
-        return string(",".join(f"{key}:{number(one)}" if key else number(one) for key, one in values.items()))
-    return "{ " + ", ".join(f"{key} = {number(one)}" for key, one in values.items()) + " }"
-
-
-def _effect(entry: Fields, words: Vocabulary) -> Added:
-    entry.only(EFFECT)
-    name = entry.text("id")
-    if not name or "=" in name:
-        problem = "is missing" if not name else f"an id without its value is expected, found {name!r}"
-        raise entry.refused("id", problem, 'Write for example id = "force-gain:fmd-z2" and value = 0.08')
-    value = _written(entry, "value")
-    try:
-        named = parse(f"{name}={value}" if value else name, words, source=entry.source)
-    except BadInput as error:
-        at = f"{entry.path('value' if name == error.field and value else 'id')}, {name}"
-        raise BadInput(source=entry.source, field=at, problem=error.problem, remedy=error.remedy) from None
-    return Added(named=named, deviation=_deviation(entry, named), fixed=entry.switch("fixed", False))
 
 
 def _written(entry: Fields, key: str) -> str:
@@ -265,7 +255,7 @@ class Laboratory:
     cell_stiffness: Array | None
 
 
-def laboratory_read(table: Fields) -> Laboratory:
+def read_laboratory(table: Fields) -> Laboratory:
     """[laboratory].
 
     Raises
@@ -277,9 +267,9 @@ def laboratory_read(table: Fields) -> Laboratory:
     stiff = "cell_stiffness_N_m" in table.table
     return Laboratory(
         hardware=table.text("hardware"),
-        gravity=model_number(table, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in table.table else 9.81,
+        gravity=as_number(table, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in table.table else 9.81,
         fmd=_inertia(fmd),
-        fmd_tolerance=model_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05,
+        fmd_tolerance=as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05,
         cell_stiffness=np.array(three(table, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
     )
 
@@ -294,9 +284,7 @@ def tolerances(table: Fields, fmd: float) -> Tolerances:
     names = {key: name for name, (key, _) in SCALES.items()}
     table.only(names)
     given = {
-        name: si(name, model_number(table, key, low=0.0, high=SCALES[name][1]))
-        for key, name in names.items()
-        if key in table.table
+        name: si(name, as_number(table, key, low=0.0, high=SCALES[name][1])) for key, name in names.items() if key in table.table
     }
     return Tolerances(**given, fmd_inertia=fmd)
 
@@ -304,11 +292,6 @@ def tolerances(table: Fields, fmd: float) -> Tolerances:
 def si(name: str, written: float) -> float:
     """The tolerance `name` in SI of the number `written` in the file."""
     return {"position_mm": written / 1e3, "angle_deg": radians(written)}.get(SCALES[name][0], written)
-
-
-def fmd_of(mass: float, cog_mm: list[float], moi: list[float], poi: list[float]) -> Inertia:
-    """The inertia about F of the four figures in the file."""
-    return Inertia.from_cog(mass, [one / 1e3 for one in cog_mm], tensor_from_six([*moi, *poi]))
 
 
 def _inertia(table: Fields) -> Inertia | None:
@@ -320,11 +303,16 @@ def _inertia(table: Fields) -> Inertia | None:
             raise table.refused("inertia", problem, "Keep one of them")
     if not stated:
         return None
-    found = fmd_of(
-        model_number(table, "mass_kg", low=0.0, high=1e6, above=True),
-        three(table, "cog_mm", low=-1e5, high=1e5),
-        three(table, "moi_cog_kgm2", low=0.0, high=1e9),
-        three(table, "poi_cog_kgm2", low=-1e9, high=1e9) if "poi_cog_kgm2" in table.table else [0.0, 0.0, 0.0],
+    # The inertia about F of the four figures in the file
+    found = Inertia.from_cog(
+        as_number(table, "mass_kg", low=0.0, high=1e6, above=True),
+        [one / 1e3 for one in three(table, "cog_mm", low=-1e5, high=1e5)],
+        tensor_from_six(
+            [
+                *three(table, "moi_cog_kgm2", low=0.0, high=1e9),
+                *(three(table, "poi_cog_kgm2", low=-1e9, high=1e9) if "poi_cog_kgm2" in table.table else [0.0, 0.0, 0.0]),
+            ]
+        ),
     )
     verdict = judge(found)
     if not verdict.physical:
@@ -372,13 +360,27 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     ------
     BadInput : see `read`.
     """
-    _require_model(table, source)
+    if "model" in table:
+        pass
+    else:
+        kinds = {
+            "campaign": "a campaign.toml",
+            "fe_model": "an FE model",
+            "kind": "a measurement file",
+            "inertia": "a result file",
+        }
+        what = next((f"this is {what}" for key, what in kinds.items() if key in table), "the table [model] is missing")
+        near = nearest("model", list(table))
+        problem = f"{what}, where a model file is needed"
+        raise BadInput(
+            source=source, field="model", problem=problem, remedy=f"{near}`massline model ARTICLE --out FILE` writes one"
+        )
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
     own = _own(structure.inner("own"))
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
-    known = laboratory_read(whole.inner("laboratory"))
+    known = read_laboratory(whole.inner("laboratory"))
     return Model(
         source=source,
         title=about.text("title"),
@@ -392,23 +394,11 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         kind=kind,
         modes=_modes(structure),
         changes=_changes(structure.inner("dimensions")),
-        damping_ratio=model_number(structure, "damping_ratio", low=0.0, high=0.99)
-        if "damping_ratio" in structure.table
-        else None,
+        damping_ratio=as_number(structure, "damping_ratio", low=0.0, high=0.99) if "damping_ratio" in structure.table else None,
         own=own,
         structure=_tolerances(structure.inner("tolerances")),
         effects=effects_of(whole, anywhere=bool(own)),
     )
-
-
-def _require_model(table: Mapping[str, Any], source: str) -> None:
-    if "model" in table:
-        return
-    kinds = {"campaign": "a campaign.toml", "fe_model": "an FE model", "kind": "a measurement file", "inertia": "a result file"}
-    what = next((f"this is {what}" for key, what in kinds.items() if key in table), "the table [model] is missing")
-    near = nearest("model", list(table))
-    problem = f"{what}, where a model file is needed"
-    raise BadInput(source=source, field="model", problem=problem, remedy=f"{near}`massline model ARTICLE --out FILE` writes one")
 
 
 def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
@@ -439,9 +429,7 @@ def _modes(structure: Fields) -> int:
 def _tolerances(table: Fields) -> StructureTolerances:
     keys = tuple(one.name for one in fields(StructureTolerances))
     table.only(keys)
-    return StructureTolerances(
-        **{key: model_number(table, key, low=0.0, high=LARGEST_SHARE) for key in keys if key in table.table}
-    )
+    return StructureTolerances(**{key: as_number(table, key, low=0.0, high=LARGEST_SHARE) for key in keys if key in table.table})
 
 
 def _changes(table: Fields) -> dict[str, float]:
@@ -472,7 +460,7 @@ def _flat(table: Fields) -> dict[str, float]:
             inner = _flat(Fields(source=table.source, place=table.path(key), table=value))
             found |= {f"{key}.{rest}": size for rest, size in inner.items()}
         else:
-            found[key] = model_number(table, key)
+            found[key] = as_number(table, key)
     return found
 
 
@@ -491,19 +479,15 @@ def _own(table: Fields) -> dict[str, str]:
         if not name:
             raise table.refused(article, "a path is missing", 'Write "my-model.h5", from the folder of this file')
         path = os.path.normpath(Path(table.source).parent / name)
-        _require_usable(table, article, path)
+        from fem.user_model.reading import is_model
+        from geometry.user_article import require_file
+
+        if not Path(path).exists():
+            raise table.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
+        if not is_model(path):
+            _checked(table, article, partial(require_file, path))
         found[article] = path
     return found
-
-
-def _require_usable(table: Fields, article: str, path: str) -> None:
-    from fem.user_model.reading import is_model
-    from geometry.user_article import require_file
-
-    if not Path(path).exists():
-        raise table.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
-    if not is_model(path):
-        _checked(table, article, partial(require_file, path))
 
 
 # A model file to start from: an article as it is drawn, in an ordinary laboratory, with nothing added.
@@ -524,11 +508,21 @@ def draft(article: str, out: Path | None = None) -> Model:
         return read(article)
     if is_stack(article) or not _is_own(article):
         built_in(article)
-        _require_on_fmd(article)
+        if article.split("+")[0] != KNOWN_FMD:
+            problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
+            raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
         return _ordinary(
             article, f"{above_fmd(article) or KNOWN_FMD} on the FMD" if article != KNOWN_FMD else "the FMD alone", out, {}
         )
-    path = _usable(article)
+    from fem.user_model.reading import is_model
+    from geometry.user_article import require_file
+
+    if is_model(article):
+        if not Path(article).is_file():
+            raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
+        path = Path(article)
+    else:
+        path = require_file(article)
     name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
     return _ordinary(f"{KNOWN_FMD}+{name}", f"{name} on the FMD", out, {f"{KNOWN_FMD}+{name}": str(path)})
 
@@ -552,23 +546,6 @@ def _is_own(name: str) -> bool:
     from fem.user_model.reading import is_model
 
     return is_file(name) or is_model(name)
-
-
-def _usable(name: str) -> Path:
-    from fem.user_model.reading import is_model
-    from geometry.user_article import require_file
-
-    if is_model(name):
-        if not Path(name).is_file():
-            raise BadInput(source=name, problem="there is no such file", remedy="Check the path")
-        return Path(name)
-    return require_file(name)
-
-
-def _require_on_fmd(article: str) -> None:
-    if article.split("+")[0] != KNOWN_FMD:
-        problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
-        raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
 
 
 # The text of a model file with an effect more or less: every other line, and every comment, stays as its author wrote it.
@@ -600,7 +577,21 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     meant = [*before.effects[:place], added, *before.effects[place + 1 :]]
     lines = text.split("\n")
     _, header, end = _span(lines, place, before)
-    for body in (_changed(lines[header:end], entries(added)), effect_text(added).splitlines()[1:]):
+    # The lines of one effect with its value, sd and fixed replaced, their comments kept; what is new comes last
+    changed_body = lines[header:end]
+    says = entries(added)
+    left = {key: says[key] for key in EDITED if key in says}
+    changed_lines: list[str] = []
+    for line in changed_body:
+        found = KEY.match(line)
+        if found is None:
+            changed_lines.append(line)
+        elif found["name"] in left:
+            changed_lines.append(f"{found['key']}{left.pop(found['name'])}{found['rest']}")
+        elif found["name"] == "fixed":
+            changed_lines.append(f"{found['key']}false{found['rest']}")
+    changed = [*changed_lines, *(f"{key} = {value}" for key, value in left.items())]
+    for body in (changed, effect_text(added).splitlines()[1:]):
         edited = "\n".join([*lines[:header], *body, *lines[end:]])
         if _says(edited, meant, before):
             return edited
@@ -648,21 +639,6 @@ def _span(lines: Sequence[str], place: int, before: Model) -> tuple[int, int, in
     while not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#"):
         end -= 1
     return first, header, end
-
-
-def _changed(body: Sequence[str], says: Mapping[str, str]) -> list[str]:
-    """The lines of one effect with its value, sd and fixed replaced, their comments kept; what is new comes last."""
-    left = {key: says[key] for key in EDITED if key in says}
-    lines: list[str] = []
-    for line in body:
-        found = KEY.match(line)
-        if found is None:
-            lines.append(line)
-        elif found["name"] in left:
-            lines.append(f"{found['key']}{left.pop(found['name'])}{found['rest']}")
-        elif found["name"] == "fixed":
-            lines.append(f"{found['key']}false{found['rest']}")
-    return [*lines, *(f"{key} = {value}" for key, value in left.items())]
 
 
 def _verified(text: str, meant: Sequence[Added], before: Model) -> str:
@@ -722,7 +698,15 @@ STRUCTURE_NOTES = {
 
 def text(model: Model) -> str:
     """The text of the model file of `model`."""
-    blocks = [_head(model), *_laboratory(model), *_model_tolerances(model), *_structure(model), _about_effects()]
+    stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
+    unknown = "# " if model.cell_stiffness is None else ""
+    lines = [
+        ("hardware", string(model.hardware), "FMD and sensors, as `campaign.hardware` calls them; empty: any"),
+        ("gravity_m_s2", number(model.gravity), ""),
+        (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
+    ]
+    laboratory = [block("[laboratory]", lines), block(_FMD, _fmd(model))]
+    blocks = [_head(model), *laboratory, *_tolerance_lines(model), *_structure(model), _about_effects()]
     return "\n\n".join([*blocks, *(effect_text(one) for one in model.effects)]) + "\n"
 
 
@@ -738,17 +722,6 @@ def _head(model: Model) -> str:
     )
 
 
-def _laboratory(model: Model) -> list[str]:
-    stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
-    unknown = "# " if model.cell_stiffness is None else ""
-    lines = [
-        ("hardware", string(model.hardware), "FMD and sensors, as `campaign.hardware` calls them; empty: any"),
-        ("gravity_m_s2", number(model.gravity), ""),
-        (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
-    ]
-    return [block("[laboratory]", lines), block(_FMD, _fmd(model))]
-
-
 _FMD = """\
 # The FMD's moving part: its inertia as a tare or a drawing says, never assumed to be exact. `tolerance` is one standard deviation
 # of every parameter, as a share. inertia = "drawing" takes that of the built-in reconstruction; or state your own figures.
@@ -756,18 +729,17 @@ _FMD = """\
 
 
 def _fmd(model: Model) -> list[Line]:
-    known = _drawn(model) if model.fmd is None else _model_inertia(model.fmd)
+    if model.fmd is None:
+        # The drawing asked for, and its figures as a comment to write one's own over
+        drawn = routes.inertia(built_in(KNOWN_FMD, changes_of(KNOWN_FMD, model.changes)))
+        rounded = Inertia.from_cog(float(f"{drawn.mass:.4g}"), np.round(drawn.cog, 5), np.diag(np.round(drawn.moments_cog, 4)))
+        known = [("inertia", string(DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _inertia_lines(rounded))]
+    else:
+        known = _inertia_lines(model.fmd)
     return [*known, ("tolerance", number(model.fmd_tolerance), "")]
 
 
-def _drawn(model: Model) -> list[Line]:
-    """The drawing asked for, and its figures as a comment to write one's own over."""
-    drawn = routes.inertia(built_in(KNOWN_FMD, changes_of(KNOWN_FMD, model.changes)))
-    rounded = Inertia.from_cog(float(f"{drawn.mass:.4g}"), np.round(drawn.cog, 5), np.diag(np.round(drawn.moments_cog, 4)))
-    return [("inertia", string(DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _model_inertia(rounded))]
-
-
-def _model_inertia(inertia: Inertia) -> list[Line]:
+def _inertia_lines(inertia: Inertia) -> list[Line]:
     """Mass, CoG, moments and products, in digits that give the same ten parameters about F when they are read."""
     about_f = inertia.about((0.0, 0.0, 0.0))
     mass = about_f.mass
@@ -785,7 +757,7 @@ def _model_inertia(inertia: Inertia) -> list[Line]:
     ]
 
 
-def _model_tolerances(model: Model) -> list[str]:
+def _tolerance_lines(model: Model) -> list[str]:
     lines = [
         (key, number(shortest(size, partial(si, name), _as_written(key, size))), TOLERANCE_NOTES[name])
         for name, (key, _) in SCALES.items()
@@ -809,7 +781,7 @@ def _structure(model: Model) -> list[str]:
             "of every mode; left out, the loss factors of the parts hold",
         ),
     ]
-    own = [(string(article), string(_relative(path, model.source)), "") for article, path in model.own.items()]
+    own = [(string(article), string(os.path.relpath(path, Path(model.source).parent)), "") for article, path in model.own.items()]
     changes = [(string(key), number(value), "") for key, value in model.changes.items()]
     spread = [
         (one.name, number(getattr(model.structure, one.name)), STRUCTURE_NOTES[one.name]) for one in fields(StructureTolerances)
@@ -837,10 +809,6 @@ def _structure(model: Model) -> list[str]:
         ),
         block("# How well it is known beforehand, one standard deviation as a share.\n[structure.tolerances]", spread),
     ]
-
-
-def _relative(path: str, source: str) -> str:
-    return os.path.relpath(path, Path(source).parent)
 
 
 def _about_effects() -> str:

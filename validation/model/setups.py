@@ -54,7 +54,16 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
     """
     if above_fmd(name) == "":
         return None, ()
-    _require_same(name, campaign, source)
+    # Refuse a known article that is another one than the campaign's; what a user's own file holds is the user's to know
+    there = above_fmd(campaign.article)
+    if above_fmd(name) == there or is_file(name):
+        pass
+    else:
+        raise BadInput(
+            source=source,
+            problem=f"{name} is not what stands on the FMD in {campaign.source}, whose article is {campaign.article}",
+            remedy=f"{nearest(name, (there,))}Leave {source} out to take {there}, or correct `campaign.article`",
+        )
     pose, said = mounted(campaign)
     return _inertia(above_fmd(name), source).placed(pose), said
 
@@ -76,19 +85,6 @@ def stated(campaign: Campaign) -> Pose | None:
     """The pose of the article's frame seen from F that `campaign` states; None where it states none."""
     there = campaign.mounting
     return None if there is None else Pose(position=there.position - campaign.table.origin, rotation=there.rotation)
-
-
-def _require_same(name: str, campaign: Campaign, source: str) -> None:
-    """Refuse a known article that is another one than the campaign's; what a user's own file holds is the user's to know."""
-
-    there = above_fmd(campaign.article)
-    if above_fmd(name) == there or is_file(name):
-        return
-    raise BadInput(
-        source=source,
-        problem=f"{name} is not what stands on the FMD in {campaign.source}, whose article is {campaign.article}",
-        remedy=f"{nearest(name, (there,))}Leave {source} out to take {there}, or correct `campaign.article`",
-    )
 
 
 def _inertia(name: str, source: str) -> Inertia:

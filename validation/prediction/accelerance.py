@@ -22,7 +22,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from validation.effects.catalogue import FAMILIES, There, acts
 from validation.effects.effect import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
-from validation.effects.stages import ChannelResponse, Matrices
+from validation.effects.stages import ChannelResponse
 from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, series
@@ -119,7 +119,10 @@ class AcceleranceTest:
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """(r, n, c, 1) and its derivatives by parameter."""
         matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
-        rows, forces = (_rows(matrices, points) for points in (self.responses, self.drives))
+        rows, forces = (
+            np.array([dynamic_mass.along(matrices, point.place, point.direction) for point in points])
+            for points in (self.responses, self.drives)
+        )
         answered = dynamic_mass.accelerance(matrices, f, rows, forces)
         moved = dynamic_mass.transfer_tangents(answered, tangents)
         return _by_run(answered.matrix), {name: _by_run(change) for name, change in moved.items()}
@@ -131,7 +134,13 @@ class AcceleranceTest:
         scale = (gains[:-1] / gains[-1])[:, None]
         tangents = {name: scale * change for name, change in dA.items()}
         if derivatives:
-            tangents |= _by_gain(A, gains, self._gains)
+            # Derivatives (n, c, 1) of gain_c / gain_force * A by each gain
+            found = {}
+            for k, name in enumerate(self._gains[:-1]):
+                found[name] = np.zeros_like(A)
+                found[name][:, k] = A[:, k] / gains[-1]
+            found[self._gains[-1]] = -(gains[:-1] / gains[-1] ** 2)[:, None] * A
+            tangents |= found
         none = np.zeros((len(f), len(self.measured.channels)))
         reading = ChannelResponse(frequency=f, channels=self.measured.channels, rows=scale * A, amplitude=none)
         reading, tangents = prediction_effects.channels(reading, tangents, effects)
@@ -186,23 +195,9 @@ def measured(
     )
 
 
-def _rows(matrices: Matrices, points: Sequence[Point]) -> Array:
-    return np.array([dynamic_mass.along(matrices, point.place, point.direction) for point in points])
-
-
 def _by_run(matrix: ComplexArray) -> ComplexArray:
     """(n, c, r) as (r, n, c, 1)."""
     return np.asarray(matrix.transpose(2, 0, 1)[..., None])
-
-
-def _by_gain(A: ComplexArray, gains: Array, names: Sequence[str]) -> dict[str, ComplexArray]:
-    """Derivatives (n, c, 1) of gain_c / gain_force * A by each gain."""
-    found = {}
-    for k, name in enumerate(names[:-1]):
-        found[name] = np.zeros_like(A)
-        found[name][:, k] = A[:, k] / gains[-1]
-    found[names[-1]] = -(gains[:-1] / gains[-1] ** 2)[:, None] * A
-    return found
 
 
 def _require_acting(added: Added, test: AcceleranceTest) -> None:

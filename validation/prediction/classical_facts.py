@@ -137,7 +137,9 @@ def spread(value: UFloat) -> Spread:
     """By input what it makes of `value`, of which tolerances are half-widths of 95 % intervals."""
     found: dict[Input, float] = {}
     for variable, slope in value.derivatives.items():
-        one = _input(variable)
+        name, input_value = str(getattr(variable, "tag", "")), float(variable.nominal_value)
+        sd = float(variable.std_dev) / NORMAL_95
+        one = Input(name=name, value=input_value, deviation=sd, reading=None if name in MEASURED_ONCE else variable)
         found[one] = found.get(one, 0.0) + float(slope) * one.deviation
     return {one: part for one, part in found.items() if part}
 
@@ -147,12 +149,6 @@ def covariance(spreads: Sequence[Spread]) -> Array:
     every = list(dict.fromkeys(one for each in spreads for one in each))
     parts = np.array([[each.get(one, 0.0) for one in every] for each in spreads]).reshape(len(spreads), len(every))
     return np.asarray(parts @ parts.T)
-
-
-def _input(variable: object) -> Input:
-    name, value = str(getattr(variable, "tag", "")), float(variable.nominal_value)  # type: ignore[attr-defined]
-    sd = float(variable.std_dev) / NORMAL_95  # type: ignore[attr-defined]
-    return Input(name=name, value=value, deviation=sd, reading=None if name in MEASURED_ONCE else variable)
 
 
 # A measured swing as an effect on its period sees it: what acts on it, how much of it, and what comes of the period.
@@ -271,7 +267,7 @@ def _length(swing: RecordedSwing) -> float:
 
 REDUCED: Mapping[str, Callable[[Fields], Reduction]] = {
     "weighing": weigh.reduce,
-    "crane-cog": weigh.crane_cog_reduce,
+    "crane-cog": weigh.reduce_cog,
     "results": files.reduce,
 }
 """What reduces a file of each kind, but for pendulums, of which every swing is a fact."""
@@ -366,17 +362,14 @@ def facts(model: Model, files: Sequence[str]) -> tuple[ArticleFact, ...]:
     BadInput : a file that cannot be used, or that is about something of which the model knows no inertia; a result without
         tolerance.
     """
-    found = _shared([fact for name in files for fact in _of_file(model, name)])
-    return tuple(fact.with_effects(model.effects) for fact in found)
-
-
-def _shared(found: Sequence[ArticleFact]) -> list[ArticleFact]:
-    """`found`, every swing with its share of the effects on the swings of its article."""
+    # `shared_found`, every swing with its share of the effects on the swings of its article
+    shared_found = [fact for name in files for fact in _of_file(model, name)]
     shares: dict[str, Iterator[Mapping[str, float]]] = {}
-    for article in {fact.of.article for fact in found}:
-        swings = [fact.swing for fact in found if fact.swing is not None and fact.of.article == article]
+    for article in {fact.of.article for fact in shared_found}:
+        swings = [fact.swing for fact in shared_found if fact.swing is not None and fact.of.article == article]
         shares[article] = iter(suspension_shares(swings))
-    return [fact if fact.swing is None else replace(fact, shares=next(shares[fact.of.article])) for fact in found]
+    found = [fact if fact.swing is None else replace(fact, shares=next(shares[fact.of.article])) for fact in shared_found]
+    return tuple(fact.with_effects(model.effects) for fact in found)
 
 
 def _of_file(model: Model, name: str) -> list[ArticleFact]:
@@ -449,7 +442,10 @@ def require_bodies(model: Model, campaigns: Sequence[Campaign]) -> None:
 
 def _require_body(model: Model, article: str, of: MountedArticle) -> None:
     effects = tuple(
-        _bodies_stated(one) for one in model.effects if one.named.family in WEIGHED and reach_acts(one.named, of.there)
+        # `one` at its size as it stands, which nothing moves
+        replace(one, fixed=True)
+        for one in model.effects
+        if one.named.family in WEIGHED and reach_acts(one.named, of.there)
     )
     if of.matrices is None or not effects:
         return
@@ -461,11 +457,6 @@ def _require_body(model: Model, article: str, of: MountedArticle) -> None:
             problem=f"with {', '.join(str(one.named) for one in effects)} no body is left of {article}: {problem}",
             remedy="Check sign and unit of the size; a mass is added to the drawing, and a negative one taken away from it",
         )
-
-
-def _bodies_stated(added: Added) -> Added:
-    """`added` at its size as it stands, which nothing moves."""
-    return replace(added, fixed=True)
 
 
 def _problem(drawn: Matrices, effects: Sequence[Added]) -> str:

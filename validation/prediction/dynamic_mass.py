@@ -107,47 +107,42 @@ def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
 
 def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
     """By parameter d matrix / d offset, (n, r, d)."""
-    return {name: _tangent(answered, change) for name, change in changes.items()}
+    made = {}
+    for name, change in changes.items():
+        # Each field by itself: those that do not change cost nothing, nor do coordinates that do not
+        left, right = (side if len(change.at) == len(side) else side[change.at] for side in (answered.left, answered.right))
+        omega = (2 * np.pi * answered.frequency)[:, None, None]
+        found = np.zeros_like(answered.matrix)
+        fields = (
+            (change.mass, 1.0),
+            (change.stiffness, -1 / omega**2),
+            (change.viscous, -1j / omega),
+            (change.structural, -1j / omega**2),
+        )
+        for matrix, factor in fields:
+            if np.any(matrix):
+                found += factor * _product(left, matrix, right, change.crossing)
+        made[name] = answered.sign * found
+    return made
 
 
 def _by_coordinate(answer: ComplexArray) -> ComplexArray:
     return np.ascontiguousarray(answer.transpose(1, 0, 2))
 
 
-def _tangent(answered: CondensedTransfer, change: Tangent) -> ComplexArray:
-    """Each field by itself: those that do not change cost nothing, nor do coordinates that do not."""
-    left, right = (side if len(change.at) == len(side) else side[change.at] for side in (answered.left, answered.right))
-    omega = (2 * np.pi * answered.frequency)[:, None, None]
-    found = np.zeros_like(answered.matrix)
-    fields = (
-        (change.mass, 1.0),
-        (change.stiffness, -1 / omega**2),
-        (change.viscous, -1j / omega),
-        (change.structural, -1j / omega**2),
-    )
-    for matrix, factor in fields:
-        if np.any(matrix):
-            found += factor * _product(left, matrix, right, change.crossing)
-    return answered.sign * found
-
-
 def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
     """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
     if crossing is not None:
-        return _crossed(left, matrix[crossing], right, crossing)
+        # The same of a matrix of which row and column `crossing` alone are there, alike: two sums over the coordinates
+        half = np.array(matrix[crossing])
+        half[crossing] /= 2
+        over_left, over_right = (np.tensordot(half, side, axes=1) for side in (left, right))
+        return np.asarray(left[crossing][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[crossing][:, None])
     k, n, d = right.shape
     pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
     if k <= FEW:
         return np.asarray(np.sum(left[:, :, :, None] * pulled[:, :, None, :], axis=0))
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
-
-
-def _crossed(left: ComplexArray, row: Array, right: ComplexArray, r: int) -> ComplexArray:
-    """The same of a matrix of which row and column `r` alone are there, alike: two sums over the coordinates."""
-    half = np.array(row)
-    half[r] /= 2
-    over_left, over_right = (np.tensordot(half, side, axes=1) for side in (left, right))
-    return np.asarray(left[r][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[r][:, None])
 
 
 def _dynamic(matrices: Matrices, lines: Array) -> ComplexArray:
@@ -193,7 +188,7 @@ def drives(campaign: Campaign, method: str) -> dict[str, BaseDrive]:
         run.name: BaseDrive(
             amplitude=amplitudes[run.name],
             nominal=_strongest(amplitudes[run.name], list(amplitudes.values())),
-            sweep_rate=_rate(run),
+            sweep_rate=(run.excitation.figure("octaves_per_minute") or 0.0) / 60 if run.excitation else 0.0,
             block=_block(campaign, run, method),
         )
         for run in campaign.runs
@@ -204,10 +199,6 @@ def _strongest(one: Array, every: Sequence[Array]) -> Array:
     """The largest of `every` that lies along `one`."""
     alike = [other for other in every if np.array_equal(other > 0, one > 0)]
     return max(alike, key=lambda other: float(np.linalg.norm(other)))
-
-
-def _rate(run: Run) -> float:
-    return (run.excitation.figure("octaves_per_minute") or 0.0) / 60 if run.excitation else 0.0
 
 
 def _amplitude(excitation: Excitation, axis: str) -> Array:
@@ -320,7 +311,10 @@ class SupportedDynamicMass:
         H = np.broadcast_to(base.astype(np.complex128), (len(frequency), 6, 6))
         found: Tangents = {}
         if derivatives and not self.exact:
-            found = {name: _constant(E, len(frequency)) for name, E in zip(names(), ten_matrices(), strict=True)}
+            found = {
+                name: np.broadcast_to(E.astype(np.complex128), (len(frequency), 6, 6))
+                for name, E in zip(names(), ten_matrices(), strict=True)
+            }
         if self.nuisances is None:
             return H, found
         mounted, changes = self._mounted(self.nuisances, offsets, effects, frequency, drive, derivatives=derivatives)
@@ -380,7 +374,3 @@ def structure(
 def _turned(pose: Pose) -> Array:
     """(6, 6) motions and loads in the axes of F from those in the article's own."""
     return np.asarray(np.kron(np.eye(2), pose.rotation), dtype=np.float64)
-
-
-def _constant(matrix: Array, count: int) -> ComplexArray:
-    return np.broadcast_to(matrix.astype(np.complex128), (count, 6, 6))

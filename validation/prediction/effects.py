@@ -85,7 +85,11 @@ def structure(
         if not _is_nothing(added.named):
             found = {key: _through(added.named, stage, after, tangent) for key, tangent in found.items()}
         for size in _free(added) if derivatives else ():
-            found[name(added.named, size.key)] = _by_size(added.named, size, stage)
+            named = added.named
+            value, scale, slope = _scale(named, size)
+            step = COARSE * scale
+            below, above = (_changed(_with(named, size, value + side * step), stage) for side in (-1, 1))
+            found[name(added.named, size.key)] = between(below, above, 2 * step / slope)
         stage = after
     return stage, found
 
@@ -187,13 +191,6 @@ def _scale(named: Named, size: SizeSpec) -> tuple[float, float, float]:
     """A size as it stands, what to measure steps by, and d size / d offset."""
     value = named.values[size.key]
     return (value, abs(value), value) if size.logarithmic else (value, max(abs(value), size.plausible), 1.0)
-
-
-def _by_size(named: Named, size: SizeSpec, stage: Matrices) -> Tangent:
-    value, scale, slope = _scale(named, size)
-    step = COARSE * scale
-    below, above = (_changed(_with(named, size, value + side * step), stage) for side in (-1, 1))
-    return between(below, above, 2 * step / slope)
 
 
 def _through(named: Named, stage: Matrices, after: Matrices, tangent: Tangent) -> Tangent:

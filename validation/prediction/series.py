@@ -27,8 +27,8 @@ from geometry.frames import Array
 from identification.campaign import Campaign, Processing, Run
 from identification.chain import Chain, chain
 from identification.chain import Parameter as OfChain
-from identification.spectra import noise as spectra_noise
 from identification.spectra.line_spectra import Spectra
+from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import SAME_LINE, grid, spectra
 from identification.spectra.peak_hold import hann
 from validation.effects.catalogue import FAMILIES, acts
@@ -160,7 +160,8 @@ def by_level(campaign: Campaign, found: Spectra, groups: Sequence[Sequence[int]]
     if not silent:
         return every, ()
     loud = np.all([_above(found, silent, columns) for columns in groups if len(columns)], axis=(0, 1))
-    names = _some([campaign.runs[k].name for k in silent])
+    some_names = [campaign.runs[k].name for k in silent]
+    names = ", ".join(some_names[:6]) + (f" and {len(some_names) - 6} more" if len(some_names) > 6 else "")
     if not np.any(loud):
         said = f"no line stands {WELL_ABOVE:g} times above the noise in every run, and {names} state nothing of what they drive"
         return every, (f"of {campaign.source} all lines are kept: {said}",)
@@ -194,10 +195,6 @@ def _above(found: Spectra, runs: Sequence[int], columns: Sequence[int]) -> Chose
     """(r, n) whether the best channel of `columns` stands well above its noise; noise that is not known counts as none."""
     chosen = np.ix_(runs, range(len(found.frequency)), columns)
     return np.asarray(np.any(np.abs(found.values[chosen]) > WELL_ABOVE * found.noise[chosen], axis=2))
-
-
-def _some(names: Sequence[str], most: int = 6) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 # From a campaign to `Measured`: the complex lines of the channels that the chain predicts; forces are judged.
@@ -266,18 +263,8 @@ def per_rms(campaign: Campaign, method: str) -> Array:
         return np.zeros(len(recorded))
     density = (1 / rates)[:, None, None]
     if method == "full-record":
-        return spectra_noise.of_full_record(density, np.array([one.duration for one in recorded])).ravel()
-    return spectra_noise.of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
-
-
-def mains_hum(frequency: Array, quantities: Sequence[str], method: str) -> Array:
-    """(n, c) what the mains' ordinary hum leaves at the lines of a full record; empty of other spectra, where it is not known."""
-    from validation.virtual_test.plan import MAINS
-
-    if method != "full-record":
-        return np.zeros((0, 0))
-    ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
-    return np.outer(leak(frequency), ordinary)
+        return of_full_record(density, np.array([one.duration for one in recorded])).ravel()
+    return of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
 
 
 def _groups(of: Chain) -> tuple[list[int], list[int]]:
@@ -335,7 +322,15 @@ def predictions(
     ------
     BadInput : campaigns of several hardwares, an article that the model cannot describe, whatever makes no spectra.
     """
-    _require_one_hardware(campaigns)
+    stated = {one.hardware: one.source for one in campaigns if one.hardware}
+    if len(stated) > 1:
+        listed = "; ".join(f"{hardware} in {source}" for hardware, source in stated.items())
+        raise BadInput(
+            source="series",
+            field="hardware",
+            problem=f"one model holds for one FMD and its sensors, found {listed}",
+            remedy="Compare campaigns of one hardware at a time, each with a model of its own",
+        )
     found = []
     for k, (campaign, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
         found.append(_tested(model, campaign, name, band, method, lines, _share(progress, k, len(campaigns))))
@@ -449,7 +444,13 @@ class SeriesPrediction:
         order = np.zeros(len(self.measured.runs), dtype=np.int64)
         for k, (_, runs) in enumerate(self._variants):
             order[list(runs)] = k
-        return _joined(found, order, noise)
+        # Runs that are read differently, `order` (r,) says which of `found` each is
+        changes = {}
+        for name in dict.fromkeys(name for one in found for name in one.changes):
+            of = [one.changes[name] for one in found]
+            channels = tuple(sorted({k for one in of for k in one.channels}))
+            changes[name] = Change(channels=channels, rows=np.stack([_on(of[k], channels) for k in order]))
+        return Predicted(rows=np.stack([found[k].rows for k in order]), changes=changes, noise=noise)
 
     @cached_property
     def _reaching(self) -> tuple[Added, ...]:
@@ -544,7 +545,15 @@ class SeriesPrediction:
             return None
         chosen = of.noise if lines is None else of.noise[:, lines]
         quantities = tuple(self.tested.campaign.table.channels[k].quantity for k in self._chain.columns)
-        hum, found = mains_hum(frequency, quantities, self.tested.method), []
+        from validation.virtual_test.plan import MAINS
+
+        # (n, c) what the mains' ordinary hum leaves at the lines of a full record; empty of other spectra, where it is not known
+        if self.tested.method != "full-record":
+            hum = np.zeros((0, 0))
+        else:
+            ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
+            hum = np.outer(leak(frequency), ordinary)
+        found = []
         for deviation, per_rms in zip(chosen, self.tested.per_rms, strict=True):
             floor = NoiseModel(
                 frequency=frequency,
@@ -596,16 +605,6 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
     )
 
 
-def _joined(found: Sequence[Predicted], order: npt.NDArray[np.int64], noise: Array | None) -> Predicted:
-    """Runs that are read differently, `order` (r,) says which of `found` each is."""
-    changes = {}
-    for name in dict.fromkeys(name for one in found for name in one.changes):
-        of = [one.changes[name] for one in found]
-        channels = tuple(sorted({k for one in of for k in one.channels}))
-        changes[name] = Change(channels=channels, rows=np.stack([_on(of[k], channels) for k in order]))
-    return Predicted(rows=np.stack([found[k].rows for k in order]), changes=changes, noise=noise)
-
-
 def _on(change: Change | Conveyed, channels: tuple[int, ...]) -> ComplexArray:
     """Its rows (n, len(channels), k), zeros where it changes nothing."""
     own = change.rows
@@ -638,18 +637,6 @@ def _asks(added: Added) -> bool:
 
 def _share(progress: Progress | None, k: int, count: int) -> Progress | None:
     return None if progress is None else lambda done: progress((k + done) / count)
-
-
-def _require_one_hardware(campaigns: Sequence[Campaign]) -> None:
-    stated = {one.hardware: one.source for one in campaigns if one.hardware}
-    if len(stated) > 1:
-        listed = "; ".join(f"{hardware} in {source}" for hardware, source in stated.items())
-        raise BadInput(
-            source="series",
-            field="hardware",
-            problem=f"one model holds for one FMD and its sensors, found {listed}",
-            remedy="Compare campaigns of one hardware at a time, each with a model of its own",
-        )
 
 
 # Noise of lines that brought no records along, from the lines themselves.

@@ -99,7 +99,7 @@ def of_structure(
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
     shapes = _basis(structure, free, modes, free.load, rows)
-    own = _matrices_own(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
+    own = _matrices_of_user(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
     L = free.load.T @ shapes
     T = np.eye(BASE + len(own.mass))
     T[:BASE, :BASE] = rigid_transformation_6(modes.reference_point)
@@ -133,7 +133,7 @@ def held(
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
     shapes = _basis(structure, free, modes, np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T, rows)
-    return _matrices_own(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
+    return _matrices_of_user(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
 
 
 def of_inertia(inertia: Inertia, places: Places = NOWHERE) -> Matrices:
@@ -185,21 +185,21 @@ def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, row
     pulls = [restricted(K, free.free) @ swinging for K in _parts(structure).values()]
     heavy = HEAVY * np.trace(structure.rigid_mass[:3, :3]) / 3 * (2 * np.pi * BAND) ** 2
     pulls += [heavy * row.T @ (row @ swinging) for row in rows.values()]
-    bending = _noticed(free, np.hstack([np.zeros((len(free.free), 0)), *pulls]), shapes)
+    # Those combinations (f, m) of `forces` whose static answers `shapes` do not nearly hold already
+    forces = np.hstack([np.zeros((len(free.free), 0)), *pulls])
+    if not forces.size:
+        bending = forces
+    else:
+        static = factorise(free.stiffness, definite=True).solve(forces)
+        left = static - shapes @ (shapes.T @ (free.mass @ static))
+        square, directions = np.linalg.eigh(left.T @ (free.stiffness @ left))
+        bending = np.asarray(forces @ directions[:, square > (NOTICED * 2 * np.pi * BAND) ** 2])
     return np.hstack([shapes, static_shapes(free.stiffness, free.mass, bending, shapes)]) if bending.size else shapes
 
 
-def _noticed(free: HeldBase, forces: Array, shapes: Array) -> Array:
-    """Those combinations (f, m) of `forces` whose static answers `shapes` do not nearly hold already."""
-    if not forces.size:
-        return forces
-    static = factorise(free.stiffness, definite=True).solve(forces)
-    left = static - shapes @ (shapes.T @ (free.mass @ static))
-    square, directions = np.linalg.eigh(left.T @ (free.stiffness @ left))
-    return np.asarray(forces @ directions[:, square > (NOTICED * 2 * np.pi * BAND) ** 2])
-
-
-def _matrices_own(structure: Structure, free: HeldBase, modes: Modes, shapes: Array, damping: Damping, rows: Rows) -> Matrices:
+def _matrices_of_user(
+    structure: Structure, free: HeldBase, modes: Modes, shapes: Array, damping: Damping, rows: Rows
+) -> Matrices:
     """Matrices on `shapes` (f, n) alone, the base held still."""
     n = modes.frequency.size
     S, C_u = fem_damping.structural_matrix(damping, structure), fem_damping.viscous_matrix(damping, structure)
@@ -423,7 +423,17 @@ def _changes(model: Model, article: str) -> tuple[tuple[str, float], ...]:
 def _made(recipe: _Recipe) -> MountedArticle:
     """An article, not yet mounted."""
     if recipe.own:
-        return _of_user(recipe)
+        # A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone
+        if recipe.kind == RIGID:
+            return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), {}), pose=Pose())
+        found = users_model(recipe.own, recipe.stamp)
+        damping = _damping(recipe) or found.damping
+        if isinstance(found.model, Structure):
+            return _of_structure(recipe, found.model, damping, {}, None)
+        frequency = found.model.frequency
+        modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
+        matrices = of_modes(modal, _inertia(recipe).cog)
+        return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
     changes = dict(recipe.changes)
     places = locations(recipe.article, changes)
     if recipe.kind == RIGID:
@@ -432,20 +442,6 @@ def _made(recipe: _Recipe) -> MountedArticle:
 
     drawn = built_in(recipe.article, changes)
     return _of_structure(recipe, articles.structure(recipe.article, changes), _damping(recipe), places, drawn)
-
-
-def _of_user(recipe: _Recipe) -> MountedArticle:
-    """A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone."""
-    if recipe.kind == RIGID:
-        return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), {}), pose=Pose())
-    found = users_model(recipe.own, recipe.stamp)
-    damping = _damping(recipe) or found.damping
-    if isinstance(found.model, Structure):
-        return _of_structure(recipe, found.model, damping, {}, None)
-    frequency = found.model.frequency
-    modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
-    matrices = of_modes(modal, _inertia(recipe).cog)
-    return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
 
 
 def _of_structure(

@@ -45,7 +45,20 @@ def published(article: str) -> Published:
     table = _tables().get(article)
     if table is None:
         return Published()
-    statements = {column: _column(table[column], table["source"]) for column in ("published", "measured") if column in table}
+    statements = {}
+    for column in ("published", "measured"):
+        if column in table:
+            # One column of a table, from the file of ``kind = "results"`` that holds its values
+            column_column = table[column]
+            name = column_column["file"]
+            results = tomllib.loads(_text(f"{name}.toml"))
+            values = (statement.stated(results[key]["value"], dimension, name, key) for key, dimension in _RESULT_KEYS)
+            statements[column] = Statement(
+                name=column_column["name"],
+                values=(*values, None, None, None),
+                source=table["source"],
+                tolerance_note=column_column["tolerance"],
+            )
     if "identified" in table:
         statements["identified"] = statement.read(result_table(table["identified"]), table["identified"], Pose())
     deviation = table["printed_deviation"]
@@ -61,14 +74,6 @@ def published(article: str) -> Published:
 def result_table(name: str) -> dict[str, Any]:
     """The result file in print called `name`, one of `RESULTS`."""
     return tomllib.loads(_text(f"{name}.toml"))
-
-
-def _column(column: dict[str, str], source: str) -> Statement:
-    """One column of a table, from the file of ``kind = "results"`` that holds its values."""
-    name = column["file"]
-    results = tomllib.loads(_text(f"{name}.toml"))
-    values = (statement.stated(results[key]["value"], dimension, name, key) for key, dimension in _RESULT_KEYS)
-    return Statement(name=column["name"], values=(*values, None, None, None), source=source, tolerance_note=column["tolerance"])
 
 
 _RESULT_KEYS = (

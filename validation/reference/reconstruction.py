@@ -112,8 +112,26 @@ def problem(details: dict[str, Any], reconstruction: dict[str, Any]) -> Reconstr
     published = [reconstruction["published"][name] for name in ("four_blades", "one_blade")]
     targets = [np.array([p["mass_kg"], p["cog_mm"][2] * 1e-3, *p["Ixx_Iyy_Izz_cog_kgm2"]]) for p in published]
     modes = [np.array(reconstruction["achieved"][name]["f_Hz"]) for name in ("four_blades", "one_blade")]
+    # `details` with the reconstruction's dimensions; a hub's height from the mass that was lumped there
+    dimensions = copy.deepcopy(details)
+    flange, mast = reconstruction["flange"], reconstruction["mast"]
+    dimensions["flange"] |= {"diameter_mm": flange["diameter_m"] * 1e3, "height_mm": flange["height_m"] * 1e3}
+    for side in ("outer", "inner"):
+        dimensions["mast"][f"{side}_diameter_mm"] = mast[f"{side}_diameter_m"] * 1e3
+    for blade, start, hub in zip(dimensions["blade"], reconstruction["blades"], reconstruction["hubs"]["mass_kg"], strict=True):
+        blade |= {f"{key}_mm": start[f"{key}_m"] * 1e3 for key in ("z", "length", "width", "thickness")}
+        _shorten(blade, dimensions["hubs"]["outer_diameter_mm"])
+        # Height of both collars together [mm] that makes up for `hub` [kg] and for the holes in the blade
+        bolts = dimensions["hubs"]["bolts"]
+        hole = np.pi / 4 * (dimensions["mast"]["outer_diameter_mm"] ** 2 + bolts["count"] * bolts["diameter_mm"] ** 2)
+        collar = np.pi / 4 * dimensions["hubs"]["outer_diameter_mm"] ** 2 - hole
+        blade["hub_height_mm"] = float(
+            (hub / reconstruction["material"]["rho_kg_m3"] * 1e9 + hole * blade["thickness_mm"]) / collar
+        )
+    first, second = dimensions["blade"][:2]
+    second |= {key: first[key] for key in ("width_mm", "thickness_mm")}  # which nearly equal lengths had parted
     return Reconstruction(
-        start=_started(details, reconstruction),
+        start=dimensions,
         free=free,
         freedom=np.array([TOLERANCES.get(keys[0][-1], DIMENSION_TOLERANCE) for keys in free]),
         inertias=(targets[0], targets[1]),
@@ -220,34 +238,10 @@ def _free_dimensions() -> Iterator[tuple[Path_, ...]]:
         yield from ((("blade", n, key),) for n in (2, 3))
 
 
-def _started(details: dict[str, Any], reconstruction: dict[str, Any]) -> dict[str, Any]:
-    """`details` with the reconstruction's dimensions; a hub's height from the mass that was lumped there."""
-    dimensions = copy.deepcopy(details)
-    flange, mast = reconstruction["flange"], reconstruction["mast"]
-    dimensions["flange"] |= {"diameter_mm": flange["diameter_m"] * 1e3, "height_mm": flange["height_m"] * 1e3}
-    for side in ("outer", "inner"):
-        dimensions["mast"][f"{side}_diameter_mm"] = mast[f"{side}_diameter_m"] * 1e3
-    for blade, start, hub in zip(dimensions["blade"], reconstruction["blades"], reconstruction["hubs"]["mass_kg"], strict=True):
-        blade |= {f"{key}_mm": start[f"{key}_m"] * 1e3 for key in ("z", "length", "width", "thickness")}
-        _shorten(blade, dimensions["hubs"]["outer_diameter_mm"])
-        blade["hub_height_mm"] = _hub_height(dimensions, blade, hub, reconstruction["material"]["rho_kg_m3"])
-    first, second = dimensions["blade"][:2]
-    second |= {key: first[key] for key in ("width_mm", "thickness_mm")}  # which nearly equal lengths had parted
-    return dimensions
-
-
 def _shorten(blade: dict[str, Any], collar: float) -> None:
     """Thinner and wider, its mass kept: held by collars [mm] it bends as slowly as a blade that begins at the mast's axis."""
     free = 1 - collar / blade["length_mm"]
     blade |= {"thickness_mm": blade["thickness_mm"] * free**2, "width_mm": blade["width_mm"] / free**2}
-
-
-def _hub_height(dimensions: dict[str, Any], blade: dict[str, Any], mass: float, density: float) -> float:
-    """Height of both collars together [mm] that makes up for `mass` [kg] and for the holes in the blade."""
-    bolts = dimensions["hubs"]["bolts"]
-    hole = np.pi / 4 * (dimensions["mast"]["outer_diameter_mm"] ** 2 + bolts["count"] * bolts["diameter_mm"] ** 2)
-    collar = np.pi / 4 * dimensions["hubs"]["outer_diameter_mm"] ** 2 - hole
-    return float((mass / density * 1e9 + hole * blade["thickness_mm"]) / collar)
 
 
 def _get(table: Any, key: Path_) -> Any:

@@ -21,9 +21,8 @@ from geometry.frames import Array, Pose
 from geometry.inertia import Inertia, judge
 from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, rounding, tessellation_error
 from validation.model.setups import is_file, is_stack
-from validation.reference import published as reference_published
 from validation.reference import statement
-from validation.reference.published import published
+from validation.reference.published import RESULTS, published, result_table
 from validation.reference.statement import QUANTITIES, Quantity, Row, Stated, Statement, about_cog, jacobian, pose_of, seen_from
 
 # The user's own dimensions of built-in articles, ``--set KEY=VALUE``: read, and said wherever a figure rests on them.
@@ -49,7 +48,15 @@ def read(settings: Sequence[str]) -> dict[str, float]:
             raise _refused("", f"KEY=VALUE is expected, found {text!r}", "Write for example fmd.load_cell.moving_fraction=0.6")
         if key in changes:
             raise _refused(key, f"it is set twice, to {changes[key]:g} and {value}", "Keep one of them")
-        changes[key] = _number(key, value)
+        try:
+            number_value = float(value)
+        except ValueError:
+            raise _refused(
+                key, f"a number is expected, found {value!r}", "Write it alone, in the unit that the key names"
+            ) from None
+        if not math.isfinite(number_value) or abs(number_value) > LARGEST:
+            raise _refused(key, f"no dimension has this size, found {value}", "Check the number and the unit that the key names")
+        changes[key] = number_value
     return changes
 
 
@@ -68,34 +75,12 @@ def require_used(names: Collection[str], changes: Mapping[str, float]) -> None:
             raise _refused(key, f"no article here has a part {file!r}", remedy)
 
 
-def footnote(name: str, changes: Mapping[str, float], in_print: bool) -> str:
-    """A sentence on what `changes` do to the article `name`, of which something is published or not; empty without any."""
-    own = changes_of(name, changes)
-    if not own:
-        return ""
-    idle = [key for key in own if not _acts(name, own, key)]
-    words = [f"Dimensions changed: {', '.join(f'{key} = {value:g}' for key, value in own.items())}"]
-    words += [f"without effect on its inertia: {', '.join(idle)}"] if idle else []
-    words += ["published and measured values are those of the unchanged article"] if in_print else []
-    return f"{'; '.join(words)}."
-
-
 def _acts(name: str, changes: Mapping[str, float], key: str) -> bool:
     from geometry import routes
 
     without = routes.inertia(built_in(name, {k: v for k, v in changes.items() if k != key}))
     difference = np.abs(routes.inertia(built_in(name, changes)).parameters - without.parameters)
     return bool(np.any(difference > rounding(without)))
-
-
-def _number(key: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise _refused(key, f"a number is expected, found {text!r}", "Write it alone, in the unit that the key names") from None
-    if not math.isfinite(value) or abs(value) > LARGEST:
-        raise _refused(key, f"no dimension has this size, found {text}", "Check the number and the unit that the key names")
-    return value
 
 
 def _refused(key: str, problem: str, remedy: str) -> BadInput:
@@ -311,7 +296,7 @@ def reference_table(name: str, asked: ArticleOptions) -> ReferenceTable:
         agree=routes.agree,
         agreement=f"{routes.text}; chord error of the mesh {_length(routes.chord)}" if routes.chord else routes.text,
         chord=routes.chord,
-        changes=_own_changes(name, asked),
+        changes={} if is_file(name) else changes_of(name, asked.changes),
         footnotes=(*notes, *print_.footnotes, *(f"{warning}." for warning in routes.warnings)),
         warnings=routes.warnings,
     )
@@ -319,11 +304,18 @@ def reference_table(name: str, asked: ArticleOptions) -> ReferenceTable:
 
 def changes_note(name: str, asked: ArticleOptions) -> str:
     """What the user's own dimensions mean for the figures of the article `name`, a sentence; empty without any."""
-    return "" if is_file(name) else footnote(name, asked.changes, in_print=bool(published(name).statements))
-
-
-def _own_changes(name: str, asked: ArticleOptions) -> Mapping[str, float]:
-    return {} if is_file(name) else changes_of(name, asked.changes)
+    if is_file(name):
+        return ""
+    # A sentence on what `asked.changes` do to the article `name`, of which something is published or not; empty without any
+    in_print = bool(published(name).statements)
+    own = changes_of(name, asked.changes)
+    if not own:
+        return ""
+    idle = [key for key in own if not _acts(name, own, key)]
+    words = [f"Dimensions changed: {', '.join(f'{key} = {value:g}' for key, value in own.items())}"]
+    words += [f"without effect on its inertia: {', '.join(idle)}"] if idle else []
+    words += ["published and measured values are those of the unchanged article"] if in_print else []
+    return f"{'; '.join(words)}."
 
 
 def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose) -> tuple[str, Statement]:
@@ -354,7 +346,14 @@ def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose)
             problem=f"nothing {chosen} is known of it",
             remedy=f"Choose one of {', '.join((*(c for c in (PUBLISHED, MEASURED) if c in printed), *_possible(name, routes)))}",
         )
-    return chosen, seen_from(_as_well_as(routes.statements()[chosen], printed), frame)
+    exact = routes.statements()[chosen]
+    if PUBLISHED not in printed:
+        as_well_as = exact
+    else:
+        pairs = zip(exact.values, printed[PUBLISHED].values, strict=True)
+        note = "that of the published values, where there are any, and rounding"
+        as_well_as = replace(exact, values=tuple(mine and _widened(mine, theirs) for mine, theirs in pairs), tolerance_note=note)
+    return chosen, seen_from(as_well_as, frame)
 
 
 def _length(metres: float) -> str:
@@ -374,20 +373,19 @@ def _of_built_in(name: str, asked: ArticleOptions, only: str | None = None) -> _
         return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)
     inertias = _by_routes(article, chord, changed_by_user=bool(asked.changes))
     verdict = agreement(article, inertias, chord)
-    shared = _overlaps(article) if asked.changes or "+" in name else ""
+    if asked.changes or "+" in name:
+        from geometry import cad
+
+        # What no route can see, since each adds bodies up: two that share volume. Empty where none do.
+        pairs = [f"{a} and {b} share {1e9 * volume:.4g} mm³" for (a, b), volume in cad.overlaps(article).items()]
+        more = f" and {len(pairs) - 3} pairs more" if len(pairs) > 3 else ""
+        shared = f"bodies overlap: {', '.join(pairs[:3])}{more}" if pairs else ""
+    else:
+        shared = ""
     text = f"{shared}; {verdict.text}" if shared else verdict.text
     return _Routes(
         inertias=inertias, errors=errors, agree=verdict.agree and not shared, text=text, note=article.note, chord=chord
     )
-
-
-def _overlaps(article: Article) -> str:
-    """What no route can see, since each adds bodies up: two that share volume. Empty where none do."""
-    from geometry import cad
-
-    pairs = [f"{a} and {b} share {1e9 * volume:.4g} mm³" for (a, b), volume in cad.overlaps(article).items()]
-    more = f" and {len(pairs) - 3} pairs more" if len(pairs) > 3 else ""
-    return f"bodies overlap: {', '.join(pairs[:3])}{more}" if pairs else ""
 
 
 def _by_routes(article: Article, chord: float, *, changed_by_user: bool) -> Mapping[str, Inertia]:
@@ -426,14 +424,6 @@ def _of_file(name: str, asked: ArticleOptions) -> _Routes:
 def file_name(title: str) -> str:
     """`title` as the name of a file that stays in its folder: letters, digits and ``+ - _ .``, everything else a dash."""
     return re.sub(r"[^\w.+-]+", "-", title).strip(".-") or "article"
-
-
-def _as_well_as(exact: Statement, statements: Mapping[str, Statement]) -> Statement:
-    if PUBLISHED not in statements:
-        return exact
-    pairs = zip(exact.values, statements[PUBLISHED].values, strict=True)
-    note = "that of the published values, where there are any, and rounding"
-    return replace(exact, values=tuple(mine and _widened(mine, theirs) for mine, theirs in pairs), tolerance_note=note)
 
 
 def _widened(mine: Stated, theirs: Stated | None) -> Stated:
@@ -494,7 +484,20 @@ class CrossCheck:
 def cross_check(result: Statement, reference: Statement) -> CrossCheck:
     """Hold `result` against `reference`, both in one frame."""
     triples = list(zip(QUANTITIES, result.values, reference.values, strict=True))
-    physical, physics = _physics(result)
+    # The judgement on all ten values; on fewer only what no products could mend, for they leave the diagonal as it is
+    if None in result.values[:7] or result.values[0] is None or result.values[0].value == 0:
+        physical, physics = None, "too few values are stated to judge whether a body can have them"
+    else:
+        verdict = judge(result.inertia, rounding=1e-9)
+        if not verdict.physical:
+            physical, physics = False, f"no body has these parameters: {verdict.text}"
+        elif not result.complete:
+            physical, physics = (
+                None,
+                "nothing speaks against a body with these parameters; without the products it cannot be proven",
+            )
+        else:
+            physical, physics = True, f"a body can have these parameters: {verdict.text}"
     return CrossCheck(
         rows=tuple(
             held_against(q, said, known, ("result", f"reference ({reference.name})"))
@@ -523,18 +526,6 @@ def _named(row: Row) -> str:
     percent, many = row.deviation_percent, row.deviation_in_tolerances
     size = f"{row.deviation:+.3g} {row.unit}" if percent is None else f"{percent:+.2f} %"
     return f"{row.quantity} ({size}{in_tolerances(many, ', ')})"
-
-
-def _physics(result: Statement) -> tuple[bool | None, str]:
-    """The judgement on all ten values; on fewer only what no products could mend, for they leave the diagonal as it is."""
-    if None in result.values[:7] or result.values[0] is None or result.values[0].value == 0:
-        return None, "too few values are stated to judge whether a body can have them"
-    verdict = judge(result.inertia, rounding=1e-9)
-    if not verdict.physical:
-        return False, f"no body has these parameters: {verdict.text}"
-    if not result.complete:
-        return None, "nothing speaks against a body with these parameters; without the products it cannot be proven"
-    return True, f"a body can have these parameters: {verdict.text}"
 
 
 # Somebody's identified ten parameters, from a file: our own format, what `massline identify --json` prints, or a bare INERTIA.
@@ -569,7 +560,7 @@ class StatedResult:
     warnings: tuple[str, ...] = ()
 
 
-def result_file_read(name: str, *, article: str, frame: Pose | None = None, way: str = "") -> StatedResult:
+def read_result(name: str, *, article: str, frame: Pose | None = None, way: str = "") -> StatedResult:
     """The result in the file `name`, or in print under that name, about `article`, seen from `frame` (its pose in the article's).
 
     `way` picks one of the results of an identification, "plain" or "self-calibrated"; by default it is the one that counts.
@@ -579,30 +570,34 @@ def result_file_read(name: str, *, article: str, frame: Pose | None = None, way:
     BadInput : not TOML or JSON, about another article, none of the forms, unknown keys, missing units, a frame that is not known.
     OSError : the file cannot be read.
     """
-    table = _table(name)
-    warnings = _about_another(table.get("article", article), name, article)
-    return StatedResult(statement=_statement(_of_way(table, way, name), name, article, frame), warnings=warnings)
-
-
-def _of_way(table: dict[str, Any], way: str, name: str) -> dict[str, Any]:
-    """An identification's `table` with the result of `way` in the place of the one that counts."""
-    if not way:
-        return table
-    key = way.replace("-", "_")
-    if not isinstance(table.get(key), dict):
-        raise BadInput(source=name, field=key, problem=f"there is no {way} result", remedy="Give the JSON of `massline identify`")
-    return {**table, **{part: table[key].get(part) for part in ("inertia", "interval95")}}
-
-
-def _about_another(about: object, name: str, article: str) -> tuple[str, ...]:
-    """Refuse a result about another article; between a user's own names, which may mean the same, it is only said."""
+    if name in RESULTS and not Path(name).exists():
+        table = result_table(name)
+    else:
+        shipped = RESULTS
+        remedy = f"{toml_file.nearest(name, shipped)}Give a result file, or one that ships: {', '.join(shipped)}"
+        table = toml_file.read(name, remedy=remedy)
+    # Refuse a result about another article; between a user's own names, which may mean the same, it is only said
+    about = table.get("article", article)
     path = Path(article)
     if isinstance(about, str) and _plain(about) in map(_plain, (article, path.name, path.stem)):
-        return ()
-    problem = f"it says that it is about {about if isinstance(about, str) else repr(about)}, held against {article}"
-    if isinstance(about, str) and not _is_built_in(about) and not _is_built_in(article):
-        return (f"{name}: {problem}",)
-    raise BadInput(source=name, field="article", problem=problem, remedy="Name the same article, or correct the file")
+        warnings: tuple[str, ...] = ()
+    else:
+        problem = f"it says that it is about {about if isinstance(about, str) else repr(about)}, held against {article}"
+        if isinstance(about, str) and not _is_built_in(about) and not _is_built_in(article):
+            warnings = (f"{name}: {problem}",)
+        else:
+            raise BadInput(source=name, field="article", problem=problem, remedy="Name the same article, or correct the file")
+    # An identification's `table` with the result of `way` in the place of the one that counts
+    if not way:
+        of_way: dict[str, Any] = table
+    else:
+        key = way.replace("-", "_")
+        if not isinstance(table.get(key), dict):
+            raise BadInput(
+                source=name, field=key, problem=f"there is no {way} result", remedy="Give the JSON of `massline identify`"
+            )
+        of_way = {**table, **{part: table[key].get(part) for part in ("inertia", "interval95")}}
+    return StatedResult(statement=_statement(of_way, name, article, frame), warnings=warnings)
 
 
 def _plain(article: str) -> str:
@@ -613,21 +608,29 @@ def _is_built_in(article: str) -> bool:
     return set(article.split("+")) <= set(NAMES)
 
 
-def _table(name: str) -> dict[str, Any]:
-    if name in reference_published.RESULTS and not Path(name).exists():
-        return reference_published.result_table(name)
-    shipped = reference_published.RESULTS
-    remedy = f"{toml_file.nearest(name, shipped)}Give a result file, or one that ships: {', '.join(shipped)}"
-    return toml_file.read(name, remedy=remedy)
-
-
 def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
     if "format" in table:
-        return _own_format(table, name, frame or Pose())
+        shown = frame or Pose()
+        toml_file.require_format(table, name)
+        toml_file.require_known(table, ("format", "article", "frame", *statement.TABLES), source=name)
+        own = shown.inverse @ pose_of(table["frame"], name) if "frame" in table else Pose()
+        return statement.read(table, name, own)
     if "mass_kg" in table:
         return _from_inertia(table, name)
     if any(key in table for key in _IDENTIFY[1:]) and "inertia" in table:
-        return _identified(table, name, article, frame)
+        if table.get("origin") == "F" and frame is None and not article.startswith("fmd"):
+            raise BadInput(
+                source=name,
+                field="origin",
+                problem=f"the CoG is stated from F, and {article} does not say where F is",
+                remedy='Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"',
+            )
+        inertia = toml_file.require_table(table["inertia"], source=name, where="inertia")
+        intervals = toml_file.require_table(table.get("interval95") or {}, source=name, where="interval95")
+        said = _from_inertia(inertia, name, intervals)
+        if not table.get("frame"):
+            return said
+        return seen_from(said, pose_of(table["frame"], name).inverse @ (frame or Pose()))
     raise BadInput(
         source=name,
         field="format",
@@ -635,29 +638,6 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
         remedy=("Did you mean format? " if difflib.get_close_matches("format", list(table)) else "")
         + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`",
     )
-
-
-def _own_format(table: dict[str, Any], name: str, shown: Pose) -> Statement:
-    toml_file.require_format(table, name)
-    toml_file.require_known(table, ("format", "article", "frame", *statement.TABLES), source=name)
-    own = shown.inverse @ pose_of(table["frame"], name) if "frame" in table else Pose()
-    return statement.read(table, name, own)
-
-
-def _identified(table: dict[str, Any], name: str, article: str, frame: Pose | None) -> Statement:
-    if table.get("origin") == "F" and frame is None and not article.startswith("fmd"):
-        raise BadInput(
-            source=name,
-            field="origin",
-            problem=f"the CoG is stated from F, and {article} does not say where F is",
-            remedy='Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"',
-        )
-    inertia = toml_file.require_table(table["inertia"], source=name, where="inertia")
-    intervals = toml_file.require_table(table.get("interval95") or {}, source=name, where="interval95")
-    said = _from_inertia(inertia, name, intervals)
-    if not table.get("frame"):
-        return said
-    return seen_from(said, pose_of(table["frame"], name).inverse @ (frame or Pose()))
 
 
 def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] | None = None) -> Statement:

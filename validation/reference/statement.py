@@ -258,8 +258,25 @@ def position(text: object, source: str, field: str) -> Array:
 
 def _rotation(value: Any, source: str, field: str) -> Array:
     if isinstance(value, str):
-        return _turned(value, source, field)
-    numbers = _nine(value)
+        rotation = np.eye(3)
+        for turn in filter(str.strip, value.split(",")):
+            found = _TURN.fullmatch(turn)
+            if found is None:
+                raise BadInput(
+                    source=source,
+                    field=field,
+                    problem=f"a turn must be an axis, a number and a unit of angle, found {turn.strip()!r}",
+                    remedy='Write for example "z 90 deg, x 5 deg"',
+                )
+            angle = _si(f"{found[2]} {found[3]}", "angle", source, field)
+            rotation = rotation @ rotation_about(found[1], angle)
+        return rotation
+    # The numbers of three rows of three, or of one list of nine, row by row; None when it is neither
+    entries = value if isinstance(value, list) else []
+    if len(entries) == 3 and all(isinstance(row, list) and len(row) == 3 for row in entries):
+        entries = [entry for row in entries for entry in row]
+    nine_numbers = all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries)
+    numbers = [float(entry) for entry in entries] if nine_numbers and len(entries) == 9 else None
     if numbers is None:
         raise _no_rotation(f"found {value!r}", source, field)
     try:
@@ -271,31 +288,6 @@ def _rotation(value: Any, source: str, field: str) -> Array:
 def _no_rotation(why: str, source: str, field: str) -> BadInput:
     remedy = 'Give nine numbers with ten digits each, row by row, or turns such as "z 30 deg"'
     return BadInput(source=source, field=field, problem=f"is no rotation: {why}", remedy=remedy)
-
-
-def _nine(value: Any) -> list[float] | None:
-    """The numbers of three rows of three, or of one list of nine, row by row; None when it is neither."""
-    entries = value if isinstance(value, list) else []
-    if len(entries) == 3 and all(isinstance(row, list) and len(row) == 3 for row in entries):
-        entries = [entry for row in entries for entry in row]
-    numbers = all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries)
-    return [float(entry) for entry in entries] if numbers and len(entries) == 9 else None
-
-
-def _turned(text: str, source: str, field: str) -> Array:
-    rotation = np.eye(3)
-    for turn in filter(str.strip, text.split(",")):
-        found = _TURN.fullmatch(turn)
-        if found is None:
-            raise BadInput(
-                source=source,
-                field=field,
-                problem=f"a turn must be an axis, a number and a unit of angle, found {turn.strip()!r}",
-                remedy='Write for example "z 90 deg, x 5 deg"',
-            )
-        angle = _si(f"{found[2]} {found[3]}", "angle", source, field)
-        rotation = rotation @ rotation_about(found[1], angle)
-    return rotation
 
 
 def _si(text: str, dimension: str, source: str, field: str) -> float:
@@ -327,8 +319,12 @@ def stated(text: object, dimension: str, source: str, field: str) -> Stated | No
     typed = text.replace("−", "-") if isinstance(text, str) else text
     read = quantity(typed, dimension, source=source, field=field)
     value = float(read.nominal_value)
-    last_digit = _last_digit(str(typed).strip())
-    one = _one(str(typed).strip(), dimension, source, field)
+    # Decimal place of the last printed digit: 2 for 33.92, -3 for 12e3; none beyond those that `quantity` reads
+    found = _LEADING.match(str(typed).strip())
+    place = len(found[2]) - int(found[3] or 0) if found else 0
+    last_digit = min(max(place, -_PLACES), _PLACES)
+    # The SI value of the number 1 in the unit of `str(typed).strip()`
+    one = float(quantity(_LEADING.sub("1 ", str(typed).strip(), count=1), dimension, source=source, field=field).nominal_value)
     tolerance = float(read.std_dev) or 0.5 * 10.0**-last_digit * one
     shown = one * _SHOWN_PER_SI.get(dimension, 1.0)
     return Stated(value=value, tolerance=tolerance, decimals=max(0, last_digit - round(math.log10(shown))))
@@ -347,18 +343,6 @@ def tolerance(text: object, dimension: str, value: float, source: str, field: st
         remedy = f"Give a half-width in {SI_UNITS[dimension]} or per cent"
         raise BadInput(source=source, field=field, problem=f"a tolerance must be positive, found {text!r}", remedy=remedy)
     return read * abs(value) if relative else read
-
-
-def _one(text: str, dimension: str, source: str, field: str) -> float:
-    """The SI value of the number 1 in the unit of `text`."""
-    return float(quantity(_LEADING.sub("1 ", text, count=1), dimension, source=source, field=field).nominal_value)
-
-
-def _last_digit(text: str) -> int:
-    """Decimal place of the last printed digit: 2 for 33.92, -3 for 12e3; none beyond those that `quantity` reads."""
-    found = _LEADING.match(text)
-    place = len(found[2]) - int(found[3] or 0) if found else 0
-    return min(max(place, -_PLACES), _PLACES)
 
 
 # `Row`: one quantity with its tolerance beside its reference, and what becomes of a list of them.
@@ -571,23 +555,6 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
     toml_file.require_present(table, ["inertia"], source=source)
     inertia = toml_file.require_table(table["inertia"], source=source, where="inertia")
     toml_file.require_known(inertia, _INERTIA, source=source, where="inertia")
-    form = _form(inertia, source)
-    values = tuple(stated for key in _used(form) for stated in _group(inertia, key, source))
-    values, spread, note = _with_tolerances(values, table, form, source)
-    mass = values[MASS]
-    if form.first_moment and (mass is None or mass.value == 0):
-        raise BadInput(
-            source=source, field="inertia.mass", problem="a first moment says nothing without a mass", remedy="State the mass"
-        )
-    return Statement(
-        name=str(table.get("name", "result")),
-        values=through(_into(frame, form), values, spread),
-        source=str(table.get("source", source)),
-        tolerance_note=note,
-    )
-
-
-def _form(inertia: Mapping[str, Any], source: str) -> _Form:
     if ("cog" in inertia) and ("first_moment" in inertia):
         raise BadInput(source=source, field="inertia", problem="states both cog and first_moment", remedy="Keep one of them")
     about, first_moment = inertia.get("about", "cog"), "first_moment" in inertia
@@ -599,7 +566,28 @@ def _form(inertia: Mapping[str, Any], source: str) -> _Form:
             remedy='State the point it is about, about = "origin" or "0 0 45 mm"',
         )
     point = None if about == "cog" else np.zeros(3) if about == "origin" else position(about, source, "inertia.about")
-    return _Form(about=point, first_moment=first_moment, sign=_sign(inertia, source))
+    form = _Form(about=point, first_moment=first_moment, sign=_sign(inertia, source))
+    values = tuple(stated for key in _used(form) for stated in _group(inertia, key, source))
+    # The values with the tolerance of whichever table is there, their squares when they are correlated, and a note
+    given = [key for key in ("tolerance", "interval95", "covariance") if key in table]
+    if len(given) > 1:
+        raise BadInput(source=source, problem=f"states {' and '.join(given)}", remedy="Keep one of them")
+    if not given:
+        values, spread, note = values, None, "as stated with each value; without one, half a unit of the last digit given"
+    else:
+        read = {"tolerance": _half_widths, "interval95": _intervals, "covariance": _covariance}[given[0]]
+        values, spread, note = read(values, table, form, source)
+    mass = values[MASS]
+    if form.first_moment and (mass is None or mass.value == 0):
+        raise BadInput(
+            source=source, field="inertia.mass", problem="a first moment says nothing without a mass", remedy="State the mass"
+        )
+    return Statement(
+        name=str(table.get("name", "result")),
+        values=through(_into(frame, form), values, spread),
+        source=str(table.get("source", source)),
+        tolerance_note=note,
+    )
 
 
 def _sign(inertia: Mapping[str, Any], source: str) -> float:
@@ -638,19 +626,6 @@ def _entries(value: Any, length: int, source: str, field: str) -> list[Any]:
             remedy='Write each with its unit; "not stated" holds a place',
         )
     return entries
-
-
-def _with_tolerances(
-    values: tuple[Stated | None, ...], table: Mapping[str, Any], form: _Form, source: str
-) -> tuple[tuple[Stated | None, ...], Array | None, str]:
-    """The values with the tolerance of whichever table is there, their squares when they are correlated, and a note."""
-    given = [key for key in ("tolerance", "interval95", "covariance") if key in table]
-    if len(given) > 1:
-        raise BadInput(source=source, problem=f"states {' and '.join(given)}", remedy="Keep one of them")
-    if not given:
-        return values, None, "as stated with each value; without one, half a unit of the last digit given"
-    read = {"tolerance": _half_widths, "interval95": _intervals, "covariance": _covariance}[given[0]]
-    return read(values, table, form, source)
 
 
 _Toleranced = tuple[tuple[Stated | None, ...], Array | None, str]
@@ -729,7 +704,8 @@ def _into(frame: Pose, form: _Form) -> Callable[[Array], Array]:
     """From the ten values as they stand to those about the CoG in the outer frame."""
 
     def change(values: Array) -> Array:
-        mass, vector, six = values[MASS], values[COG], values[TENSOR] * _signs(form.sign)
+        sign = form.sign
+        mass, vector, six = values[MASS], values[COG], values[TENSOR] * np.array([1.0, 1.0, 1.0, sign, sign, sign])
         about = form.about if form.about is not None else vector
         lever = vector / mass if form.first_moment else vector - about
         tensor = tensor_from_six(six) - parallel_axis(mass, lever)
@@ -737,7 +713,3 @@ def _into(frame: Pose, form: _Form) -> Callable[[Array], Array]:
         return np.concatenate([values[:1], frame.apply(about + lever), six_from_tensor(R @ tensor @ R.T)])
 
     return change
-
-
-def _signs(sign: float) -> Array:
-    return np.array([1.0, 1.0, 1.0, sign, sign, sign])

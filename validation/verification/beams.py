@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from fem.beam.elements import Section, rectangle, sandwich, tube
-from fem.beam.frame import Frame, Member, Plan, assemble
+from fem.beam.frame import Member, Plan, assemble
 from fem.exudyn.linear import modes_of_plan
 from fem.modes import Modes
 from fem.structure import Structure
@@ -143,7 +143,9 @@ def _order(case: Case, expected: float, number: int, mesh: Mesh) -> Found:
 def _rigid_inertia(mesh: Mesh) -> Found:
     """Zero, and the largest deviation of the bar's rigid mass matrix from that of a rod with thick ends [share of its scale]."""
     frame, expected = assemble(plan(RECTANGLE, STOCKY, 2)), rod_inertia(RECTANGLE, STOCKY)
-    return Found(0.0, _largest_share(frame.rigid.T @ frame.mass @ frame.rigid - expected, expected))
+    difference = frame.rigid.T @ frame.mass @ frame.rigid - expected
+    scale = np.sqrt(np.diag(expected))
+    return Found(0.0, float(np.max(np.abs(difference) / np.outer(scale, scale))))
 
 
 def _rigid_motion(mesh: Mesh) -> Found:
@@ -163,17 +165,11 @@ def rod_inertia(section: Section, length: float) -> Array:
     return np.asarray(centre.T @ matrix @ centre)
 
 
-def _largest_share(difference: Array, whole: Array) -> float:
-    scale = np.sqrt(np.diag(whole))
-    return float(np.max(np.abs(difference) / np.outer(scale, scale)))
-
-
-def _row(what: str, source: str, bar: float, find: Callable[[Mesh], Found], unit: str = "Hz") -> Check:
-    return Check(family=FAMILY, what=what, source=source, unit=unit, bar=bar, find=find)
-
-
 def _modes(words: str, source: str, bar: float, case: Case) -> list[Check]:
-    return [_row(f"{words}, mode {k}", source, bar, partial(_mode, case, k)) for k in range(1, MODES + 1)]
+    return [
+        Check(family=FAMILY, what=f"{words}, mode {k}", source=source, unit="Hz", bar=bar, find=partial(_mode, case, k))
+        for k in range(1, MODES + 1)
+    ]
 
 
 def _rate(words: str, source: str, case: Case, expected: float, number: int) -> Check:
@@ -292,39 +288,25 @@ def sandwich_closed_form(number: int) -> float:
     return float(k**2 / (2 * np.pi) * np.sqrt(abs(stiffness(k, shear_modulus())) / mass))
 
 
-def layer_share(number: int) -> float:
-    """Share of the strain energy of mode `number` that the layer stores [1]."""
-    k, step = number * np.pi / LENGTH, 1e-30
-    B = stiffness(k, shear_modulus() * (1 + 1j * step))  # a complex step: the derivative without a difference
-    return float(B.imag / B.real / step)
-
-
 @once
 def _sandwich_modes(mesh: Mesh) -> tuple[Array, Array]:
     """Frequencies [Hz] and the layer's share of the energy of each mode."""
     from scipy.linalg import eigh
 
-    frame = _beam(SANDWICH_ELEMENTS[mesh])
-    free = _free(frame)
+    elements = SANDWICH_ELEMENTS[mesh]
+    section = sandwich(WIDTH, THICKNESS, LAYER_THICKNESS, STEEL, LAYER, ("bottom", "layer", "top"))
+    nodes, numbers = np.linspace([0, 0, 0], [LENGTH, 0, 0], elements + 1), tuple(range(elements + 1))
+    member = Member(nodes=numbers, section=section, z_axis=np.array([0.0, 0.0, 1.0]))
+    frame = assemble(Plan(nodes=nodes, carriers=numbers, members=(member,)))
+    # Deflection but for the ends, rotation in the plane, and every slip
+    free_nodes = len(frame.moving)
+    bending = [6 * node + dof for node in range(free_nodes) for dof in (Z, BETA) if dof == BETA or 0 < node < free_nodes - 1]
+    kept = np.array([*bending, *range(6 * free_nodes, len(frame.mass))])
+    free = np.ix_(kept, kept)
     K, M = sum(frame.stiffness.values(), np.zeros_like(frame.mass))[free], frame.mass[free]
     squares, shapes = eigh(K, M, subset_by_index=[0, MODES - 1])
     stored = np.einsum("ir,ij,jr->r", shapes, frame.stiffness["layer"][free], shapes)
     return np.sqrt(squares) / (2 * np.pi), stored / squares
-
-
-def _beam(elements: int) -> Frame:
-    section = sandwich(WIDTH, THICKNESS, LAYER_THICKNESS, STEEL, LAYER, ("bottom", "layer", "top"))
-    nodes, numbers = np.linspace([0, 0, 0], [LENGTH, 0, 0], elements + 1), tuple(range(elements + 1))
-    member = Member(nodes=numbers, section=section, z_axis=np.array([0.0, 0.0, 1.0]))
-    return assemble(Plan(nodes=nodes, carriers=numbers, members=(member,)))
-
-
-def _free(frame: Frame) -> tuple[Array, ...]:
-    """Deflection but for the ends, rotation in the plane, and every slip."""
-    nodes = len(frame.moving)
-    bending = [6 * node + dof for node in range(nodes) for dof in (Z, BETA) if dof == BETA or 0 < node < nodes - 1]
-    kept = np.array([*bending, *range(6 * nodes, len(frame.mass))])
-    return np.ix_(kept, kept)
 
 
 def _frequency(number: int, mesh: Mesh) -> Found:
@@ -332,7 +314,10 @@ def _frequency(number: int, mesh: Mesh) -> Found:
 
 
 def _share(number: int, mesh: Mesh) -> Found:
-    return Found(layer_share(number), float(_sandwich_modes(mesh)[1][number - 1]))
+    # Share of the strain energy of mode `number` that the layer stores [1]
+    k, step = number * np.pi / LENGTH, 1e-30
+    B = stiffness(k, shear_modulus() * (1 + 1j * step))  # a complex step: the derivative without a difference
+    return Found(float(B.imag / B.real / step), float(_sandwich_modes(mesh)[1][number - 1]))
 
 
 SOURCE = "Mead and Markus (1969), simply supported"

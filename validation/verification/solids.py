@@ -385,19 +385,15 @@ def _thick(mesh: Mesh) -> Array:
     """In-plane elastic frequencies [Hz] of the plate of hexahedra whose lower edges are held along z."""
     grid = block((SIDE, SIDE, THICK), THICK_CELLS[mesh])
     matrices = solid(grid, STEEL)
-    free = np.setdiff1d(np.arange(matrices.mass.shape[0]), _held(grid))
+    # Degrees of freedom along z on the four lower edges
+    x, y, z = grid.points.T
+    edge = np.isin(x, (0, SIDE)) | np.isin(y, (0, SIDE))
+    free = np.setdiff1d(np.arange(matrices.mass.shape[0]), np.asarray(3 * np.flatnonzero(edge & (z == 0)) + 2))
     K, M = (matrix[free][:, free] for matrix in (matrices.stiffness, matrices.mass))
     pairs = lowest(K, M, 18, shift=floating_shift(K, M))
     across = np.flatnonzero(free % 3 == 2)
     share = np.sum((pairs.vectors * (M @ pairs.vectors))[across], axis=0)
     return np.asarray(np.sqrt(pairs.values[FREE_MODES:][share[FREE_MODES:] < IN_PLANE]) / (2 * np.pi))
-
-
-def _held(grid: SolidMesh) -> Array:
-    """Degrees of freedom along z on the four lower edges."""
-    x, y, z = grid.points.T
-    edge = np.isin(x, (0, SIDE)) | np.isin(y, (0, SIDE))
-    return np.asarray(3 * np.flatnonzero(edge & (z == 0)) + 2)
 
 
 def _published_thin(number: int, mesh: Mesh) -> Found:

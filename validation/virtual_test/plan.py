@@ -227,8 +227,17 @@ class Plan:
         for name in ("octaves_per_minute", "rate", "simulation_rate", "quiet", "ringing", "highest", "gravity"):
             _require(getattr(self, name), name)
         _require(self.cross, "cross", zero=True)
-        _require_levels(self.levels)
-        _require_seed(self.seed)
+        levels = self.levels
+        if not levels:
+            raise BadInput(source=SOURCE, field="levels", problem="is empty", remedy="Give 1 for the nominal level")
+        for level in levels:
+            _require(level, "levels")
+        if len(set(levels)) < len(levels):
+            listed = ", ".join(f"{level:g}" for level in levels)
+            raise BadInput(source=SOURCE, field="levels", problem=f"names one twice, found {listed}", remedy="Name each once")
+        if self.seed < 0:
+            problem = f"must not be negative, found {self.seed}"
+            raise BadInput(source=SOURCE, field="seed", problem=problem, remedy="Give a whole number from 0 on")
 
     @property
     def on_fmd(self) -> str:
@@ -245,22 +254,6 @@ def _require(value: float, name: str, *, zero: bool = False) -> None:
     if not (isfinite(value) and (value > 0 or (zero and value == 0))):
         what = "finite and not negative" if zero else "positive and finite"
         raise BadInput(source=SOURCE, field=name, problem=f"must be {what}, found {value:g}", remedy="Give it in SI units")
-
-
-def _require_levels(levels: tuple[float, ...]) -> None:
-    if not levels:
-        raise BadInput(source=SOURCE, field="levels", problem="is empty", remedy="Give 1 for the nominal level")
-    for level in levels:
-        _require(level, "levels")
-    if len(set(levels)) < len(levels):
-        listed = ", ".join(f"{level:g}" for level in levels)
-        raise BadInput(source=SOURCE, field="levels", problem=f"names one twice, found {listed}", remedy="Name each once")
-
-
-def _require_seed(seed: int) -> None:
-    if seed < 0:
-        problem = f"must not be negative, found {seed}"
-        raise BadInput(source=SOURCE, field="seed", problem=problem, remedy="Give a whole number from 0 on")
 
 
 # What a seed draws: the errors of the measurement chain, the FMD that is on the shaker, the parts of the structure.

@@ -256,13 +256,15 @@ def crosstalk(named: Named) -> ChainChange:
 
 def plane_offset(named: Named) -> ChainChange:
     """``M_y -= h F_x``, or ``M_x += h F_y``: moments of the cells that they do not measure."""
-    return lambda chain: replace(chain, plane_offset=chain.plane_offset + named.value * _of_chain_unit(named.target, ("x", "y")))
+    return lambda chain: replace(
+        chain, plane_offset=chain.plane_offset + named.value * _unit_of_channel(named.target, ("x", "y"))
+    )
 
 
 def compliance(named: Named) -> ChainChange:
     """All cells give so many times as much."""
     return lambda chain: replace(
-        chain, compliance=chain.compliance * (1 + (named.value - 1) * _of_chain_unit(named.target, COMPLIANT))
+        chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit_of_channel(named.target, COMPLIANT))
     )
 
 
@@ -274,12 +276,12 @@ def cell_stiffness(named: Named) -> ChainChange:
 
 def position(named: Named) -> ChainChange:
     """``d^T [G](p + dp)``"""
-    return lambda chain: chain.moved(named.target, named.value * _of_chain_unit(named.targets[1], AXES))
+    return lambda chain: chain.moved(named.target, named.value * _unit_of_channel(named.targets[1], AXES))
 
 
 def misalignment(named: Named) -> ChainChange:
     """``(d + dd)^T [G]``, dd = v e x d: the pick-up is turned by v about the axis e."""
-    return lambda chain: chain.turned(named.target, named.value * _of_chain_unit(named.targets[1], AXES))
+    return lambda chain: chain.turned(named.target, named.value * _unit_of_channel(named.targets[1], AXES))
 
 
 def gravity(named: Named) -> ChainChange:
@@ -319,7 +321,7 @@ def _each(chain: ChainTruth, names: tuple[str, ...], change: Callable[[ChainTrut
     return chain
 
 
-def _of_chain_unit(word: str, words: tuple[str, ...]) -> np.ndarray:
+def _unit_of_channel(word: str, words: tuple[str, ...]) -> np.ndarray:
     return np.array([float(one == word) for one in words])
 
 
@@ -426,15 +428,11 @@ def planted(effects: Sequence[Named]) -> tuple[PlantedEffect, ...]:
 def _planted(named: Named) -> PlantedEffect:
     plant = FAMILIES[named.family].plant
     if plant is None:
-        raise _refused(named)
+        known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
+        problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
+        raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
     effect: PlantedEffect = plant(named)
     return effect
-
-
-def _refused(named: Named) -> BadInput:
-    known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
-    problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
-    return BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
 
 
 # Which articles of a series an effect reaches; the rule is that of `validation.effects.catalogue`.
@@ -459,7 +457,21 @@ def require_reaching(effects: Sequence[Named], plans: Sequence[Plan], *, source:
     """
     for named in effects:
         if not any(catalogue.acts(named, _there(plan)) for plan in plans):
-            raise _nowhere(named, plans, source)
+            what = ", ".join(plan.article for plan in plans)
+            local, parts = catalogue.is_local(named), catalogue.of_parts(named)
+            known = tuple(dict.fromkeys(name for plan in plans for name in catalogue.known(named, _there(plan)))) if local else ()
+            kind = "part" if parts else "place"
+            nowhere_problem = (
+                f"{what} has no {kind} {named.target!r}" if local else f"nothing stands on the cover plate of {what}"
+            )
+            if parts and any(plan.model == RIGID for plan in plans):
+                nowhere_problem = "the parts of a rigid article do not give"
+            remedy = (
+                f"{nearest(named.target, known)}Known are {', '.join(known)}"
+                if known
+                else "Leave it out, or name another article"
+            )
+            raise BadInput(source=source, field=named.id, problem=nowhere_problem, remedy=remedy)
         if catalogue.of_parts(named) and any(plan.damping is not None for plan in plans) and "damping" in named.family:
             problem = "--damping (`Plan.damping`) states the damping of every mode, whatever the parts do"
             raise BadInput(source=source, field=named.id, problem=problem, remedy="Leave one of them out")
@@ -483,15 +495,3 @@ def _named(effect: PlantedEffect) -> tuple[Named, ...]:
 def _there(plan: Plan) -> There:
     places = tuple(locations(plan.on_fmd, changes_of(plan.on_fmd, plan.dimensions))) if plan.on_fmd else ()
     return There(article=plan.on_fmd, parts=parts_of(plan), places=places)
-
-
-def _nowhere(named: Named, plans: Sequence[Plan], source: str) -> BadInput:
-    what = ", ".join(plan.article for plan in plans)
-    local, parts = catalogue.is_local(named), catalogue.of_parts(named)
-    known = tuple(dict.fromkeys(name for plan in plans for name in catalogue.known(named, _there(plan)))) if local else ()
-    kind = "part" if parts else "place"
-    problem = f"{what} has no {kind} {named.target!r}" if local else f"nothing stands on the cover plate of {what}"
-    if parts and any(plan.model == RIGID for plan in plans):
-        problem = "the parts of a rigid article do not give"
-    remedy = f"{nearest(named.target, known)}Known are {', '.join(known)}" if known else "Leave it out, or name another article"
-    return BadInput(source=source, field=named.id, problem=problem, remedy=remedy)

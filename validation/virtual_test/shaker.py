@@ -30,7 +30,6 @@ from validation.virtual_test.layout import CELLS, ChainTruth, Layout, letter
 from validation.virtual_test.plan import RIGID, Plan, changed_parts
 
 if TYPE_CHECKING:
-    from fem.damping import Damping
     from fem.modes import Modes
     from fem.structure import Structure
     from validation.excite.rig import ArticleOnTable
@@ -85,10 +84,18 @@ def tilted(sensors: Sensors, motion: Array) -> Array | float:
 
 
 def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:
-    return _force(channel, layout, chain) if channel.quantity == "force" else _acceleration(channel, layout, chain, gravity)
-
-
-def _acceleration(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:
+    if channel.quantity == "force":
+        # A summation of cells; cross-talk of the resultants in equal parts; cell moments that nobody measures
+        axis = AXES.index(letter(channel.name))
+        alike = sum(letter(other.name) == AXES[axis] for other in layout.table.channels if other.quantity == "force")
+        cells = np.zeros((CELLS, 3))
+        cells[list(layout.cells_of(channel)), axis] = 1.0
+        cells += chain.crosstalk[axis] / alike
+        if axis == AXES.index("z"):
+            cells += _of_moments(layout, chain)[layout.cells_of(channel)[0]]
+        force_row = np.zeros(WIDTH)
+        force_row[FORCES] = cells.ravel()
+        return force_row
     from scipy.spatial.transform import Rotation
 
     place, nothing = channel.places[0], np.zeros(3)
@@ -98,20 +105,6 @@ def _acceleration(channel: Channel, layout: Layout, chain: ChainTruth, gravity: 
     row = np.zeros(WIDTH)
     row[motion] = direction @ rigid_transformation(position)
     row[tilt] = (chain.gravity - chain.accelerometer_tilt) * gravity * np.array([-direction[1], direction[0]])
-    return row
-
-
-def _force(channel: Channel, layout: Layout, chain: ChainTruth) -> Array:
-    """A summation of cells; cross-talk of the resultants in equal parts; cell moments that nobody measures."""
-    axis = AXES.index(letter(channel.name))
-    alike = sum(letter(other.name) == AXES[axis] for other in layout.table.channels if other.quantity == "force")
-    cells = np.zeros((CELLS, 3))
-    cells[list(layout.cells_of(channel)), axis] = 1.0
-    cells += chain.crosstalk[axis] / alike
-    if axis == AXES.index("z"):
-        cells += _of_moments(layout, chain)[layout.cells_of(channel)[0]]
-    row = np.zeros(WIDTH)
-    row[FORCES] = cells.ravel()
     return row
 
 
@@ -167,7 +160,12 @@ def set_up(plan: Plan, chain: ChainTruth) -> SetUp:
     cover = virtual_test_plan.moving_part(plan, nominal_fmd(plan))
     cells = tuple(_cell(cell, chain, number) for number, cell in enumerate(mounted.rig.cells))
     if not plan.on_fmd:
-        return SetUp(rig=_bare(mounted.rig, cover, cells), modes=None, parts=parts)
+        from fem.base_excitation import rig as body
+
+        # The FMD alone: cover plate and article are one half of it each
+        half = cover.scaled(0.5)
+        bare = replace(mounted.rig, article=body.rigid(FMD, half), cover=half, cells=cells)
+        return SetUp(rig=bare, modes=None, parts=parts)
     modes = None if plan.model == RIGID or mounted.model is None else mounted.model.modes
     return SetUp(rig=replace(mounted.rig, cover=cover, cells=cells), modes=modes, parts=parts)
 
@@ -222,7 +220,28 @@ def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, virtual_test_plan.Pa
     nominal = _nominal(plan.on_fmd, tuple(sorted(changes_of(plan.on_fmd, plan.dimensions).items())))
     if plan.model == RIGID:
         return assembled(plan.article, nominal, asked, attached, highest=0.0), {}
-    made, parts = _scattered(plan, nominal)
+    from fem.modes import fixed_base
+
+    # The model with the moduli and the damping of `plan.seed`
+    if nominal.structure is None:
+        made, parts = nominal, {}
+    else:
+        scattered_parts = changed_parts(
+            {name: virtual_test_plan.part(plan, _sheet(name)) for name in nominal.structure.part_stiffness}, plan.effects
+        )
+        structure = _stiffened(nominal.structure, scattered_parts)
+        kept = int(np.sum(nominal.modes.frequency <= _highest(plan, nominal.modes)))
+        # The damping that the plan states, scattered where it is given by mode
+        if plan.damping is None or plan.damping.ratio is None:
+            damping = plan.damping
+        else:
+            ratio = np.broadcast_to(np.asarray(plan.damping.ratio, dtype=np.float64), (kept,))
+            damping = replace(plan.damping, ratio=ratio * virtual_test_plan.damping_factors(plan, kept))
+        modes = fixed_base(structure, kept, damping=damping)
+        made, parts = (
+            replace(nominal, structure=structure, modes=modes),
+            {_sheet(name): part for name, part in scattered_parts.items()},
+        )
     return assembled(plan.article, made, asked, attached, highest=_highest(plan, made.modes)), parts
 
 
@@ -232,21 +251,6 @@ def _nominal(above: str, dimensions: tuple[tuple[str, float], ...]) -> Flexible:
     from validation.flexible.model import FlexibleOptions, flexible
 
     return flexible(above, "beam", FlexibleOptions(count=MODES, changes=dict(dimensions)))
-
-
-def _scattered(plan: Plan, nominal: Flexible) -> tuple[Flexible, dict[str, virtual_test_plan.Part]]:
-    """The model with the moduli and the damping of `plan.seed`."""
-    from fem.modes import fixed_base
-
-    if nominal.structure is None:
-        return nominal, {}
-    parts = changed_parts(
-        {name: virtual_test_plan.part(plan, _sheet(name)) for name in nominal.structure.part_stiffness}, plan.effects
-    )
-    structure = _stiffened(nominal.structure, parts)
-    kept = int(np.sum(nominal.modes.frequency <= _highest(plan, nominal.modes)))
-    modes = fixed_base(structure, kept, damping=_damping(plan, kept))
-    return replace(nominal, structure=structure, modes=modes), {_sheet(name): part for name, part in parts.items()}
 
 
 def _stiffened(structure: Structure, parts: Mapping[str, virtual_test_plan.Part]) -> Structure:
@@ -259,14 +263,6 @@ def _stiffened(structure: Structure, parts: Mapping[str, virtual_test_plan.Part]
     return replace(structure, stiffness=sum(others, start=first), part_stiffness=stiffness, loss_factors=losses)
 
 
-def _damping(plan: Plan, count: int) -> Damping | None:
-    """The damping that the plan states, scattered where it is given by mode."""
-    if plan.damping is None or plan.damping.ratio is None:
-        return plan.damping
-    ratio = np.broadcast_to(np.asarray(plan.damping.ratio, dtype=np.float64), (count,))
-    return replace(plan.damping, ratio=ratio * virtual_test_plan.damping_factors(plan, count))
-
-
 def _highest(plan: Plan, modes: Modes) -> float:
     """[Hz] up to which modes are kept: the first one always is, or a stiff article would be a rigid one."""
     return max(plan.highest, 1.25 * float(modes.frequency[0]))
@@ -276,14 +272,6 @@ def _sheet(part: str) -> str:
     for ending in ONE_SHEET:
         part = part.removesuffix(ending)
     return part
-
-
-def _bare(rig: Rig, moving: Inertia, cells: tuple[LoadCell, ...]) -> Rig:
-    """The FMD alone: cover plate and article are one half of it each."""
-    from fem.base_excitation import rig as body
-
-    half = moving.scaled(0.5)
-    return replace(rig, article=body.rigid(FMD, half), cover=half, cells=cells)
 
 
 def _cell(cell: LoadCell, chain: ChainTruth, number: int) -> LoadCell:

@@ -23,7 +23,7 @@ from fem.base_excitation.response import Channels, Piece, Response, acceleration
 from fem.base_excitation.rig import Rig, RigStructure
 from fem.damping import Damping
 from geometry import atomic, toml_file
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose
 from geometry.sensors import SI, Tolerances
@@ -136,7 +136,16 @@ def runs(plan: Plan) -> tuple[DrivenRun, ...]:
     found: list[DrivenRun] = []
     for level in plan.levels:
         ending = "" if level == plan.levels[0] else f"-at-{level:g}"
-        found += [replace(run, name=f"{run.name}{ending}", level=level) for run in _of_level(plan, level)]
+        further: Mapping[str, Callable[[Plan, float], list[DrivenRun]]] = {TWICE: _again, DIAGONAL: _diagonals}
+        if plan.pattern == MULTI:
+            from fem.base_excitation.patterns import phased_sweeps
+
+            phased = phased_sweeps(level, **_swept(plan))
+            of_level = [_several(plan, f"multi-{k}", one, one.patterns) for k, one in enumerate(phased, start=1)]
+        else:
+            first = [_sweep(plan, level, axis, axis) for axis in MOTIONS]
+            of_level = first + (further[plan.pattern](plan, level) if plan.pattern in further else [])
+        found += [replace(run, name=f"{run.name}{ending}", level=level) for run in of_level]
     return tuple(found)
 
 
@@ -145,14 +154,6 @@ def cross_motion(plan: Plan, run: str) -> CrossMotion | None:
     from fem.base_excitation.patterns import drawn
 
     return drawn(stream(plan.seed, "cross-motion", plan.article, run), plan.cross) if plan.cross else None
-
-
-def _of_level(plan: Plan, level: float) -> list[DrivenRun]:
-    further: Mapping[str, Callable[[Plan, float], list[DrivenRun]]] = {TWICE: _again, DIAGONAL: _diagonals}
-    if plan.pattern == MULTI:
-        return _together(plan, level)
-    first = [_sweep(plan, level, axis, axis) for axis in MOTIONS]
-    return first + (further[plan.pattern](plan, level) if plan.pattern in further else [])
 
 
 def _again(plan: Plan, level: float) -> list[DrivenRun]:
@@ -174,13 +175,6 @@ def _diagonals(plan: Plan, level: float) -> list[DrivenRun]:
         sweeps = tuple(Sweep(axis=axis, level=level / np.sqrt(2), **_swept(plan)) for axis in axes)
         found.append(_several(plan, "-".join(axes), MultiAxis(patterns=sweeps), sweeps))
     return found
-
-
-def _together(plan: Plan, level: float) -> list[DrivenRun]:
-    from fem.base_excitation.patterns import phased_sweeps
-
-    phased = phased_sweeps(level, **_swept(plan))
-    return [_several(plan, f"multi-{k}", one, one.patterns) for k, one in enumerate(phased, start=1)]
 
 
 def _several(plan: Plan, name: str, pattern: Pattern, sweeps: tuple[Any, ...]) -> DrivenRun:
@@ -221,18 +215,14 @@ def respond(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float) -> t
     length = ring_down.needed(lab.rig, at_rest, plan.ringing)
     motion = _motion(plan, run, rate, length - at_rest.driven + plan.quiet)
     response = driven_run.respond(lab.rig, motion)
-    return response, _read(lab, response, motion)
+    tilt = motion.displacement[:, 3:5]
+    signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
+    return response, np.asarray(np.hstack(signals) @ lab.sensors.rows.T)
 
 
 def _motion(plan: Plan, run: DrivenRun, rate: float, rest: float) -> BaseMotion:
     found: BaseMotion = run.pattern.motion(rate, ring_down=rest, cross=cross_motion(plan, run.name))  # type: ignore[attr-defined]
     return found
-
-
-def _read(lab: ShakerLaboratory, response: Response, motion: BaseMotion) -> Array:
-    tilt = motion.displacement[:, 3:5]
-    signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
-    return np.asarray(np.hstack(signals) @ lab.sensors.rows.T)
 
 
 # One run: the rig driven, read by the sensors, delayed, filtered and brought down to the rate of the record.
@@ -256,7 +246,7 @@ def record(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Array:
         sensed = changed_signals(whole(plan, lab, run), plan.effects)
         return decimated_channels(sensed.values, sensed.sampling_rate, plan.rate, lab.sensors.delay)
     rate = _rate(plan)
-    blocks = (_driven_read(lab, piece) for piece in _pieces(plan, lab, run, rate, with_response=False))
+    blocks = (_read_of_table(lab, piece) for piece in _pieces(plan, lab, run, rate, with_response=False))
     return joined(blocks, round(rate / plan.rate), lab.sensors.delay * rate)
 
 
@@ -267,7 +257,7 @@ def whole(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Sensed:
         response, values = respond(plan, lab, run, rate)
         return sensed(plan, lab, run, values, rate, response)
     for piece in _pieces(plan, lab, run, rate, with_response=True):
-        pieces.append((_driven_read(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :]))
+        pieces.append((_read_of_table(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :]))
     values, table, rest = (np.hstack(one).T for one in zip(*pieces, strict=True))
     loads, cover, cells = np.split(rest, np.cumsum(WIDTHS)[:-1], axis=1)
     response = Response(sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3))
@@ -303,7 +293,7 @@ def _pieces(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, w
     return streamed(lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet, share=plan.ringing)
 
 
-def _driven_read(lab: ShakerLaboratory, piece: Piece) -> Array:
+def _read_of_table(lab: ShakerLaboratory, piece: Piece) -> Array:
     """(c, k) what the channels read in `piece`."""
     return np.asarray(piece.values[: len(lab.sensors.rows)] + tilted(lab.sensors, piece.motion))
 
@@ -325,7 +315,13 @@ def disturbed(values: Array, names: tuple[str, ...], chain: ChainTruth, plan: Pl
     """`values` (m, c) with the noise and the hum of this article's `run`."""
     time = np.arange(len(values)) / plan.rate
     hum = stream(plan.seed, "mains", plan.article, run)
-    waves = _waves(time, MAINS + DRIFT * hum.standard_normal(), plan.rate)
+    # (h, m) rotating phasors of unit mains and its harmonics; zero for those that a record of `rate` [Hz] cannot hold
+    frequency = MAINS + DRIFT * hum.standard_normal()
+    rate = plan.rate
+    phasor = np.exp(2j * np.pi * frequency * time)
+    waves = np.array(
+        [share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()]
+    )
     found = np.array(values, order="F")
     for k, name in enumerate(names):
         phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
@@ -337,12 +333,6 @@ def disturbed(values: Array, names: tuple[str, ...], chain: ChainTruth, plan: Pl
 def _noise(name: str, count: int, chain: ChainTruth, plan: Plan, run: str) -> Array | float:
     rms = chain.noise_rms.get(name, 0.0)
     return rms * stream(plan.seed, "noise", plan.article, run, name).standard_normal(count) if rms else 0.0
-
-
-def _waves(time: Array, frequency: float, rate: float) -> ComplexArray:
-    """(h, m) rotating phasors of unit mains and its harmonics; zero for those that a record of `rate` [Hz] cannot hold."""
-    phasor = np.exp(2j * np.pi * frequency * time)
-    return np.array([share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()])
 
 
 Progress = Callable[[float], None]
@@ -374,20 +364,7 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
         recordings[run.name] = recording(plan, lab, run)
         if progress is not None:
             progress((k + 1) / len(driven))
-    campaign = _campaign(plan, lab, driven, recordings)
-    return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
-
-
-def recording(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
-    """What the recorder of `lab` holds after `run`, noise and hum in it."""
-    names = lab.layout.table.names
-    samples = disturbed(record(plan, lab, run), names, lab.chain, plan, run.name)
-    got = changed_record(sensed(plan, lab, run, samples, plan.rate), plan.effects)
-    return Recording(names=names, values=got.values, sampling_rate=plan.rate, source=run.name)
-
-
-def _campaign(plan: Plan, lab: ShakerLaboratory, driven: tuple[DrivenRun, ...], recordings: Mapping[str, Recording]) -> Campaign:
-    return Campaign(
+    campaign = Campaign(
         title=f"Virtual test of {plan.article}",
         article=plan.article,
         hardware=f"fmd-{token(plan.seed, 'fmd')}/sensors-{token(plan.seed, 'sensors')}",
@@ -399,6 +376,15 @@ def _campaign(plan: Plan, lab: ShakerLaboratory, driven: tuple[DrivenRun, ...], 
         gravity=plan.gravity,
         source=SOURCE,
     )
+    return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
+
+
+def recording(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
+    """What the recorder of `lab` holds after `run`, noise and hum in it."""
+    names = lab.layout.table.names
+    samples = disturbed(record(plan, lab, run), names, lab.chain, plan, run.name)
+    got = changed_record(sensed(plan, lab, run, samples, plan.rate), plan.effects)
+    return Recording(names=names, values=got.values, sampling_rate=plan.rate, source=run.name)
 
 
 # What `massline simulate` was asked, checked at the door: from options to plans, and to the folders that they go to.
@@ -496,7 +482,7 @@ def question(
             model=model,
             tolerances=Tolerances().scaled(share),
             scatter=Scatter().scaled(share),
-            damping=_damping(damping_ratio),
+            damping=None if damping_ratio is None else Damping(ratio=damping_ratio),
             pattern=_pattern(pattern, runs),
             levels=factors,
             band=band,
@@ -590,10 +576,6 @@ def _number(option: str, text: str, remedy: str) -> float:
 
 def _scaled(ordinary: Mapping[str, float], factor: float) -> dict[str, float]:
     return {quantity: factor * size for quantity, size in ordinary.items()}
-
-
-def _damping(ratio: float | None) -> Damping | None:
-    return None if ratio is None else Damping(ratio=ratio)
 
 
 def _pattern(pattern: str, runs: int | None) -> str:

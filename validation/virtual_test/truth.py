@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from fem.base_excitation.rig import Rig
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS, Inertia
 from validation.virtual_test.layout import ChainTruth
-from validation.virtual_test.plan import Plan, PlantedEffect, changed_rig
+from validation.virtual_test.plan import Plan, changed_rig
 from validation.virtual_test.shaker import SetUp, nominal_fmd
 
 FORMAT = 1
@@ -31,20 +31,38 @@ Json = dict[str, object]
 
 def truth(plan: Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json:
     """Everything about the virtual test of `plan`; `rig` is the one that was driven."""
-    article = article_inertia(_without_resonators(plan, made))
+    # Inertia of what stands on the FMD about its own origin
+    # The rig with all effects but those that swing on a spring of their own: some weigh along one axis only, as no body does
+    without_resonators = changed_rig(made.rig, [effect for effect in plan.effects if effect.id.partition(":")[0] not in SWINGING])
+    article = Inertia.from_mass_matrix(without_resonators.article.reduced.mass[:6, :6])
+    # How the FMD's moving part differs from its drawing: relative, the centre of gravity in metres
+    found, nominal = moving_part(rig, plan), nominal_fmd(plan)
+    relative = {
+        "mass": found.mass / nominal.mass - 1,
+        "cog_m": listed(found.cog - nominal.cog),
+        "moi_cog": listed(found.moments_cog / nominal.moments_cog - 1),
+    }
+    if made.modes is None:
+        modes: Json = {"frequency_hz": [], "damping_ratio": []}
+    else:
+        modes = {"frequency_hz": listed(made.modes.frequency), "damping_ratio": listed(made.modes.damping_ratio)}
+    from importlib.metadata import version
+
+    names = ("massline", "numpy", "scipy")
+    versions = {"python": platform.python_version(), **{name: version(name) for name in names}}
     return {
         "format": FORMAT,
         "seed": plan.seed,
         "plan": stated(plan),
-        "effects": [_effect(effect) for effect in plan.effects],
-        "tolerances": dict(deviations(chain)) | dict(_parts(made)) | {"fmd-inertia": _relative(plan, rig)},
+        "effects": [{"id": effect.id, "value": dict(effect.value)} for effect in plan.effects],
+        "tolerances": dict(deviations(chain)) | dict(_parts(made)) | {"fmd-inertia": relative},
         "fmd": inertia(moving_part(rig, plan)),
         "article": {"own_frame": inertia(article), "about_F": inertia(article.moved(rig.seat))} if plan.on_fmd else None,
         "mounting_origin_m": listed(rig.seat),
-        "modes": _modes(made),
+        "modes": modes,
         "cell_stiffness_N_per_m": [listed(cell.stiffness) for cell in rig.cells],
         "dynamic_mass": _dynamic_mass(rig),
-        "versions": dict(_versions()),
+        "versions": dict(versions),
     }
 
 
@@ -67,16 +85,6 @@ def moving_part(rig: Rig, plan: Plan) -> Inertia:
     """Inertia of the FMD's moving part about F; of the FMD alone one half of it stands for the article."""
     cover = Inertia(parameters=np.zeros(10)) if rig.cover is None else rig.cover
     return cover if plan.on_fmd else cover.scaled(2.0)
-
-
-def article_inertia(rig: Rig) -> Inertia:
-    """Inertia of what stands on the FMD about its own origin."""
-    return Inertia.from_mass_matrix(rig.article.reduced.mass[:6, :6])
-
-
-def _without_resonators(plan: Plan, made: SetUp) -> Rig:
-    """The rig with all effects but those that swing on a spring of their own: some weigh along one axis only, as no body does."""
-    return changed_rig(made.rig, [effect for effect in plan.effects if effect.id.partition(":")[0] not in SWINGING])
 
 
 def inertia(of: Inertia) -> Json:
@@ -120,30 +128,10 @@ def listed(values: npt.ArrayLike) -> list[float]:
     return [float(value) for value in np.ravel(np.asarray(values, dtype=np.float64))]
 
 
-def _effect(effect: PlantedEffect) -> Json:
-    return {"id": effect.id, "value": dict(effect.value)}
-
-
 def _parts(made: SetUp) -> Iterator[tuple[str, float]]:
     for name, part in made.parts.items():
         yield f"modulus:{name}", part.modulus
         yield f"loss:{name}", part.loss
-
-
-def _relative(plan: Plan, rig: Rig) -> Json:
-    """How the FMD's moving part differs from its drawing: relative, the centre of gravity in metres."""
-    found, nominal = moving_part(rig, plan), nominal_fmd(plan)
-    return {
-        "mass": found.mass / nominal.mass - 1,
-        "cog_m": listed(found.cog - nominal.cog),
-        "moi_cog": listed(found.moments_cog / nominal.moments_cog - 1),
-    }
-
-
-def _modes(made: SetUp) -> Json:
-    if made.modes is None:
-        return {"frequency_hz": [], "damping_ratio": []}
-    return {"frequency_hz": listed(made.modes.frequency), "damping_ratio": listed(made.modes.damping_ratio)}
 
 
 def _dynamic_mass(rig: Rig) -> Json:
@@ -152,10 +140,3 @@ def _dynamic_mass(rig: Rig) -> Json:
 
     H = dynamic_mass(replace(rig, cells=(), frictions=()), LINES).matrix
     return {"frequency_hz": list(LINES), "re": H.real.tolist(), "im": H.imag.tolist(), "about": "F", "order": list(MOTIONS)}
-
-
-def _versions() -> Mapping[str, str]:
-    from importlib.metadata import version
-
-    names = ("massline", "numpy", "scipy")
-    return {"python": platform.python_version(), **{name: version(name) for name in names}}

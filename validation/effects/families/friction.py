@@ -43,19 +43,15 @@ def carried(share: float) -> complex:
         late = asin(pi * share / 2)
         return 4 * share / pi * (sin(late) - 1j * cos(late))
     begin = -acos(share)
-    end = _caught(share, begin)
-    slipping = share * 1j * (cexp(-1j * end) - cexp(-1j * begin))
-    return 2 / pi * (slipping + _stuck(pi + begin) - _stuck(end))
-
-
-def _caught(share: float, begin: float) -> float:
-    """Angle at which a part that began to slip at `begin` has the speed of its base again, by bisection."""
+    # Angle at which a part that began to slip at `begin` has the speed of its base again, by bisection
     low, high = -begin, pi + begin
     for _ in range(60):
         middle = (low + high) / 2
         ahead = sin(middle) - sin(begin) - share * (middle - begin) > 0
         low, high = (middle, high) if ahead else (low, middle)
-    return (low + high) / 2
+    end = (low + high) / 2
+    slipping = share * 1j * (cexp(-1j * end) - cexp(-1j * begin))
+    return 2 / pi * (slipping + _stuck(pi + begin) - _stuck(end))
 
 
 def _stuck(angle: float) -> complex:
