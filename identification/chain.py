@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import exp, expm1, isfinite, log, log1p
+from math import isfinite, log
 from types import MappingProxyType
 
 import numpy as np
@@ -27,6 +27,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, skew
 from geometry.sensors import Channel, ChannelTable, Place, Summation, Tolerances, row, summation
 from identification.base_motion import TILT
+from identification.parameter import Parameter
 
 # `Parameter`: one thing that a laboratory does not know of its measurement chain, and how far it may be from nominal.
 #
@@ -37,55 +38,6 @@ from identification.base_motion import TILT
 
 Offsets = Mapping[str, float]
 """Offsets of the open parameters by name; a parameter that is not in it stands at its nominal value."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Parameter:
-    """One parameter of the chain.
-
-    Attributes
-    ----------
-    name : id of the catalogue, ``family:target``
-    unit : of `value`, SI, "1" for a relative number
-    tolerance : standard deviation of its offset before anything was measured (prior), in `unit`; of the natural logarithm where
-        `logarithmic`
-    channels : columns of the chain that it touches
-    nominal : value at offset 0
-    logarithmic : whether the offset is that of the logarithm: value = nominal + exp(offset) - 1
-    """
-
-    name: str
-    unit: str
-    tolerance: float
-    channels: tuple[int, ...]
-    nominal: float = 0.0
-    logarithmic: bool = False
-
-    @property
-    def family(self) -> str:
-        """What stands before the first colon of the name."""
-        return self.name.partition(":")[0]
-
-    def value(self, offset: float) -> float:
-        """The value, in `unit`, at `offset` from nominal."""
-        return self.nominal + (expm1(offset) if self.logarithmic else offset)
-
-    def offset(self, value: float) -> float:
-        """The entry of theta at which the parameter has `value`.
-
-        Raises
-        ------
-        BadInput : the value would turn a stiffness negative.
-        """
-        away = value - self.nominal
-        if self.logarithmic and away <= -1:
-            problem = f"a scale factor must stay positive, found {1 + away:g}"
-            raise BadInput(source="measurement chain", field=self.name, problem=problem, remedy="Give a smaller change")
-        return log1p(away) if self.logarithmic else away
-
-    def slope(self, offset: float) -> float:
-        """d value / d offset: how a standard deviation of the offset reads in `unit`."""
-        return exp(offset) if self.logarithmic else 1.0
 
 
 def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> tuple[Parameter, ...]:
@@ -920,7 +872,15 @@ _FAMILIES = (
 def _cells(table: PickUps, forces: Loads, known: Tolerances, softness: float) -> list[Parameter]:
     springs, below = forces.springs, table.columns if not forces.springs.rigid else ()
     elements = springs.names if springs.of_cells else ()
-    cell = Parameter(name=ELEMENT, unit="1", tolerance=known.cell_stiffness, channels=(*below, *forces.columns), logarithmic=True)
+    cell = Parameter(
+        name=ELEMENT,
+        unit="1",
+        tolerance=known.cell_stiffness,
+        channels=(*below, *forces.columns),
+        nominal=1.0,
+        logarithmic=True,
+        above=-1.0,
+    )
     common = Parameter(name=COMPLIANCE, unit="1", tolerance=softness, channels=below, nominal=1.0, logarithmic=True)
     return [replace(cell, name=f"{ELEMENT}:{name}") for name in elements] + [
         replace(common, name=f"{COMPLIANCE}:{name}") for name in springs.shares if below

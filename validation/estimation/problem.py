@@ -1,11 +1,10 @@
-"""`Parameter`: one number of a prediction that a fit may move, and what is known of it beforehand."""
+"""`Problem`: parameters, measured lines and what is predicted of them, all that a fit sees of a model."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import exp, inf, log
 from types import MappingProxyType
 from typing import Protocol, Self
 
@@ -14,6 +13,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, frozen
+from identification.parameter import Parameter as Parameter
 from identification.self_calibration.solve import smoothed_level
 
 IDENTIFIED, DECLARED, STRUCTURAL, SENSOR, EFFECT = KINDS = ("identified", "declared", "structural", "sensor", "effect")
@@ -35,54 +35,6 @@ TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 
 WITHIN = 2.5
 """[tolerance] by which a plain fit may move what is declared. Exercised by tests/validation/engine/test_fit.py."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Parameter:
-    """One parameter. Fits move its offset; `value` says what an offset means.
-
-    Attributes
-    ----------
-    name : unique in a problem; the id of an effect where it is one, with ``[key]`` behind it for one of several sizes
-    unit : of the value, SI
-    tolerance : standard deviation of the offset beforehand
-    kind : of `KINDS`
-    nominal : value at offset 0
-    logarithmic : whether the offset is that of the logarithm: value = nominal * exp(offset) + above
-    above : what a logarithmic value has on top, -1 for a relative change of something that stays positive
-    start : offset at which a fit begins
-    within : greatest offset either way that a plain fit allows a declared one
-    low, high : least and greatest offset of all fits; beyond is no physics, or nothing that anybody would build
-    """
-
-    name: str
-    unit: str
-    tolerance: float
-    kind: str = SENSOR
-    nominal: float = 0.0
-    logarithmic: bool = False
-    above: float = 0.0
-    start: float = 0.0
-    within: float = inf
-    low: float = -inf
-    high: float = inf
-
-    def bounds(self, *, plain: bool) -> tuple[float, float]:
-        """Least and greatest offset, in a plain fit or in any other."""
-        within = self.within if plain and self.kind == DECLARED else inf
-        return max(self.low, -within), min(self.high, within)
-
-    def value(self, offset: float) -> float:
-        """Value in `unit` at `offset`."""
-        return self.nominal * exp(offset) + self.above if self.logarithmic else self.nominal + offset
-
-    def offset(self, value: float) -> float:
-        """Offset at which the parameter has `value`."""
-        return log((value - self.above) / self.nominal) if self.logarithmic else value - self.nominal
-
-    def slope(self, offset: float) -> float:
-        """d value / d offset: how a standard deviation of the offset reads in `unit`."""
-        return self.nominal * exp(offset) if self.logarithmic else 1.0
 
 
 # `Measured`: complex lines of one data set, as the engine sees them: runs, lines, channels, and nothing of what they are.

@@ -26,7 +26,6 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Campaign, Processing, Run
 from identification.chain import Chain, chain
-from identification.chain import Parameter as OfChain
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import SAME_LINE, grid, spectra
@@ -88,17 +87,9 @@ def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> 
     return chain(campaign.table, model.tolerances, stiffness=model.cell_stiffness, gravity=campaign.gravity, overrides=overrides)
 
 
-def _parameter(one: OfChain) -> Parameter:
-    return Parameter(
-        name=one.name,
-        unit=one.unit,
-        tolerance=one.tolerance,
-        kind=KINDS.get(one.family, SENSOR),
-        within=WITHIN * one.tolerance if KINDS.get(one.family) == DECLARED else inf,
-        nominal=1.0 if one.logarithmic else one.nominal,
-        logarithmic=one.logarithmic,
-        above=one.nominal - 1.0 if one.logarithmic else 0.0,
-    )
+def _parameter(one: Parameter) -> Parameter:
+    kind = KINDS.get(one.family, SENSOR)
+    return replace(one, channels=(), kind=kind, within=WITHIN * one.tolerance if kind == DECLARED else inf)
 
 
 # Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.

@@ -1,0 +1,76 @@
+"""`Parameter`: one number that a fit may move, what an offset of it means, and what is known of it beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, inf, log
+
+from geometry.errors import BadInput
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One parameter. Fits move its offset; `value` says what an offset means.
+
+    Attributes
+    ----------
+    name : unique in a problem, ``family:target``; of an effect the id of the catalogue, with ``[key]`` behind it for one of
+        several sizes
+    unit : of the value, SI, "1" for a relative number
+    tolerance : standard deviation of the offset before anything was measured (prior), in `unit`; of the natural logarithm where
+        `logarithmic`
+    channels : columns of the measurement chain that it touches, where it is one of a chain
+    kind : what it is to a model, `validation.estimation.problem.KINDS`
+    nominal : value at offset 0, less `above`
+    logarithmic : whether the offset is that of the logarithm: value = nominal * exp(offset) + above
+    above : what a logarithmic value has on top, -1 for a relative change of something that stays positive
+    start : offset at which a fit begins
+    within : greatest offset either way that a plain fit allows a declared one
+    low, high : least and greatest offset of all fits; beyond is no physics, or nothing that anybody would build
+    """
+
+    name: str
+    unit: str
+    tolerance: float
+    channels: tuple[int, ...] = ()
+    kind: str = "sensor"
+    nominal: float = 0.0
+    logarithmic: bool = False
+    above: float = 0.0
+    start: float = 0.0
+    within: float = inf
+    low: float = -inf
+    high: float = inf
+
+    @property
+    def family(self) -> str:
+        """What stands before the first colon of the name."""
+        return self.name.partition(":")[0]
+
+    def bounds(self, *, plain: bool) -> tuple[float, float]:
+        """Least and greatest offset, in a plain fit or in any other."""
+        within = self.within if plain and self.kind == "declared" else inf
+        return max(self.low, -within), min(self.high, within)
+
+    def value(self, offset: float) -> float:
+        """Value in `unit` at `offset`."""
+        return self.nominal * exp(offset) + self.above if self.logarithmic else self.nominal + offset
+
+    def offset(self, value: float) -> float:
+        """Offset at which the parameter has `value`.
+
+        Raises
+        ------
+        BadInput : the value would turn negative what stays positive.
+        """
+        if not self.logarithmic:
+            return value - self.nominal
+        factor = (value - self.above) / self.nominal
+        if factor <= 0:
+            problem = f"a scale factor must stay positive, found {factor:g}"
+            raise BadInput(source="measurement chain", field=self.name, problem=problem, remedy="Give a smaller change")
+        return log(factor)
+
+    def slope(self, offset: float) -> float:
+        """d value / d offset: how a standard deviation of the offset reads in `unit`."""
+        return self.nominal * exp(offset) if self.logarithmic else 1.0
