@@ -103,7 +103,7 @@ def _heavier(article: Structure) -> Structure:
 def residual(patch: Patch) -> None:
     """Left out where it belongs, put in where it does not."""
     right = dynamic_mass.modal_dynamic_mass
-    patch.setattr(dynamics, "modal", lambda modes, lines, residual=True: right(modes, lines, residual=not residual))
+    patch.setattr(dynamics, "modal_dynamic_mass", lambda modes, lines, residual=True: right(modes, lines, residual=not residual))
 
 
 def reciprocity(patch: Patch) -> None:
