@@ -22,7 +22,7 @@ from benchmarks.ratios import Timing, measure, show
 from geometry.errors import BadInput, CheckFailed
 from validation.app import examples, session, whatif
 from validation.app.session import Session, begun
-from validation.app.whatif import Slider, Table, TrialEffect, reaching, what_if
+from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, reaching, what_if
 
 EXAMPLE = "mast"
 
@@ -48,7 +48,7 @@ def ready(folder: Path) -> Session:
     return desk
 
 
-def drags(of: Table, effect: TrialEffect) -> list[float]:
+def drags(of: ReadyPredictions, effect: TrialEffect) -> list[float]:
     """[s] of every drag but the first, which makes ready; none where the model refuses the middle of the slider."""
     taken = []
     for place in PLACES:
@@ -72,7 +72,7 @@ def at(one: Slider, place: float) -> float:
     return one.low + place * (one.high - one.low)
 
 
-def by_family(of: Table) -> Iterator[tuple[str, list[float]]]:
+def by_family(of: ReadyPredictions) -> Iterator[tuple[str, list[float]]]:
     """By family, the slowest drag of each of the effects that are tried [s]."""
     families: dict[str, list[TrialEffect]] = {}
     for effect in reaching(of):
