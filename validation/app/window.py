@@ -26,7 +26,8 @@ from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
 from validation.app.session import LARGEST, MOST, Handed
 from validation.app.state import WindowState, keep
-from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry, unit
+from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
+from validation.report.charts.style import unit
 
 if TYPE_CHECKING:
     from aiohttp import BodyPartReader, web

@@ -16,7 +16,7 @@ from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
 from validation.history.history import Body, Errors, HistoryPosition, Ladder, Version
 from validation.identify.identify import UsedLines
-from validation.report.charts import crosscheck, history, identification, interactive, maps, spec
+from validation.report.charts import crosscheck, history, identification, interactive, maps, spec, style
 
 F = np.linspace(4.0, 32.0, 57)
 MODE = NamedMode(name="first <mast> mode", frequency=12.0, damping_ratio=0.01)
@@ -151,7 +151,7 @@ def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is
 
 @pytest.mark.parametrize(("entry", "unit"), [((0, 0), "kg"), ((0, 4), "kg m"), ((5, 1), "kg m"), ((3, 5), "kg m²")])
 def test_units_of_the_entries(entry: tuple[int, int], unit: str) -> None:
-    assert maps.unit(*entry) == unit
+    assert style.unit(*entry) == unit
 
 
 def test_an_entry_that_symmetry_makes_nothing_neither_sets_the_scale_nor_shows_a_phase() -> None:

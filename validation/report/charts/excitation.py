@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from geometry.frames import Array
-from validation.report.charts.spec import CURVES, FAINT, INK, PAPER
+from validation.report.charts.spec import COLOURS, CURVES, FAINT, INK, PAPER
 from validation.report.charts.static import Axes, finish, grid_lines, new_figure, require_format
 
 COLUMNS, FEWER = 1400, 300
 """Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one signal, several."""
 
-LINES = (*CURVES, "#8e6fc0")
+LINES = CURVES[:4]
 """Of the signals in one panel, first to fourth."""
 
 WIDTHS = (3.0, 2.2, 1.5, 0.8)
@@ -31,7 +31,7 @@ WIDTHS = (3.0, 2.2, 1.5, 0.8)
 SHADES = (PAPER, "#cfdcf2", "#6f93dc", "#2456c4", "#14296b", INK)
 """Of a spectrogram, from nothing to the largest."""
 
-LIMIT = "#c8283c"
+LIMIT = COLOURS["limit"][0]
 REFERENCE = (0, (5, 3))
 ROOM = 0.045
 """Of the width of a panel, between two figures above it."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 RUNS = ("#c8283c", "#1f8a4c", "#2456c4", "#d9541e", "#8e6fc0", "#c9a227", "#33373d", "#5f9ea0", "#b5838d")
 """Of runs in turn."""
 
-LIMIT = "#c8283c"
+LIMIT = COLOURS["limit"][0]
 LEFT_OUT = "#f6d9dc"
 EMPTY = "#e9ebef"
 """Of a band that is too short to say anything."""

@@ -29,19 +29,17 @@ from validation.report.charts.static import (
     require_format,
     sigmas,
 )
+from validation.report.charts.style import LABELS, unit
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 
-SIGNS = ("x", "y", "z", "α", "β", "γ")
+SIGNS = LABELS
 """Of loads and of base motions."""
 
 LOADS = ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z")
 MOTIONS = tuple(f"{kind} {axis}" for kind in ("acceleration along", "angular acceleration about") for axis in "xyz")
-
-UNITS = ("kg", "kg m", "kg m²")
-"""By how many of load and motion are about an axis."""
 
 DEEPEST, NOTHING = 1e5, 1e-4
 """Of the largest magnitude: what is smaller is off the page; a curve that is smaller throughout is next to nothing."""
@@ -65,11 +63,6 @@ NONE: Mapping[str, ComplexArray] = MappingProxyType({})
 def entry(load: int, motion: int) -> str:
     """ "H xβ": the name of an entry."""
     return f"H {SIGNS[load]}{SIGNS[motion]}"
-
-
-def unit(load: int, motion: int) -> str:
-    """Of an entry."""
-    return UNITS[(load > 2) + (motion > 2)]
 
 
 SECOND_ROW = 20
