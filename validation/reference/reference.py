@@ -168,6 +168,12 @@ def rows(table: ReferenceTable, k: int) -> Iterator[tuple[str, Row]]:
             yield column, one
 
 
+def farthest(table: ReferenceTable, columns: Sequence[str], k: int) -> Row | None:
+    """Of the rows of `columns` the one that deviates most; None where none is compared."""
+    compared = [one for column in columns if (one := row(table, column, k)) is not None]
+    return max(compared, key=lambda one: abs(one.deviation or 0.0), default=None)
+
+
 def verdict(table: ReferenceTable, k: int) -> str:
     """Quantity `k` in words."""
     held = list(rows(table, k))

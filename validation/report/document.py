@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry.routes import ROUTES
 from validation.output import PIPED_WIDTH, page_width, plain_unit
-from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, row, verdict
+from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, farthest, row, verdict
 from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, TENSOR, Quantity, Row, Stated, rounded
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def deviations(table: ReferenceTable) -> Grid:
     all_k = range(len(QUANTITIES))
     routes = {"routes": [c for c in table.columns if c in ROUTES]}
     groups = routes | {said.name: [c] for c, said in table.columns.items() if c not in ROUTES}
-    farthest = {name: [_farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
+    farthest = {name: [farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
     compared = {name: rows for name, rows in farthest.items() if any(rows)}
     body = [
         cells
@@ -140,12 +140,6 @@ def deviations(table: ReferenceTable) -> Grid:
     header = [text for name in compared for text in (name, "tol.")]
     lines = tuple(zip(*((_labels(), *(aligned(cells) for cells in body), verdicts)), strict=True))
     return Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
-
-
-def _farthest(table: ReferenceTable, columns: list[str], k: int) -> Row | None:
-    """Of the rows of `columns` the one that deviates most; None where none is compared."""
-    compared = [one for column in columns if (one := row(table, column, k)) is not None]
-    return max(compared, key=lambda one: abs(one.deviation or 0.0), default=None)
 
 
 def notes(table: ReferenceTable) -> tuple[str, ...]:

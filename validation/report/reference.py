@@ -27,9 +27,9 @@ from validation.reference.reference import (
     ReferenceTable,
     _occ,
     changes_note,
+    farthest,
     file_name,
     reference_table,
-    row,
     rows,
     verdict,
 )
@@ -310,7 +310,7 @@ def _deviations(of: ReferenceTable) -> Safe:
     every = range(len(QUANTITIES))
     groups = {"routes": [name for name in of.columns if name in ROUTES]}
     groups |= {_head(name, said): [name] for name, said in of.columns.items() if name not in ROUTES}
-    compared = {name: [_farthest(of, own, k) for k in every] for name, own in groups.items()}
+    compared = {name: [farthest(of, own, k) for k in every] for name, own in groups.items()}
     compared = {name: found for name, found in compared.items() if any(found)}
     columns = [Column(head="deviation", words=True), Column(head="unit", words=True)]
     columns += [column for name in compared for column in (Column(head=name), Column(head="in tol."))]
@@ -325,12 +325,6 @@ def _deviations(of: ReferenceTable) -> Safe:
     ]
     head = f"{of.article}: deviation from the reference and verdict"
     return table(head, [*columns, Column(head="verdict", words=True)], rows) if compared else Safe("")
-
-
-def _farthest(of: ReferenceTable, names: Sequence[str], k: int) -> Row | None:
-    """Of the columns `names` that which deviates most; None where none is compared."""
-    compared = [one for name in names if (one := row(of, name, k)) is not None]
-    return max(compared, key=lambda one: abs(one.deviation or 0.0), default=None)
 
 
 def _in_own_unit(of: ReferenceTable, k: int) -> bool:

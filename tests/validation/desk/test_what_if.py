@@ -13,7 +13,7 @@ from geometry.frames import Array
 from validation.app import whatif
 from validation.app.examples import Series
 from validation.app.session import Session, begun
-from validation.app.whatif import Table, Trace, WhatIf, what_if
+from validation.app.whatif import ReadyPredictions, Trace, WhatIf, what_if
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import PENDULUM, SIDES
 from validation.model.model import Added
@@ -49,13 +49,13 @@ def mast_desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session
 
 
 @pytest.fixture(scope="module")
-def table(mast_desk: Session) -> Table:
+def table(mast_desk: Session) -> ReadyPredictions:
     """Of the series with a mast, at the model as drawn."""
     return whatif.table(mast_desk)
 
 
 @pytest.fixture(scope="module")
-def predicted(mast: Series, table: Table) -> Callable[[str], tuple[SeriesPrediction, ...]]:
+def predicted(mast: Series, table: ReadyPredictions) -> Callable[[str], tuple[SeriesPrediction, ...]]:
     """By effect, what `validation.prediction` says of the series, read anew."""
     data = read_data(mast.data, table.model)
     drawn = predictions(table.model, data.campaigns)
@@ -75,7 +75,7 @@ def by_least_squares(one: SeriesPrediction, tested: whatif.ReadyCampaign, offset
 
 
 @pytest.mark.parametrize("effect", TRIED)
-def test_released_it_is_the_prediction(table: Table, predicted: Any, effect: str) -> None:
+def test_released_it_is_the_prediction(table: ReadyPredictions, predicted: Any, effect: str) -> None:
     shown = what_if(table, effect, 2, 4)
     assert shown.exact
     for trace, one, tested in zip(shown.traces, predicted(effect), table.tested, strict=True):
@@ -86,7 +86,7 @@ def test_released_it_is_the_prediction(table: Table, predicted: Any, effect: str
 
 
 @pytest.mark.parametrize("effect", TRIED)
-def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: Table, effect: str) -> None:
+def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: ReadyPredictions, effect: str) -> None:
     """Sizes pass through the parameters of a fit there, which costs no more than rounding."""
     dragged, released = (what_if(replace(table, pace=1e-9), effect, 4, 4, exact=exact) for exact in (False, True))
     assert dragged.exact
@@ -96,7 +96,7 @@ def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: Table, e
 
 
 @pytest.mark.parametrize("effect", ["saturation:fmd-z2=0.1", "gap:2=50", "sweep-bias", "friction:flange:x=3"])
-def test_what_asks_for_every_run_is_the_same_for_the_eye_at_a_quarter_of_the_lines(table: Table, effect: str) -> None:
+def test_what_asks_for_every_run_is_the_same_for_the_eye_at_a_quarter_of_the_lines(table: ReadyPredictions, effect: str) -> None:
     few = replace(table, pace=whatif.BUDGET / (40 * len(table.tested) * 6))
     dragged, released = (what_if(few, effect, 4, 4, exact=exact) for exact in (False, True))
     assert not dragged.exact
@@ -109,7 +109,7 @@ def off(one: Trace, other: Trace) -> float:
     return float(400 * np.abs(both[0] - both[1]).max() / max(np.ptp(both[1]), 1.0))
 
 
-def test_no_effect_changes_nothing(table: Table) -> None:
+def test_no_effect_changes_nothing(table: ReadyPredictions) -> None:
     shown = what_if(table, "force-gain:fmd-z2=0", 2, 2)
     assert shown.plain_percent == pytest.approx(shown.before_percent, rel=1e-9)
     for one in shown.traces:
@@ -117,12 +117,12 @@ def test_no_effect_changes_nothing(table: Table) -> None:
 
 
 @pytest.fixture(scope="module")
-def fitted(worked: Any) -> Table:
+def fitted(worked: Any) -> ReadyPredictions:
     """Of the block that was compared."""
     return whatif.table(worked.desk)
 
 
-def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: Table) -> None:
+def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: ReadyPredictions) -> None:
     """What the plain fit had taken up of the fault goes with it: else the right size would count twice, and seem wrong."""
     right, wrong = (what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2) for size in (0.08, -0.08))
     assert right.followed
@@ -133,7 +133,7 @@ def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: Table)
     assert alone.plain_percent > alone.before_percent
 
 
-def test_what_follows_a_slider_arrives_where_it_is_released(fitted: Table) -> None:
+def test_what_follows_a_slider_arrives_where_it_is_released(fitted: ReadyPredictions) -> None:
     sizes = (0.02, 0.04, 0.06, 0.08)
     dragged = [what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2, exact=False).plain_percent for size in sizes]
     released = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2).plain_percent
@@ -141,7 +141,7 @@ def test_what_follows_a_slider_arrives_where_it_is_released(fitted: Table) -> No
     assert dragged[-1] == pytest.approx(released, rel=0.3)
 
 
-def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted: Table) -> None:
+def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted: ReadyPredictions) -> None:
     shown = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2)
     effects = (Added(named=parse("force-gain:fmd-z2=0.08", fitted.words), fixed=True),)
     (tested,) = fitted.tested
@@ -149,7 +149,7 @@ def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted: Table
     assert_allclose(shown.traces[0].matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())
 
 
-def test_it_begins_where_the_comparison_ended(worked: Any, fitted: Table) -> None:
+def test_it_begins_where_the_comparison_ended(worked: Any, fitted: ReadyPredictions) -> None:
     assert fitted.at == whatif.FITTED
     shown = what_if(fitted, "force-gain:fmd-z2=0", 0, 0)
     assert shown.before_percent == pytest.approx(worked.compared.summary["plain_error_percent"], rel=1e-9)
@@ -158,11 +158,11 @@ def test_it_begins_where_the_comparison_ended(worked: Any, fitted: Table) -> Non
     assert_allclose(fitted.tested[0].entries, pairs.predicted, rtol=1e-6, atol=1e-8 * np.abs(pairs.predicted).max())
 
 
-def test_before_a_comparison_nothing_is_fitted(table: Table) -> None:
+def test_before_a_comparison_nothing_is_fitted(table: ReadyPredictions) -> None:
     assert table.at == whatif.DRAWN
 
 
-def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: Table) -> None:
+def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: ReadyPredictions) -> None:
     for effect in {one.family: one for one in reversed(whatif.reaching(table))}.values():
         for end in ("low", "start", "high"):
             written = effect.written({one.key: getattr(one, end) for one in effect.sliders})
@@ -174,12 +174,12 @@ def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(tabl
             assert not one.logarithmic or one.low > 0
 
 
-def test_a_size_that_leaves_no_body_is_refused_in_words(table: Table) -> None:
+def test_a_size_that_leaves_no_body_is_refused_in_words(table: ReadyPredictions) -> None:
     with pytest.raises(BadInput, match="no body is left"):
         what_if(table, "rigid-inertia:m=-50", 0, 0)
 
 
-def test_a_model_that_breaks_down_says_so(table: Table, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_model_that_breaks_down_says_so(table: ReadyPredictions, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*given: Any, **more: Any) -> None:
         raise FloatingPointError("divide by zero")
 
@@ -188,7 +188,7 @@ def test_a_model_that_breaks_down_says_so(table: Table, monkeypatch: pytest.Monk
         what_if(table, "modulus:mast=0.1", 0, 0)
 
 
-def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
+def test_all_sides_of_the_catalogue_are_there_but_ropes(table: ReadyPredictions) -> None:
     found = whatif.reaching(table)
     assert {one.side for one in found} == set(SIDES) - {PENDULUM}
     ids = [one.id for one in found]
@@ -202,7 +202,7 @@ def test_all_sides_of_the_catalogue_are_there_but_ropes(table: Table) -> None:
     assert reached["force-gain:fmd-z2"] == ("fmd+cuboid", "fmd+clumod-1")
 
 
-def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Session, table: Table) -> None:
+def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Session, table: ReadyPredictions) -> None:
     added = Added(named=parse("force-gain:fmd-z2=0.05", table.words))
     of = replace(
         table,
@@ -219,13 +219,13 @@ def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Session, table:
     assert_allclose(moved.traces[0].after, alone.traces[0].after, rtol=1e-9)
 
 
-def test_nonsense_is_refused_in_words(table: Table) -> None:
+def test_nonsense_is_refused_in_words(table: ReadyPredictions) -> None:
     for effect in ("force-gain:fmd-z9=0.1", "nonsense", "force-gain:fmd-z2=1e9", "modulus:upper-long=0.1"):
         with pytest.raises(BadInput):
             what_if(table, effect, 0, 0)
 
 
-def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: Table) -> None:
+def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: ReadyPredictions) -> None:
     """Also of families that do not reach this series."""
     for family in FAMILIES.values():
         typical = parse(examples(family)[0]).values
@@ -235,7 +235,7 @@ def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: Table) -> N
             assert not logarithmic or low > 0
 
 
-def test_what_if_says_which_campaigns_are_reached(table: Table) -> None:
+def test_what_if_says_which_campaigns_are_reached(table: ReadyPredictions) -> None:
     found: WhatIf = what_if(table, "modulus:mast=0.1", 4, 4)
     assert [one.reached for one in found.traces] == [False, True]
     assert np.array_equal(found.traces[0].before, found.traces[0].after)
