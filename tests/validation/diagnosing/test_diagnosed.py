@@ -106,7 +106,7 @@ def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnos
     """``unlike(cause, ...)``: the diagnosis where two levels differ, and `nonlinear` ranks these."""
 
     def of(*ranking: Cause) -> Diagnosis:
-        monkeypatch.setattr(diagnose, "drive_levels", lambda of: (LEVEL,))
+        monkeypatch.setattr(diagnose, "differing_levels", lambda of: (LEVEL,))
         monkeypatch.setattr(diagnose, "nonlinear", lambda *given, **more: ranking)
         return diagnosed(made())
 
@@ -116,7 +116,7 @@ def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnos
 def test_where_two_levels_differ_nothing_linear_is_fitted(
     unlike: Callable[..., Diagnosis], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delattr(diagnose, "searched")
+    monkeypatch.delattr(diagnose, "stepwise_search")
     found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 60.0))
     assert found.verdict == NONLINEAR
     assert found.levels == (LEVEL,)

@@ -51,8 +51,7 @@ def done(series: Path) -> Identification:
 def driven(done: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
     """The driver answers every request with what it found on the block."""
     monkeypatch.setattr(
-        report_identify,
-        "identify",
+        "validation.identify.identify.identify",
         lambda request, progress: replace(done, request=request, tares=(done.article,) * len(request.tares)),
     )
 
@@ -171,7 +170,7 @@ def test_ctrl_c_leaves_no_half_written_folder(series: Path, run: Run, tmp_path: 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(report_identify, "identify", interrupted)
+    monkeypatch.setattr("validation.identify.identify.identify", interrupted)
     code, out, err = run("identify", str(series / "block"), *QUICK, "--out", str(tmp_path / "kept"))
     assert (code, out) == (main.INTERRUPTED, "")
     assert "interrupted" in err

@@ -79,8 +79,8 @@ def test_all_ten_are_flagged_and_the_page_says_which_result_counts(shown: Identi
 def test_an_elastic_article_is_no_failure_of_the_command(
     made: PreparedRequest, done: Identification, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(report_identify, "ready", lambda *_: made)
-    monkeypatch.setattr(report_identify, "identify", lambda *_: done)
+    monkeypatch.setattr("validation.identify.identify.ready", lambda *_: made)
+    monkeypatch.setattr("validation.identify.identify.identify", lambda *_: done)
     answer(IdentifyOptions(campaign="somewhere"), None, as_json=True, folder=None, keep=False)
     assert '"result": "plain"' in capsys.readouterr().out
 
