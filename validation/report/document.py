@@ -129,8 +129,8 @@ def deviations(table: ReferenceTable) -> Grid:
     all_k = range(len(QUANTITIES))
     routes = {"routes": [c for c in table.columns if c in ROUTES]}
     groups = routes | {said.name: [c] for c, said in table.columns.items() if c not in ROUTES}
-    farthest = {name: [farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
-    compared = {name: rows for name, rows in farthest.items() if any(rows)}
+    most = {name: [farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
+    compared = {name: rows for name, rows in most.items() if any(rows)}
     body = [
         cells
         for rows in compared.values()
