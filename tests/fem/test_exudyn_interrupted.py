@@ -15,10 +15,9 @@ TIMES = 6
 CHILD = f"""
 import signal, sys
 import numpy as np
-from fem.base_excitation import body
 from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.rig import Rig
-from fem.exudyn import driven_base, large_motion, rope_pendulum
+from fem.base_excitation import rig
+from fem.exudyn import driven_run, large_motion, rope_pendulum
 from geometry.inertia import Inertia
 from validation.cli.main import held_while_importing
 
@@ -31,7 +30,7 @@ motion = BaseMotion(sampling_rate=4096, displacement=moves[0], velocity=moves[1]
 ropes = rope_pendulum.on_three_ropes(0.3, length=2.0, amplitude=0.1)
 told = lambda share: print(f"at {{share}}", flush=True)
 runs = {{
-    "driven": lambda: driven_base.respond(Rig(article=body.rigid("block", block, {{}})), motion, progress=told),
+    "driven": lambda: driven_run.respond(rig.Rig(article=rig.rigid("block", block, {{}})), motion, progress=told),
     "large": lambda: large_motion.respond("cuboid", motion, elements=None, progress=told),
     "swing": lambda: rope_pendulum.swing(block, ropes, duration=600.0, progress=told),
 }}

@@ -3,12 +3,13 @@
 import json
 import re
 import shlex
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
+
+from validation.cli import predict, reference
 
 PAGE = Path(__file__).parents[2] / "docs" / "classical-measurements.md"
 
@@ -26,7 +27,7 @@ def test_the_page_holds_its_commands() -> None:
 
 
 def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its_corrections(root: Path) -> None:
-    command = import_module("validation.cli.reference").command
+    command = reference.pendulum_command
 
     def value(*more: str) -> float:
         result = CliRunner().invoke(command, [str(root / "examples" / "clumod-4-upright.toml"), "--json", *more])
@@ -54,7 +55,7 @@ def test_figures_beside_a_command_are_those_it_prints(row: tuple[str, ...]) -> N
         *shlex.split(row[0]),
         "--json",
     ]
-    result = CliRunner().invoke(import_module("validation.cli.predict").command, words)
+    result = CliRunner().invoke(predict.swing_command, words)
     told = json.loads(result.stdout)
     printed = [told["period_shift_percent"]["all"], told["moi_error_percent"]["eq5"], told["moi_error_percent"]["corrected"]]
     assert_allclose(printed, [float(figure) for figure in row[1:]], atol=1.5e-4)  # four digits, and rounding of another machine

@@ -21,9 +21,10 @@ def probe(monkeypatch: pytest.MonkeyPatch) -> Install:
 
     def install(action: Callable[[], object]) -> None:
         module = ModuleType("validation.cli.probe")
-        module.command = click.Command("probe", callback=action)  # type: ignore[attr-defined]
+        module.probe_command = click.Command("probe", callback=action)  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, module.__name__, module)
         monkeypatch.setitem(main.COMMANDS, "probe", "A command of the tests.")
+        monkeypatch.setitem(main.MODULES, "probe", ("probe",))
 
     return install
 
@@ -104,9 +105,9 @@ def test_a_terminal_without_the_sign_does_not_stop_the_run(massline: Callable[..
 @pytest.mark.parametrize("say", ["click.echo", "__import__('rich.console').console.Console().print"])
 def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: str) -> None:
     talker = (
-        "import sys, types, click; from validation import cli; m = types.ModuleType('validation.cli.talk');"
-        f"say = {say}; m.command = click.Command('talk', callback=lambda: [say('x' * 99) for _ in range(9999)]);"
-        "sys.modules[m.__name__] = m; cli.COMMANDS['talk'] = ''; cli.main(['talk'])"
+        "import sys, types, click; from validation.cli import main as cli; m = types.ModuleType('validation.cli.talk');"
+        f"say = {say}; m.talk_command = click.Command('talk', callback=lambda: [say('x' * 99) for _ in range(9999)]);"
+        "sys.modules[m.__name__] = m; cli.COMMANDS['talk'] = ''; cli.MODULES['talk'] = ('talk',); cli.main(['talk'])"
     )
     process = subprocess.Popen([sys.executable, "-P", "-c", talker], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     process.stdout.readline()

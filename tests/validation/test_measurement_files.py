@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput, CheckFailed
 from validation.classical import files, pendulum, weigh
 from validation.classical.files import Fields, Reduction, read, reference, shipped
+from validation.cli import reference as reference_commands
 
 TABLE_1 = {"mass": (47.400, 0.36), "cog_z": (603.0, -0.05), "Ixx": (20.353, 1.0375), "Iyy": (20.528, 0.58), "Izz": (2.278, -0.48)}
 KINDS = ("weighing", "crane-cog", "pendulum", "results")
@@ -22,7 +23,7 @@ CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_pe
 
 
 def run(command: str, *arguments: str) -> Result:
-    return CliRunner().invoke(import_module(f"validation.cli.{command}").command, list(arguments))
+    return CliRunner().invoke(getattr(reference_commands, f"{command}_command"), list(arguments))
 
 
 def rows(command: str, *arguments: str) -> dict[str, dict[str, Any]]:

@@ -330,8 +330,8 @@ OF_FAMILY: Mapping[str, Rule] = MappingProxyType(
         **dict.fromkeys(("name", "side", "what", "example", "stage", "equation", "confirmed_by", "reference", "sentence"), TEXT),
         **dict.fromkeys(("targets", "mistaken_for"), TEXTS),
         "optional": FLAG,
-        "sizes": (_sizes, "a tuple of Size, (Size(...),) where there is one"),
-        "varying": (_by_target, "a mapping from a target to a tuple of Size"),
+        "sizes": (_sizes, "a tuple of SizeSpec, (SizeSpec(...),) where there is one"),
+        "varying": (_by_target, "a mapping from a target to a tuple of SizeSpec"),
         "tolerance": NUMBER,
         **dict.fromkeys(("change", "plant"), FUNCTION),
     }

@@ -259,8 +259,8 @@ HEAD = """\
 # The catalogue of effects
 
 What may be missing in a model, or wrong in a measurement, under one name each. One effect takes part in everything: it is
-simulated, compared, added to a model, refitted and shown. This page is made of the code, by `python -m
-validation.report.effects`.
+simulated, compared, added to a model, refitted and shown. This page is made of the code, by
+`python -m validation.report.effects`.
 
 ```sh
 massline effects

@@ -159,7 +159,7 @@ _ROWS = {
     "plates": "solids.PLATES_CHECKS",
     "rods": "solids.RODS_CHECKS",
     "dynamic-mass": "dynamics.CHECKS",
-    "time": "dynamics.BASE_EXCITATION_CHECKS",
+    "time": "dynamics.DRIVEN_BASE_CHECKS",
     "pendulum": "dynamics.ROPE_PENDULUM_CHECKS",
 }
 """Module of this package and name of its rows, by family."""

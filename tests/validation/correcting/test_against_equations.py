@@ -166,7 +166,7 @@ def test_the_example_of_ones_own_is_taken_out_of_a_record(tested: Tested, root: 
 
 FILE = """
 from dataclasses import replace
-from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, Size
+from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
 
 def change(reading, targets, values):
     rows = reading.rows.copy()
@@ -178,7 +178,7 @@ FAMILY = Family(
     side=FORCES,
     what="a worn cell",
     targets=("force channel",),
-    sizes=(Size(unit="1", low=0.1, high=2.0, null=1.0, plausible=0.1),),
+    sizes=(SizeSpec(unit="1", low=0.1, high=2.0, null=1.0, plausible=0.1),),
     example="worn-cell:fmd-z2=0.5",
     stage=CHANNEL_STAGE,
     change=change,

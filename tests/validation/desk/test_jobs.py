@@ -17,10 +17,10 @@ from validation.app.workers import ADD, CANCELLED, COMPARE, DIAGNOSE, DONE, FAIL
 
 ORPHANED = """
 import os, sys
-from validation.desk import desk, jobs
+from validation.app import session, workers
 
 if __name__ == "__main__":
-    worker = jobs.start(desk.opened(sys.argv[1]), "compare")
+    worker = workers.start(session.opened(sys.argv[1]), "compare")
     print(worker.pid, flush=True)
     sys.stdin.read(1)
     os._exit(1)

@@ -138,10 +138,10 @@ AT_ONCE = """
 import sys
 from dataclasses import replace
 from pathlib import Path
-from validation.history.history import kept, standing
+from validation.history.history import history_position, kept
 path, name = Path(sys.argv[1]), sys.argv[2]
 for k in range(15):
-    at = standing(path)
+    at = history_position(path)
     kept(at, replace(at.ladder.rung(0), parent=0, model=f"{name} = {k}"))
 """
 

@@ -23,7 +23,7 @@ def part(report: Report, mounting: Pose | None) -> CampaignPart:
     campaign = replace(known.campaign, mounting=mounting)
     found = replace(known.findings, article="cuboid", origin="F", request=replace(known.findings.request, campaign=campaign))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(identify, "identified", lambda asked: found)
+        patch.setattr(identify, "identification_identified", lambda asked: found)
         patch.setattr(identify, "_sensors", lambda one, missing: None)
         return identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
 

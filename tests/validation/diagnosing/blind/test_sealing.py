@@ -91,5 +91,7 @@ def test_the_process_that_answers_knows_no_draw_and_no_virtual_test(root: Path) 
     loaded = done.stdout.split()
     assert "benchmarks.blind.names" in loaded
     assert not [
-        name for name in loaded if name.startswith(("benchmarks.blind.drawing", "benchmarks.blind.sealing", "validation.virtual"))
+        name
+        for name in loaded
+        if name.startswith(("benchmarks.blind.drawing", "benchmarks.blind.sealing", "validation.virtual_test"))
     ]
