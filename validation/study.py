@@ -335,15 +335,14 @@ class Study:
         return self._fits[0]
 
     def evaluation(self, progress: Callable[[float], None] | None = None) -> Evaluation:
-        """The four errors of the model as it is and the fits behind them, made once.
+        """The four errors of the model as it is and the fits behind them, made once; `all_free` is then its own.
 
         Raises
         ------
         CheckFailed : a fit that does not converge.
         """
         if not self._evaluations:
-            fitted = next(iter(self._fits), None)
-            found = evaluate(self.whole(), hold_out=self.hold_out, fitted=fitted, progress=progress)
+            found = evaluate(self.whole(), hold_out=self.hold_out, progress=progress)
             self._fits[:], self._evaluations[:] = [found.fitted], [found]
         return self._evaluations[0]
 

@@ -45,7 +45,7 @@ from validation.model.model import Added, vocabulary
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact
 from validation.prediction.series import SeriesPrediction
-from validation.study import Study as FittedData
+from validation.study import Study
 
 SIDES = (STRUCTURE, FORCES, ACCELERATIONS)
 """What one level of a linear test shows; mistakes and what depends on the level are tested before."""
@@ -62,7 +62,7 @@ TINY = 1e-6
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
 
-def candidates(data: FittedData, *, only: Sequence[str] = (), leave_out: Sequence[str] = ()) -> tuple[Added, ...]:
+def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = ()) -> tuple[Added, ...]:
     """What could be missing from the model of `data`.
 
     Parameters
@@ -102,7 +102,7 @@ def is_resonator(named: Named) -> bool:
     return tuple(size.key for size in named.sizes) == RESONATOR
 
 
-def _possible(data: FittedData) -> Iterator[Added]:
+def _possible(data: Study) -> Iterator[Added]:
     there, words = tuple(_structures(data)), vocabulary(data.model, data.campaigns)
     known = {one.named.id for one in data.model.effects}
     families = [one for one in FAMILIES.values() if one.side in SIDES and one.stage in SHOWN]
@@ -115,7 +115,7 @@ def _possible(data: FittedData) -> Iterator[Added]:
     yield from (one for one in of_swings(data) if one.named.id not in known)
 
 
-def _structures(data: FittedData) -> Iterator[There]:
+def _structures(data: Study) -> Iterator[There]:
     for one in data.made:
         there = one.tested.carried.standing.there
         yield There(article=there.article, parts=there.parts, places=there.places, channels=one.measured.channels)
@@ -250,7 +250,7 @@ SAME_DIRECTION = 0.02
 development draws of `make blind`."""
 
 
-def screened_resonators(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
+def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     """Each resonator of `menu` at its best frequency and damping."""
     problem = data.problem((*at.effects, *menu))
     names = {f"{one.named.id}[m]": one for one in menu}
@@ -267,7 +267,7 @@ def smallest_mass(told: ScoreTest, evidence: float) -> float:
     return TINY * sqrt(2 * (evidence + OCCAM)) * told.deviation
 
 
-def reaches(data: FittedData, named: Named) -> bool:
+def reaches(data: Study, named: Named) -> bool:
     """Whether `named` resonates where the data of `data` are; far below them it is a spring to the ground, far above a mass."""
     low, high = _band(one.measured.frequency for one in data.made)
     return low <= named.values["f"] <= high
@@ -347,7 +347,7 @@ SWITCHED = 1.0
 """[1] Offset of a switch from on to off. By definition."""
 
 
-def screen(data: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:
+def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:
     """The candidates of `menu` on top of the candidate `at`, the most promising first."""
     known = {one.named.id for one in at.effects}
     left = [one for one in menu if one.named.id not in known]
@@ -363,7 +363,7 @@ def screen(data: FittedData, at: Candidate, menu: Sequence[Added]) -> tuple[Scre
     return tuple(sorted(found, key=lambda one: -one.evidence))
 
 
-def _screened_periods(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
+def _screened_periods(data: Study, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     """Of effects on a period no straight line tells, and no smallest size by one."""
     return [
         Screened(
@@ -382,7 +382,7 @@ def _screened_tolerance(added: Added, told: ScoreTest, at: Candidate) -> Screene
     return _sized(added, size, one, told)
 
 
-def _screened_effects(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
+def _screened_effects(data: Study, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     free = [replace(one, fixed=False) for one in menu]
     problem = data.problem((*at.effects, *free))
     sized = {one.named.id: effects.name(one.named, _first(one).key) for one in free if one.named.sizes}

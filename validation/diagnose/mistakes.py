@@ -38,7 +38,7 @@ from validation.diagnose.diagnosis import (
 from validation.effects.catalogue import Named
 from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction
-from validation.study import Study as FittedData
+from validation.study import Study
 
 # `Heard`: what every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
 #
@@ -264,7 +264,7 @@ class ChannelSource:
         return self.channel == self.plug and self.factor == 1
 
 
-def mistakes(data: FittedData) -> tuple[Cause, ...]:
+def mistakes(data: Study) -> tuple[Cause, ...]:
     """Wrong signs, exchanged plugs and wrong units, in the order in which effects of a model say them; none where there are none.
 
     All of them hold together, and in all campaigns: signs belong to sensors, units to what the files say. A channel that no
@@ -469,13 +469,13 @@ def _cause(
 # A diagnosis of data with discrete mistakes: they are taken out first, and told with whatever else is found.
 
 
-def without_mistakes(data: FittedData, mistaken: Sequence[Cause]) -> FittedData:
+def without_mistakes(data: Study, mistaken: Sequence[Cause]) -> Study:
     """`data` with a model that makes the same mistakes as the data, so that nothing is left of them."""
     made = tuple(Added(named=one.named, fixed=True) for one in mistaken)
     return replace(data, model=replace(data.model, effects=(*data.model.effects, *made)))
 
 
-def with_mistakes(data: FittedData, found: Diagnosis, mistaken: Sequence[Cause]) -> Diagnosis:
+def with_mistakes(data: Study, found: Diagnosis, mistaken: Sequence[Cause]) -> Diagnosis:
     """`found`, the diagnosis without the mistakes, as one of the data of `data` as they are."""
     return replace(
         found,

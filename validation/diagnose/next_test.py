@@ -25,7 +25,7 @@ from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.problem import EFFECT, FITTED, Change, Conveyed, Fact, Lines, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
-from validation.study import Study as Study
+from validation.study import Study
 
 # How many nats a test is expected to give for the right one of two explanations, in closed form.
 #

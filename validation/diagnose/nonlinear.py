@@ -29,7 +29,7 @@ from validation.effects.stages import ChannelResponse, MountedDynamicMass
 from validation.model.model import vocabulary
 from validation.prediction import dynamic_mass, effects
 from validation.prediction.series import SeriesPrediction, laboratory
-from validation.study import Study as FittedData
+from validation.study import Study
 
 # `RunsByLevel`: the runs of one campaign by how strongly they were driven, and what the weaker ones hold beyond the stronger
 # ones.
@@ -295,7 +295,7 @@ SMOOTHED = 9
 """[count] of lines over which the worst frequency is looked for. No test of its own."""
 
 
-def differing_levels(data: FittedData) -> tuple[LevelDifference, ...]:
+def differing_levels(data: Study) -> tuple[LevelDifference, ...]:
     """Axes that answer differently at two levels, the most surprising first; none where all were driven at one, or answer alike.
 
     What amplitude-dependent effects of the data's model explain is taken off first.
@@ -362,7 +362,7 @@ def _is_cross_motion(of: RunsByLevel, left: Sequence[NonlinearResidual], k: int)
     return bool(own < LEAKING * np.sqrt(brought))
 
 
-def require_levels(data: FittedData, what: str = "friction, a gap or saturation") -> None:
+def require_levels(data: Study, what: str = "friction, a gap or saturation") -> None:
     """Refuse a data that was driven at one level where two are needed.
 
     Parameters
@@ -621,7 +621,7 @@ tests/validation/diagnosing/test_nonlinear.py."""
 
 
 def nonlinear(
-    data: FittedData, levels: Sequence[LevelDifference], progress: Callable[[float], None] | None = None
+    data: Study, levels: Sequence[LevelDifference], progress: Callable[[float], None] | None = None
 ) -> tuple[Cause, ...]:
     """What could let the axes of `levels` differ, the likeliest first; none where runs do not state their level.
 
@@ -691,7 +691,7 @@ class _Found:
     curvature: float
 
 
-def _tested(data: FittedData, levels: Sequence[LevelDifference]) -> Iterator[_Tested]:
+def _tested(data: Study, levels: Sequence[LevelDifference]) -> Iterator[_Tested]:
     for one in data.made:
         told = sorted((level for level in levels if level.data_set == one.measured.name), key=lambda level: -level.sigma)
         model = one.with_effects(data.model.effects)

@@ -66,7 +66,7 @@ from validation.estimation.problem import Problem
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, facts
-from validation.study import Study as FittedData
+from validation.study import Study
 
 # The answer on classical measurements in sentences.
 
@@ -392,7 +392,7 @@ class Against:
         )
 
 
-def contradictions(data: FittedData, base: Candidate, found: Candidate) -> tuple[str, ...]:
+def contradictions(data: Study, base: Candidate, found: Candidate) -> tuple[str, ...]:
     """Each fact that contradicts the campaigns by the model as it is, `base`, and whether what was `found` settles it.
 
     Where that model meets all facts, nothing is computed.
@@ -413,14 +413,14 @@ def _settled(sigma: float | None, effects: list[str]) -> str:
     return f"; with {', '.join(effects)} they {'agree' if abs(sigma) < DISAGREE else 'still disagree'}"
 
 
-def against(data: FittedData, at: Candidate) -> tuple[Against, ...]:
+def against(data: Study, at: Candidate) -> tuple[Against, ...]:
     """Every fact about an article that was on the shaker, beside what the campaigns alone say at the fit of `at`."""
     every = (*data.model.effects, *at.effects)
     facts = [fact for fact in data.facts(every) if isinstance(fact, ArticleFact)]
     return tuple(one for article in dict.fromkeys(fact.of.article for fact in facts) for one in _of(data, at, article, facts))
 
 
-def _of(data: FittedData, at: Candidate, article: str, facts: list[ArticleFact]) -> Iterator[Against]:
+def _of(data: Study, at: Candidate, article: str, facts: list[ArticleFact]) -> Iterator[Against]:
     every = (*data.model.effects, *at.effects)
     freed = (*every, *_ten(every))
     if not any(one.tested.carried.standing.article == article for one in data.made):
@@ -472,12 +472,12 @@ def _against(fact: ArticleFact, z: float, variance: float) -> Against:
 # finds.
 
 
-def of_swings(data: FittedData) -> tuple[Added, ...]:
+def of_swings(data: Study) -> tuple[Added, ...]:
     """Effects of a pendulum that could act on a swing among the facts of `data`, each at a plausible size."""
     return pendulum_candidates(_swings(data, ()))
 
 
-def told(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[tuple[Added, Weighed]]:
+def told(data: Study, at: Candidate, menu: Sequence[Added]) -> list[tuple[Added, Weighed]]:
     """Each of `menu`, at the size that it would have on top of the candidate `at`, with what the swings say of it."""
     every = (*data.model.effects, *at.effects)
     of = _independent(observed(_swings(data, every), every))
@@ -485,7 +485,7 @@ def told(data: FittedData, at: Candidate, menu: Sequence[Added]) -> list[tuple[A
     return [_told(of, one) for one in candidates(of.facts, every) if one.id in wanted]
 
 
-def advised(data: FittedData, at: Candidate, ids: Sequence[str]) -> tuple[Advice, ...]:
+def advised(data: Study, at: Candidate, ids: Sequence[str]) -> tuple[Advice, ...]:
     """Measurements on swings and balances that would tell the effects `ids`, tried on top of the candidate `at`, apart."""
     every = (*data.model.effects, *at.effects)
     of = observed(_swings(data, every), every)
@@ -506,5 +506,5 @@ def _independent(of: ObservedFacts) -> ObservedFacts:
     return replace(of, covariance=np.diag(np.diag(of.covariance)))
 
 
-def _swings(data: FittedData, effects: Sequence[Added]) -> list[ArticleFact]:
+def _swings(data: Study, effects: Sequence[Added]) -> list[ArticleFact]:
     return [one for one in data.facts(effects) if isinstance(one, ArticleFact) and one.swing is not None]

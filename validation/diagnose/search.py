@@ -30,7 +30,7 @@ from validation.estimation.result import Fit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.prediction.effects import name
-from validation.study import Study as Study
+from validation.study import Study
 
 ROUGH_FIT_STRIDE = 3
 """[count] A rough fit takes every third line of the others. Set by the development draws of `make blind`."""
