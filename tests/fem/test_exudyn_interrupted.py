@@ -17,7 +17,7 @@ import signal, sys
 import numpy as np
 from fem.base_excitation.base_motion import BaseMotion
 from fem.base_excitation import rig
-from fem.exudyn import driven_run, large_motion, rope_pendulum
+from fem.exudyn import driven_run, large_motion, rope_pendulum, rope_statics
 from geometry.inertia import Inertia
 from validation.cli.main import held_while_importing
 
@@ -27,7 +27,7 @@ t = np.arange(60 * 4096)[:, None] / 4096
 push = np.array([1e-3, 0, 0, 0, 0, 0])
 moves = [push * x for x in (1 - np.cos(9 * t), 9 * np.sin(9 * t), 81 * np.cos(9 * t))]
 motion = BaseMotion(sampling_rate=4096, displacement=moves[0], velocity=moves[1], acceleration=moves[2], driven=60.0)
-ropes = rope_pendulum.on_three_ropes(0.3, length=2.0, amplitude=0.1)
+ropes = rope_statics.on_three_ropes(0.3, length=2.0, amplitude=0.1)
 told = lambda share: print(f"at {{share}}", flush=True)
 runs = {{
     "driven": lambda: driven_run.respond(rig.Rig(article=rig.rigid("block", block, {{}})), motion, progress=told),
