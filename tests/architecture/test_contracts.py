@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-PACKAGES = ("geometry", "fem", "identification", "validation")
+PACKAGES = ("massline", "geometry", "fem", "identification", "validation")
 
 TRESPASSES = {
     "layers": ("geometry", "from validation import cli"),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-PACKAGES = ("geometry", "fem", "identification", "validation")
+PACKAGES = ("massline", "geometry", "fem", "identification", "validation")
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 import pytest
 
-PACKAGES = ("geometry", "fem", "identification", "validation")
+PACKAGES = ("massline", "geometry", "fem", "identification", "validation")
 
 
 @pytest.fixture(scope="module")

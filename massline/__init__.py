@@ -1,0 +1,134 @@
+"""massline in Python: the names of the toolkit in one place, and the verbs of a study.
+
+    study = massline.Study.open("model.toml", ["campaign-1", "campaign-2"])
+    found = massline.diagnose(study)
+    study = massline.add(study, found.accepted[0])
+
+Nothing is computed here, and nothing of the four rooms imports it. ``docs/python.md`` describes every name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from geometry.article import Article
+from geometry.articles import built_in
+from geometry.dynamic_mass import DynamicMass
+from geometry.errors import BadInput, CheckFailed
+from geometry.inertia import Inertia
+from geometry.routes import by_routes as reference
+from identification.campaign import Campaign
+from massline.results import Comparison, Diagnosis, History, Study, comparison, diagnosis
+from validation.compare.compare import compared
+from validation.diagnose.diagnose import diagnosed
+from validation.diagnose.diagnosis import Cause
+from validation.history.add import AddedEffectOptions, added
+from validation.history.history import undone
+from validation.identify.identify import IdentificationFindings, IdentifyOptions, identified
+from validation.model import model_file
+from validation.model.model import Model
+from validation.virtual_test.plan import Plan
+from validation.virtual_test.simulate import VirtualTest, simulate
+
+Progress = Callable[[str, float], None]
+"""Hears what is done now, and the share of it."""
+
+__all__ = [
+    "Article",
+    "BadInput",
+    "Campaign",
+    "CheckFailed",
+    "Comparison",
+    "Diagnosis",
+    "DynamicMass",
+    "History",
+    "Inertia",
+    "Model",
+    "Plan",
+    "Study",
+    "VirtualTest",
+    "add",
+    "built_in",
+    "compare",
+    "diagnose",
+    "identify",
+    "reference",
+    "simulate",
+    "undo",
+]
+
+
+def compare(study: Study, *, progress: Progress | None = None) -> Comparison:
+    """Where the model of `study` fails, as `massline compare` says it.
+
+    Raises
+    ------
+    CheckFailed : a fit that does not converge.
+    """
+    return comparison(compared(study, progress))
+
+
+def diagnose(
+    study: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
+) -> Diagnosis:
+    """Which effect the model of `study` is missing, as `massline diagnose` says it.
+
+    Parameters
+    ----------
+    only, leave_out : ids or families of effects that alone are looked for, or that are not
+
+    Raises
+    ------
+    BadInput : one of `only` cannot act on these data.
+    CheckFailed : the model with all its tolerances does not converge.
+    """
+    return diagnosis(diagnosed(study, only=only, leave_out=leave_out, progress=progress))
+
+
+def add(study: Study, effect: str | Cause, *, fixed: bool = False, progress: Progress | None = None) -> Study:
+    """The study of the model with `effect`: it is fitted, written to the model file, and a new version of its history.
+
+    Parameters
+    ----------
+    effect : a cause that a diagnosis found, or ``ID[=VALUE]`` as `massline add` takes it
+    fixed : keep it at its size instead of fitting it
+
+    Raises
+    ------
+    BadInput : an effect that does not act on these data, or that they cannot tell from what the model has.
+    CheckFailed : a fit that does not converge.
+    """
+    text = effect if isinstance(effect, str) else str(effect.named)
+    found = added(study, AddedEffectOptions(effect=text, fixed=fixed), progress)
+    return _by(study, found.study.model)
+
+
+def undo(study: Study) -> Study:
+    """The study of the model without the effect that was added last; its history keeps that version.
+
+    Raises
+    ------
+    BadInput : there is nothing to undo.
+    """
+    undone(study.history)
+    return _by(study, model_file.read(study.asked.path))
+
+
+def identify(campaign: str | Path, **options: Any) -> IdentificationFindings:
+    """Mass, centre of gravity and inertia from the folder of a `campaign`, with intervals.
+
+    `options` are those of `validation.identify.identify.IdentifyOptions`: ``tares``, ``known``, ``band``, ...
+
+    Raises
+    ------
+    BadInput : a folder or an option that cannot be used.
+    CheckFailed : data from which nothing can be identified.
+    """
+    return identified(IdentifyOptions(campaign=str(campaign), **options))
+
+
+def _by(study: Study, model: Model) -> Study:
+    return replace(study, model=model)

@@ -1,0 +1,43 @@
+"""From two paths to a named effect in five lines of Python, with the names of one package."""
+
+from pathlib import Path
+
+import pytest
+
+import massline
+from validation.cli import main
+
+QUICK = ("--octaves-per-minute", "60", "--band", "4", "32", "--seed", "5")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign in which one force channel reads 8 % too much, and a model that does not know."""
+    folder = tmp_path_factory.mktemp("face")
+    fault = ("--effect", "force-gain:fmd-z2=0.08")
+    assert main.run(["model", "fmd+cuboid", "--out", str(folder / "model.toml")]) == main.DONE
+    assert main.run(["simulate", "fmd+cuboid", "--out", str(folder / "gain"), *QUICK, *fault]) == main.DONE
+    return folder
+
+
+def test_five_lines_lead_from_two_paths_to_a_named_effect_and_the_error_falls(folder: Path) -> None:
+    study = massline.Study.open(folder / "model.toml", [folder / "gain"])
+    found = massline.diagnose(study, only=["force-gain", "point-mass"])
+    assert "force-gain:fmd-z2" in str(found)
+    study = massline.add(study, found.accepted[0])
+    figure = study.history.plot()
+
+    assert [one.named.id for one in found.accepted] == ["force-gain:fmd-z2"]
+    assert "data:image/png;base64," in found._repr_html_()
+    assert len(figure.data) > 0
+    before, after = study.history.ladder.rungs
+    assert before.errors is not None
+    assert after.errors is not None
+    assert after.errors.plain < 0.5 * before.errors.plain
+    assert [one.named.id for one in study.model.effects] == ["force-gain:fmd-z2"]
+    assert "force-gain:fmd-z2" in str(study.history)
+    assert massline.undo(study).model.effects == ()
+
+
+def test_every_name_that_is_handed_on_is_there() -> None:
+    assert [name for name in massline.__all__ if not hasattr(massline, name)] == []
