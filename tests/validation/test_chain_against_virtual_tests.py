@@ -131,7 +131,7 @@ def test_every_fault_counts_and_has_the_right_sign(faulty: Compared, name: str) 
 
 def _require_right(one: Compared, names: list[str]) -> None:
     """Left at nominal the agreement is lost; with the sign turned round it is lost about twice over."""
-    nominal = {parameter.name: parameter.nominal for parameter in one.chain.parameters}
+    nominal = {parameter.name: parameter.value(0.0) for parameter in one.chain.parameters}
     without = {name: value for name, value in one.truth.items() if name not in names}
     turned = {**one.truth, **{name: 2 * nominal[name] - one.truth[name] for name in names}}
     agreed, lost, opposite = (one.left(values) for values in (one.truth, without, turned))
