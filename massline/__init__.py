@@ -10,7 +10,6 @@ Nothing is computed here, and nothing of the four rooms imports it. ``docs/pytho
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +102,7 @@ def add(study: Study, effect: str | Cause, *, fixed: bool = False, progress: Pro
     """
     text = effect if isinstance(effect, str) else str(effect.named)
     found = added(study, AddedEffectOptions(effect=text, fixed=fixed), progress)
-    return _by(study, found.study.model)
+    return study.by(found.study.model)
 
 
 def undo(study: Study) -> Study:
@@ -114,7 +113,7 @@ def undo(study: Study) -> Study:
     BadInput : there is nothing to undo.
     """
     undone(study.history)
-    return _by(study, model_file.read(study.asked.path))
+    return study.by(model_file.read(study.asked.path))
 
 
 def identify(campaign: str | Path, **options: Any) -> IdentificationFindings:
@@ -128,7 +127,3 @@ def identify(campaign: str | Path, **options: Any) -> IdentificationFindings:
     CheckFailed : data from which nothing can be identified.
     """
     return identified(IdentifyOptions(campaign=str(campaign), **options))
-
-
-def _by(study: Study, model: Model) -> Study:
-    return replace(study, model=model)
