@@ -27,7 +27,7 @@ def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Session:
     """A copy of the desk, on which a worker added what was missing."""
     from validation.app.session import opened
 
-    folder = worked.desk.folder.parent / "climbed"
+    folder = tmp_path_factory.mktemp("climbed") / "desk"  # made anew where another module's test came between two of this one
     shutil.copytree(worked.desk.folder, folder)
     desk = opened(folder)
     assert workers.start(desk, workers.ADD, effect="force-gain:fmd-z2").wait().error == ""
